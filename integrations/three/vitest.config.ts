@@ -3,5 +3,5 @@
 import { defineConfig } from 'vitest/config';
 
 export default defineConfig({
-  test: { include: ['tests/unit/**/*.test.ts'], testTimeout: 120_000, hookTimeout: 300_000 },
+  test: { include: ['tests/unit/**/*.test.ts'], maxWorkers: '100%', testTimeout: 120_000, hookTimeout: 300_000 },
 });

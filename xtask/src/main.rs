@@ -1,5 +1,5 @@
 //! Development tasks: `cargo xtask test [--quick]`, `cargo xtask test-bevy`, `cargo xtask test-web`,
-//! `cargo xtask docs [--quick]`, `cargo xtask vectors`, `cargo xtask shaders-web`, `cargo xtask api`,
+//! `cargo xtask test-python`, `cargo xtask docs [--quick]`, `cargo xtask vectors`, `cargo xtask shaders-web`, `cargo xtask api`,
 //! `cargo xtask count [--bless]`.
 
 mod api;
@@ -10,14 +10,16 @@ mod tools;
 
 use std::collections::BTreeSet;
 use std::env;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
+use std::time::Instant;
 
 const USAGE: &str = "usage:
   cargo xtask test            formatting, lints, documentation, every test, the documents' commands
   cargo xtask test --quick    only the tests that are not marked slow; under two minutes
-  cargo xtask test-bevy       formatting, lints, documentation and tests of integrations/bevy_adumbra, which builds Bevy
+  cargo xtask test-bevy       formatting, lints and tests of integrations/bevy_adumbra, which builds Bevy; documentation with ADUMBRA_FULL
   cargo xtask test-web        types, lints, builds and tests of integrations/three, in Node.js and in a browser
+  cargo xtask test-python     formatting, lints, types and tests of the package in python, and its notebook, in a fresh environment
   cargo xtask docs            run every command of README and docs/ in a copy of the repository, check its output; check links
   cargo xtask docs --quick    use existing builds and smaller numbers, only parse the arguments of long commands; FILE... reads only these files
   cargo xtask vectors         regenerate test_vectors/
@@ -44,6 +46,7 @@ fn main() -> ExitCode {
         ["test", "--quick"] => quick_test(root),
         ["test-bevy"] => test_bevy(root),
         ["test-web"] => test_web(root),
+        ["test-python"] => test_python(root),
         ["shaders-web"] => cargo(&root.join(GENERATOR), &["run", "--quiet"], &[]),
         ["docs", options @ ..] => {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
@@ -76,9 +79,11 @@ fn test(root: &Path) -> Result<(), String> {
         }
     }
     cargo(root, &["fmt", "--all", "--check"], &[])?;
-    cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+    if !builds_lint() {
+        cargo(root, &["clippy", "--release", "--workspace", "--all-targets", "--", "-D", "warnings"], &[])?;
+        cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    }
     check_baker(root)?;
-    cargo(root, &["doc", "--release", "--workspace", "--no-deps"], &[("RUSTDOCFLAGS", "-D warnings")])?;
     tools::ensure_all()?;
     run(&root.join(ENCODERS), "npm", &["ci", "--no-audit", "--no-fund"], &[])?;
     let tests = ["test", "--release", "--workspace", "--no-fail-fast", "--", "--include-ignored"];
@@ -86,25 +91,52 @@ fn test(root: &Path) -> Result<(), String> {
     docs::run(root, &["--quick"]).map_err(|e| e.to_string())
 }
 
-/// Tests the plugin for Bevy, which is no member of the workspace: Bevy has a wgpu of its own.
+/// Tests the plugin for Bevy, which is no member of the workspace: Bevy has a wgpu of its own. Its documentation is built with
+/// `ADUMBRA_FULL` alone: that checks all of Bevy once more.
 fn test_bevy(root: &Path) -> Result<(), String> {
     tools::ensure_driver()?;
     let plugin = root.join("integrations/bevy_adumbra");
     cargo(&plugin, &["fmt", "--all", "--check"], &[])?;
-    cargo(&plugin, &["clippy", "--all-targets", "--all-features", "--", "-D", "warnings"], &[])?;
-    cargo(&plugin, &["doc", "--no-deps", "--all-features"], &[("RUSTDOCFLAGS", "-D warnings")])?;
-    cargo(&plugin, &["test", "--all-features"], &[])
+    if env::var_os("ADUMBRA_FULL").is_some() {
+        cargo(&plugin, &["doc", "--no-deps", "--all-features"], &[("RUSTDOCFLAGS", "-D warnings")])?;
+    }
+    let driver = clippy_driver()?;
+    let lints = [("RUSTC_WORKSPACE_WRAPPER", driver.as_str()), ("CLIPPY_ARGS", DENY_WARNINGS)];
+    cargo(&plugin, &["test", "--all-features"], &lints)
+}
+
+/// Whether cargo builds with clippy's compiler, as `.ci/run` has it do. Then nothing is compiled once more to be linted or
+/// documented, which would check every dependency first.
+fn builds_lint() -> bool {
+    env::var("RUSTC_WORKSPACE_WRAPPER").is_ok_and(|compiler| compiler.contains("clippy-driver"))
+}
+
+/// The arguments `-D warnings` as `cargo clippy` hands them to clippy's compiler.
+const DENY_WARNINGS: &str = "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__";
+
+/// Returns the path of clippy's compiler, which lints what it builds. `cargo clippy` has it check without building, and cargo
+/// then compiles every dependency once to check and once to build.
+fn clippy_driver() -> Result<String, String> {
+    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output();
+    let sysroot = sysroot.map_err(|e| format!("cannot run rustc: {e}"))?.stdout;
+    let name = if cfg!(windows) { "clippy-driver.exe" } else { "clippy-driver" };
+    let driver = Path::new(String::from_utf8_lossy(&sysroot).trim()).join("bin").join(name);
+    if driver.exists() {
+        return Ok(driver.display().to_string());
+    }
+    Err("clippy is missing; install it with: rustup component add clippy".to_owned())
 }
 
 /// Tests the package for three.js: its unit tests compare look-ups with the program's, its browser tests draw, and its
 /// guide is walked.
 fn test_web(root: &Path) -> Result<(), String> {
     tools::ensure_web()?;
-    cargo(root, &["build", "--release", "--package", "adumbra-cli"], &[])?;
-    let program = root.join("target/release/adumbra");
+    let program = built_program(root)?;
     let generator = root.join(GENERATOR);
     cargo(&generator, &["fmt", "--all", "--check"], &[])?;
-    cargo(&generator, &["clippy", "--all-targets", "--", "-D", "warnings"], &[])?;
+    if !builds_lint() {
+        cargo(&generator, &["clippy", "--all-targets", "--", "-D", "warnings"], &[])?;
+    }
     cargo(&generator, &["test"], &[])?;
     let package = root.join("integrations/three");
     run(&package, "npm", &["ci", "--no-audit", "--no-fund"], &[])?;
@@ -112,12 +144,52 @@ fn test_web(root: &Path) -> Result<(), String> {
     docs::run(root, &[WEB_GUIDE]).map_err(|e| e.to_string())
 }
 
+/// Tests the package for Python as a user would install it: a wheel, in an environment that holds nothing else than what the
+/// tests need.
+fn test_python(root: &Path) -> Result<(), String> {
+    tools::ensure_python()?;
+    let program = built_program(root)?;
+    let package = root.join("python");
+    cargo(&package, &["fmt", "--all", "--check"], &[])?;
+    if !builds_lint() {
+        cargo(&package, &["clippy", "--release", "--all-targets", "--locked", "--", "-D", "warnings"], &[])?;
+    }
+    let (environment, wheels) = (root.join("target/python"), root.join("target/wheels"));
+    run(root, "python3", &["-m", "venv", "--clear", &environment.to_string_lossy()], &[])?;
+    let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let python = |arguments: &[&str], variables: &[(&str, &str)]| {
+        run(&package, &python.to_string_lossy(), &[&["-m"], arguments].concat(), variables)
+    };
+    let pip = ["pip", "--disable-pip-version-check", "install", "--quiet", "--no-compile"];
+    python(&[&pip[..], &["-r", "requirements-test.txt"]].concat(), &[])?;
+    if wheels.exists() {
+        std::fs::remove_dir_all(&wheels).map_err(|e| format!("cannot remove {}: {e}", wheels.display()))?;
+    }
+    let wheels = wheels.to_string_lossy();
+    python(&["maturin", "build", "--release", "--locked", "--out", &wheels], &[])?;
+    python(&[&pip[..], &["--no-index", "--no-deps", "--find-links", &wheels, "adumbra"]].concat(), &[])?;
+    let shared = env::var("ADUMBRA_SHARED").unwrap_or_else(|_| root.join("../shared").display().to_string());
+    python(&["pytest"], &[("ADUMBRA_BIN", &program.to_string_lossy()), ("ADUMBRA_SHARED", &shared)])
+}
+
+/// Builds the programs as the tests and the documents do, so that nothing is built twice. Returns the path of the product.
+fn built_program(root: &Path) -> Result<PathBuf, String> {
+    cargo(root, &docs::BUILD, &[])?;
+    Ok(root.join("target/release/adumbra"))
+}
+
 /// Checks that the program without its features builds and links nothing that draws.
 fn check_baker(root: &Path) -> Result<(), String> {
     let baker = ["-p", "adumbra-cli", "--no-default-features"];
-    cargo(root, &[&["clippy", "--release"], &baker[..], &["--", "-D", "warnings"]].concat(), &[])?;
-    // Tests of the whole workspace have every feature of the scene loaders.
-    cargo(root, &["test", "--release", "-p", "adumbra-scene", "--test", "draco"], &[])?;
+    if !builds_lint() {
+        cargo(root, &[&["clippy", "--release"], &baker[..], &["--", "-D", "warnings"]].concat(), &[])?;
+    }
+    if env::var_os("ADUMBRA_FULL").is_some() {
+        // Tests of the whole workspace have every feature of the scene loaders. These two read small files: what they link is
+        // built twice as fast without optimisation.
+        let plain = [("CARGO_PROFILE_DEV_DEBUG", "0"), ("CARGO_INCREMENTAL", "0")];
+        cargo(root, &["test", "-p", "adumbra-scene", "--test", "draco"], &plain)?;
+    }
     let tree = Command::new("cargo")
         .args([&["tree", "-e", "normal", "--prefix", "none"], &baker[..]].concat())
         .current_dir(root)
@@ -150,13 +222,26 @@ fn cargo(root: &Path, args: &[&str], environment: &[(&str, &str)]) -> Result<(),
     run(root, "cargo", args, environment)
 }
 
+/// Leaves out what `cargo run` says of this package: build scripts that ask for it would run again after each change between
+/// `cargo xtask` and `cargo`.
+fn outside_cargo(command: &mut Command) -> &mut Command {
+    let is_of_package = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
+    for (name, _) in env::vars().filter(|(name, _)| is_of_package(name)) {
+        command.env_remove(name);
+    }
+    command
+}
+
 fn run(folder: &Path, program: &str, args: &[&str], environment: &[(&str, &str)]) -> Result<(), String> {
-    eprintln!("{program} {}", args.join(" "));
-    let status = Command::new(program)
+    let line = format!("{program} {}", args.join(" "));
+    eprintln!("{line}");
+    let start = Instant::now();
+    let status = outside_cargo(&mut Command::new(program))
         .args(args)
         .envs(environment.iter().copied())
         .current_dir(folder)
         .status()
         .map_err(|e| format!("cannot run {program}: {e}"))?;
-    if status.success() { Ok(()) } else { Err(format!("{program} {} failed", args.join(" "))) }
+    eprintln!("{} s: {line}", start.elapsed().as_secs());
+    if status.success() { Ok(()) } else { Err(format!("{line} failed")) }
 }

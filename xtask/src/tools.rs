@@ -1,6 +1,7 @@
 //! Tools that the tests need besides Rust: a Vulkan driver; for the window a headless X server, the libraries that
 //! winit opens at run time, and `xdotool`; for the report's page a headless browser; for the
-//! package of web pages Node.js, and an OpenGL for the browser.
+//! package of web pages Node.js, and an OpenGL for the browser; for the package for Python
+//! a Python that makes virtual environments.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -21,6 +22,8 @@ enum Found {
     Command(&'static [&'static str]),
     /// A file of this name is where the loader looks.
     Library(&'static str),
+    /// `python3` makes virtual environments.
+    Venv,
 }
 
 const DRIVER: Tool = Tool {
@@ -42,6 +45,10 @@ const BROWSER: Tool = command(
 
 /// For the package for web pages and the encoders of compressed scenes.
 const NODE: Tool = command("Node.js with npm", &["npm"], "npm", "nodejs-npm");
+
+/// For the package for Python.
+const PYTHON: Tool =
+    Tool { what: "Python 3 with venv", found: Found::Venv, debian: "python3-venv", fedora: "python3" };
 
 const XVFB: Tool = command("Xvfb", &["Xvfb"], "xvfb", "xorg-x11-server-Xvfb");
 
@@ -100,6 +107,11 @@ pub(crate) fn ensure_web() -> Result<(), String> {
     ensure(&[NODE, BROWSER].into_iter().chain(OPENGL).collect::<Vec<_>>())
 }
 
+/// Makes sure that Python and its virtual environments are installed, like [`ensure_driver`].
+pub(crate) fn ensure_python() -> Result<(), String> {
+    ensure(&[PYTHON])
+}
+
 fn documents() -> Vec<Tool> {
     [DRIVER].into_iter().chain(WINDOW).collect()
 }
@@ -152,6 +164,10 @@ impl Found {
             Self::Command(names) => {
                 let path = env::var_os("PATH").unwrap_or_default();
                 env::split_paths(&path).any(|folder| names.iter().any(|name| folder.join(name).is_file()))
+            }
+            Self::Venv => {
+                let made = Command::new("python3").args(["-c", "import ensurepip, venv"]).output();
+                made.is_ok_and(|o| o.status.success())
             }
             Self::Library(name) => library_folders().iter().any(|folder| folder.join(name).exists()),
         }

@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
 use crate::plan::{Extents, Placement, Plan, caster_options};
+use crate::region_grids::placements;
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
 use crate::sink::{BlockSink, Structure};
@@ -25,7 +26,7 @@ const FORECAST_CORNERS: u64 = 1_000_000;
 
 /// What holds for every level of a bake.
 pub(crate) struct Choice {
-    clusters: Arc<SceneClusters>,
+    pub(crate) clusters: Arc<SceneClusters>,
     /// The grid of each level, the finest first.
     pub(crate) levels: Vec<Placement>,
 }
@@ -36,23 +37,10 @@ impl Choice {
         options.check()?;
         check_sorting(scene, options)?;
         let clusters = SceneClusters::new(scene, caster_options(options));
-        let extents = Extents::new(scene, options);
-        let frame = match options.frame {
-            FrameChoice::Light => Frame::Light,
-            FrameChoice::Oblique => upright(scene),
-            FrameChoice::ObliqueAt(yaw_radians) => Frame::Oblique { yaw_radians },
-            FrameChoice::Auto => smaller(scene, options, &clusters, &extents)?,
+        let levels = match options.region {
+            Some(region) => placements(scene, &clusters, options, region)?,
+            None => chosen(scene, &clusters, options)?,
         };
-        let (frame, finest) = match Placement::new(&extents, options, frame, 0) {
-            // Under a low sun the upright grid may be too wide.
-            Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
-                (Frame::Light, Placement::new(&extents, options, Frame::Light, 0)?)
-            }
-            placement => (frame, placement?),
-        };
-        let coarser = 1..options.level_count(finest.resolution);
-        let coarser = coarser.map(|level| Placement::new(&extents, options, frame, level));
-        let levels = std::iter::once(Ok(finest)).chain(coarser).collect::<Result<_>>()?;
         Ok(Self { clusters, levels })
     }
 
@@ -62,13 +50,44 @@ impl Choice {
     }
 }
 
+/// Places the grids of all levels around the scene, in the frame that is chosen.
+fn chosen(scene: &Scene, clusters: &Arc<SceneClusters>, options: &BakeOptions) -> Result<Vec<Placement>> {
+    let extents = Extents::new(scene, options);
+    let frame = frame(scene, clusters, options, &extents)?;
+    let (frame, finest) = match Placement::new(&extents, options, frame, 0) {
+        // Under a low sun the upright grid may be too wide.
+        Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
+            (Frame::Light, Placement::new(&extents, options, Frame::Light, 0)?)
+        }
+        placement => (frame, placement?),
+    };
+    let coarser = 1..options.level_count(finest.resolution);
+    let coarser = coarser.map(|level| Placement::new(&extents, options, frame, level));
+    std::iter::once(Ok(finest)).chain(coarser).collect()
+}
+
+/// Returns the frame that the options ask for.
+pub(crate) fn frame(
+    scene: &Scene,
+    clusters: &Arc<SceneClusters>,
+    options: &BakeOptions,
+    extents: &Extents<'_>,
+) -> Result<Frame> {
+    match options.frame {
+        FrameChoice::Light => Ok(Frame::Light),
+        FrameChoice::Oblique => Ok(upright(scene)),
+        FrameChoice::ObliqueAt(yaw_radians) => Ok(Frame::Oblique { yaw_radians }),
+        FrameChoice::Auto => smaller(scene, options, clusters, extents),
+    }
+}
+
 /// Plans the bake of the finest level of `scene`.
 pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
     Choice::new(scene, options)?.plan(scene, options, 0)
 }
 
 /// Checks that sorting the scene's triangles fits the memory limit.
-fn check_sorting(scene: &Scene, options: &BakeOptions) -> Result<()> {
+pub(crate) fn check_sorting(scene: &Scene, options: &BakeOptions) -> Result<()> {
     let needed_bytes = scene.memory_bytes() + sorting_bytes(scene, caster_options(options));
     match options.max_memory_bytes {
         Some(limit_bytes) if needed_bytes > limit_bytes => {

@@ -19,6 +19,9 @@ pub enum Error {
     /// A value is out of its range.
     #[error(transparent)]
     Range(#[from] RangeError),
+    /// The scene cannot be edited.
+    #[error(transparent)]
+    Scene(#[from] adumbra_scene::Error),
     /// The sun or another part of the file's description is not valid.
     #[error(transparent)]
     File(#[from] adumbra::Error),
@@ -51,6 +54,32 @@ pub enum Error {
         needed_bytes: u64,
         /// The limit in force.
         limit_bytes: u64,
+    },
+    /// A plan was not written by [`BakePlan`](crate::BakePlan), or was damaged.
+    #[error("the plan is not valid: {0}; plan the bake again")]
+    Plan(String),
+    /// A scene is not the one that was planned.
+    #[error("{0}; plan the bake again, or give the scene that was planned")]
+    SceneChanged(&'static str),
+    /// Parts of a plan have not been baked.
+    #[error(
+        "{missing} parts of level {level} are not baked, such as part {first}; bake them, then link again"
+    )]
+    MissingParts {
+        /// Number of parts whose objects are missing or damaged.
+        missing: usize,
+        /// The coarsest level with such parts.
+        level: usize,
+        /// The id of a missing part.
+        first: usize,
+    },
+    /// A plan has no such part.
+    #[error("the plan has the parts 0 to {last}, not part {id}")]
+    NoPart {
+        /// The id that was asked for.
+        id: usize,
+        /// The last id of the plan.
+        last: usize,
     },
     /// The caller asked to stop.
     #[error("interrupted; nothing was written")]

@@ -12,32 +12,72 @@ use crate::plan::Plan;
 /// Version of the rules by which pages are made. `tests/objects.rs` notices if pages change.
 const RULES: u32 = 1;
 
-/// Returns the key of each part of a plan's grid.
-///
-/// Cost: one pass over the scene's meshes and textures, and one over the clusters in reach of each root block.
-pub(crate) fn keys(plan: &Plan<'_>, builder: Builder, parts: &Parts) -> Vec<ObjectKey> {
-    let scene = plan.tiles.casters.scene;
-    let textures: Vec<Hash> = scene.textures.par_iter().map(texture).collect();
-    let materials: Vec<Hash> = scene.materials.iter().map(|m| material(m, &textures)).collect();
-    let meshes: Vec<Hash> = scene.meshes.par_iter().map(|m| mesh(m, &materials)).collect();
-    let (all, instances) = (common(plan, builder), instances(scene, &meshes));
-    let key = |part| {
+/// The hashes of a scene's instances, with their meshes, materials and textures.
+pub(crate) struct SceneHashes {
+    instances: Vec<Hash>,
+}
+
+impl SceneHashes {
+    /// Hashes a scene. Cost: one pass over its meshes and textures.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let textures: Vec<Hash> = scene.textures.par_iter().map(texture).collect();
+        let materials: Vec<Hash> = scene.materials.iter().map(|m| material(m, &textures)).collect();
+        let meshes: Vec<Hash> = scene.meshes.par_iter().map(|m| mesh(m, &materials)).collect();
+        Self { instances: instances(scene, &meshes) }
+    }
+
+    /// Returns a hash of the whole scene.
+    pub(crate) fn all(&self) -> Hash {
         let mut hasher = Hasher::new();
-        hasher.update(all.as_bytes());
-        for tile in parts.tiles(part) {
-            let rect = plan.tiles.rect(tile);
-            let placed = plan.tiles.casters.in_tile(tile);
-            for number in [rect.x, rect.y, rect.width, rect.height, placed.len() as u32] {
-                hasher.update(&number.to_le_bytes());
+        self.instances.iter().for_each(|instance| {
+            hasher.update(instance.as_bytes());
+        });
+        hasher.finalize()
+    }
+
+    /// Returns the keys of some parts of a plan's grid. Cost: one pass over the clusters in reach of their root blocks.
+    pub(crate) fn keys(
+        &self,
+        plan: &Plan<'_>,
+        builder: Builder,
+        parts: &Parts,
+        numbers: &[usize],
+    ) -> Vec<ObjectKey> {
+        self.keys_of(plan, builder, numbers, |part| parts.tiles(part))
+    }
+
+    /// Returns the keys of some root blocks of a plan's grid. Cost: one pass over the clusters in their reach.
+    pub(crate) fn tile_keys(&self, plan: &Plan<'_>, builder: Builder, tiles: &[usize]) -> Vec<ObjectKey> {
+        self.keys_of(plan, builder, tiles, std::iter::once)
+    }
+
+    /// Returns the key of each item, which consists of some root blocks.
+    fn keys_of<I: Iterator<Item = usize>>(
+        &self,
+        plan: &Plan<'_>,
+        builder: Builder,
+        items: &[usize],
+        tiles_of: impl Fn(usize) -> I + Sync,
+    ) -> Vec<ObjectKey> {
+        let all = common(plan, builder);
+        let key = |&item: &usize| {
+            let mut hasher = Hasher::new();
+            hasher.update(all.as_bytes());
+            for tile in tiles_of(item) {
+                let rect = plan.tiles.rect(tile);
+                let placed = plan.tiles.casters.in_tile(tile);
+                for number in [rect.x, rect.y, rect.width, rect.height, placed.len() as u32] {
+                    hasher.update(&number.to_le_bytes());
+                }
+                for placed in placed {
+                    hasher.update(self.instances[placed.instance as usize].as_bytes());
+                    hasher.update(&placed.cluster.to_le_bytes());
+                }
             }
-            for placed in placed {
-                hasher.update(instances[placed.instance as usize].as_bytes());
-                hasher.update(&placed.cluster.to_le_bytes());
-            }
-        }
-        ObjectKey::new(*hasher.finalize().as_bytes())
-    };
-    (0..parts.count()).into_par_iter().map(key).collect()
+            ObjectKey::new(*hasher.finalize().as_bytes())
+        };
+        items.par_iter().map(key).collect()
+    }
 }
 
 fn common(plan: &Plan<'_>, builder: Builder) -> Hash {

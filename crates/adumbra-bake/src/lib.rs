@@ -47,9 +47,15 @@
 //! it (`plain/agreement.rs`), it with every triangle at every column (`plain/reference.rs`), and files of random scenes
 //! with columns and rays (`fuzz/`).
 //!
-//! `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better.
+//! `objects/` keeps what was made of each part of a grid under a key of all that it was made from (`inputs`), so that the
+//! next bake need not make it again. `farm/` plans a bake whose parts other machines bake, and links them. [`Baker`] holds
+//! a scene and its parts while it is edited.
 //!
-//! Dependencies go one way: triangles → columns → tiles → pack → pages → sink → fast and plain → plan → choose → bake.
+//! `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better. `regions`
+//! cuts a world that is too wide for one file into regions with a file each; `region_grids` places their grids.
+//!
+//! Dependencies go one way: triangles → columns → tiles → pack → pages → objects → sink → fast and plain → plan →
+//! region_grids → choose → regions → inputs → bake → farm → baker.
 //! [`layers`] provides first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
 //! # Design decisions, and departures from the specification
@@ -72,10 +78,12 @@
 //! - Static receivers are answered for filters up to 9 texels wide, with normals.
 
 mod bake;
+mod baker;
 mod choose;
 mod columns;
 mod error;
 mod estimate;
+mod farm;
 mod fast;
 #[cfg(test)]
 mod fuzz;
@@ -88,6 +96,8 @@ mod pages;
 mod plain;
 mod plan;
 mod progress;
+mod region_grids;
+mod regions;
 mod sink;
 
 mod tally;
@@ -98,15 +108,18 @@ mod tiles;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, Written, bake, bake_to, bake_with_objects};
+pub use bake::{Bake, Written, bake, bake_again, bake_to, bake_with_objects};
+pub use baker::{Baker, BakerPage};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
-pub use objects::{FolderContents, FolderObjects, ObjectKey, Objects};
+pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
+pub use objects::{FolderContents, FolderObjects, MemoryObjects, ObjectKey, Objects};
 pub use options::{
     BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS, LOWEST_OBLIQUE_DEGREES,
     MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
 };
 pub use progress::{Progress, Report, Watch};
+pub use regions::{DEFAULT_REGION_TEXELS, RegionPlan};
 
 /// What is needed to build another structure than the quadtree from the same columns.
 #[doc(hidden)]

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
-use adumbra::{AtRest, Bias, Bounds, RangeError, RangeField, Receivers, Sun};
+use adumbra::{AtRest, Bias, Bounds, RangeError, RangeField, Receivers, Region, Sun};
 
 use crate::error::{Error, Result};
 
@@ -97,6 +97,10 @@ pub struct BakeOptions {
     pub levels: u32,
     /// How [`bake_to`](crate::bake_to) stores the voxels.
     pub at_rest: AtRest,
+    /// The region of the world to cover instead of the scene's own extent. Set by
+    /// [`RegionPlan::options`](crate::RegionPlan::options), with a frame and a voxel size that all regions share.
+    #[doc(hidden)]
+    pub region: Option<Region>,
     /// The method that finds the columns.
     #[doc(hidden)]
     pub builder: Builder,
@@ -127,6 +131,7 @@ impl BakeOptions {
             switch_within_voxels: 0,
             levels: DEFAULT_LEVELS,
             at_rest: AtRest::default(),
+            region: None,
             builder: Builder::Fast,
         }
     }
@@ -178,6 +183,17 @@ pub fn check_bounds(b: &Bounds) -> Result<()> {
 }
 
 impl Size {
+    /// Returns the edge of a voxel for a space whose longest side is `longest_side`, without the limits of one grid.
+    ///
+    /// # Errors
+    /// Returns [`Error::Range`] if the size is not above 0, and [`Error::Resolution`] for a resolution that no file has.
+    pub(crate) fn voxel_size(self, longest_side: f64) -> Result<f64> {
+        match self {
+            Self::VoxelSize(size) if size.is_finite() && size > 0.0 => Ok(size),
+            _ => Ok(self.resolve(longest_side)?.1),
+        }
+    }
+
     /// Returns resolution and voxel size for a space whose longest side is `longest_side`.
     ///
     /// # Errors

@@ -10,7 +10,7 @@ use crate::pages::Spill;
 use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
 use crate::tiles::Tiles;
-use crate::triangles::casters::{CasterOptions, Casters, SceneClusters};
+use crate::triangles::casters::{Bins, CasterOptions, Casters, SceneClusters};
 use crate::triangles::corners::Corners;
 use crate::triangles::project;
 use adumbra::FileSettings;
@@ -60,9 +60,15 @@ impl Placement {
         let (finest, voxel_size) = extents.resolution_and_voxel_size(options)?;
         let step = LEVEL_STEP.pow(level);
         let (resolution, voxel_size) = (finest.div_ceil(step), voxel_size * f64::from(step));
-        // One rule for all levels, so that each has whole pages where the finest one has.
-        let page = (finest / PAGES_ACROSS).clamp(MIN_PAGE, MAX_PAGE);
-        let grid = LightGrid::covering(options.sun, &extent, voxel_size).on_pages_of(page);
+        let grid = LightGrid::covering(options.sun, &extent, voxel_size).on_pages_of(page_texels(finest));
+        Self::on(grid, resolution, options)
+    }
+
+    /// Places a level on a grid.
+    ///
+    /// # Errors
+    /// Returns [`Error::Range`] if the grid has too many voxels along an axis.
+    pub(crate) fn on(grid: LightGrid, resolution: u32, options: &BakeOptions) -> Result<Self> {
         if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
             return Err(RangeError::new(
                 RangeField::Resolution,
@@ -75,7 +81,7 @@ impl Placement {
         if across > MAX_FIXED_SIDE {
             return Err(RangeError::new(
                 RangeField::Resolution,
-                format!("{resolution} ({across} texels across, in the {} frame)", frame.name()),
+                format!("{resolution} ({across} texels across, in the {} frame)", grid.frame.name()),
                 "coarse enough for at most 516096 texels across; lower it, or use the light's frame",
             )
             .into());
@@ -108,6 +114,15 @@ const MIN_PAGE: u32 = 8;
 /// Largest page, texels: a page of the quadtree.
 const MAX_PAGE: u32 = 1 << PAGE_LEVEL;
 
+/// More than rounding adds to a coordinate, relative to it.
+const ROUNDING: f64 = 1e-9;
+
+/// Returns the texels of a page of a bake whose finest level has this resolution. One rule for all levels, so that each has
+/// whole pages where the finest one has.
+pub(crate) fn page_texels(finest_resolution: u32) -> u32 {
+    (finest_resolution / PAGES_ACROSS).clamp(MIN_PAGE, MAX_PAGE)
+}
+
 /// Returns which triangles are casters.
 pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
     CasterOptions {
@@ -125,6 +140,17 @@ impl<'s> Plan<'s> {
         placement: Placement,
         clusters: &Arc<SceneClusters>,
     ) -> Result<Self> {
+        Self::binned(scene, options, placement, clusters, None)
+    }
+
+    /// Plans a bake as [`Plan::placed`] does, with the casters of an earlier plan of the same.
+    pub(crate) fn binned(
+        scene: &'s Scene,
+        options: &BakeOptions,
+        placement: Placement,
+        clusters: &Arc<SceneClusters>,
+        bins: Option<&Arc<Bins>>,
+    ) -> Result<Self> {
         let Placement { grid, resolution, root_level } = placement;
         let top_dims = placement.blocks();
         let rules = ColumnRules {
@@ -137,7 +163,11 @@ impl<'s> Plan<'s> {
         };
         let reach = rules.contact_reach_texels() + 1.0;
         let tiles = [top_dims[0], top_dims[1]];
-        let casters = Casters::new(scene, Arc::clone(clusters), &grid, 1 << root_level, tiles, reach);
+        let clusters = Arc::clone(clusters);
+        let casters = match bins {
+            Some(bins) => Casters::binned(scene, clusters, Arc::clone(bins)),
+            None => Casters::new(scene, clusters, &grid, 1 << root_level, tiles, reach),
+        };
         let settings = FileSettings {
             resolution,
             thickness_world: options.thickness_world,
@@ -146,7 +176,9 @@ impl<'s> Plan<'s> {
             ignore_alpha: options.ignore_alpha,
             receivers: options.receivers,
             switch_within_voxels: options.switch_within_voxels,
+            dark_after_voxels: 0,
             bounds: options.bounds,
+            region: options.region,
             bias: options.bias,
             triangles: casters.instanced_triangles(),
             instances: scene.instances.iter().filter(|i| i.casts).count() as u64,
@@ -246,7 +278,12 @@ impl<'s> Extents<'s> {
     /// Returns the resolution, and the size of a voxel. The resolution counts texels as the sun sees the scene, so that
     /// voxels have one size in either frame.
     pub(crate) fn resolution_and_voxel_size(&self, options: &BakeOptions) -> Result<(u32, f64)> {
-        options.size.resolve(self.light.longest_side())
+        options.size.resolve(self.longest_side())
+    }
+
+    /// Returns the longest side as the sun sees the scene, in world units.
+    pub(crate) fn longest_side(&self) -> f64 {
+        self.light.longest_side()
     }
 
     /// Returns the extent along the axes of a frame.
@@ -268,6 +305,16 @@ impl<'s> Extents<'s> {
             return extent;
         }
         let of_instance = |mut extent: LightExtent, instance: &Instance| {
+            // Most instances are far from all sides.
+            let mut around = LightExtent { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3], ..extent };
+            self.corners.box_of(instance).into_iter().for_each(|corner| around.add(corner));
+            let is_inside = (0..3).all(|a| {
+                let slack = ROUNDING * (around.min[a].abs() + around.max[a].abs());
+                extent.min[a] + slack < around.min[a] && around.max[a] + slack < extent.max[a]
+            });
+            if is_inside {
+                return extent;
+            }
             for corner in self.corners.of(instance) {
                 extent.add(instance.to_world(corner.position));
             }

@@ -11,15 +11,21 @@ pub(crate) struct Tally<'a, 's> {
     plan: &'a Plan<'s>,
     progress: &'a (dyn Fn(Progress) + Sync),
     start: Instant,
+    total_tiles: usize,
     done_tiles: AtomicUsize,
     drawn_texels: AtomicU64,
     accounted_bytes: AtomicU64,
 }
 
 impl<'a, 's> Tally<'a, 's> {
-    pub(crate) fn new(plan: &'a Plan<'s>, start: Instant, progress: &'a (dyn Fn(Progress) + Sync)) -> Self {
+    pub(crate) fn new(
+        plan: &'a Plan<'s>,
+        total_tiles: usize,
+        start: Instant,
+        progress: &'a (dyn Fn(Progress) + Sync),
+    ) -> Self {
         let (done_tiles, drawn_texels, accounted_bytes) = Default::default();
-        Self { plan, progress, start, done_tiles, drawn_texels, accounted_bytes }
+        Self { plan, progress, start, total_tiles, done_tiles, drawn_texels, accounted_bytes }
     }
 
     /// Adds texels that were evaluated one by one.
@@ -40,7 +46,7 @@ impl<'a, 's> Tally<'a, 's> {
         plan.check_memory(what, held)?;
         (self.progress)(Progress {
             done_tiles: self.done_tiles.fetch_add(1, Ordering::Relaxed) + 1,
-            total_tiles: plan.tiles.count(),
+            total_tiles: self.total_tiles,
             texels_per_tile: 1 << (2 * plan.tiles.root_level),
             graph_bytes: result_bytes,
         });
@@ -61,7 +67,7 @@ impl<'a, 's> Tally<'a, 's> {
     pub(crate) fn report(&self) -> Report {
         Report {
             seconds: self.start.elapsed().as_secs_f64(),
-            tiles: self.plan.tiles.count(),
+            tiles: self.total_tiles,
             reused_tiles: 0,
             threads: self.plan.workers,
             drawn_texels: self.drawn_texels.load(Ordering::Relaxed),

@@ -1,40 +1,23 @@
 //! Bakes that use objects of earlier bakes write the bytes of fresh bakes, whatever was edited in between.
 
-use std::collections::HashMap;
 use std::io::Cursor;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 
-use adumbra::{AtRest, Bias, Bounds, IoError, Receivers, Sun};
+use adumbra::{AtRest, Bias, Bounds, Receivers, Sun};
 use adumbra_bake::{
     BakeOptions, Builder, FolderObjects, FrameChoice, ObjectKey, Objects, Report, Size, Watch, bake_to,
     bake_with_objects,
 };
 use adumbra_scene::random::Random;
-use adumbra_scene::{AlphaMode, GeneratedKind, Pixels, Scene, generate};
+use adumbra_scene::{AlphaMode, GeneratedKind, LoadOptions, Pixels, Scene, generate, load};
+use adumbra_testing::{full, full_alone, scene_file, shared};
 
-/// Objects in memory.
-#[derive(Debug, Default)]
-struct InMemory(Mutex<HashMap<ObjectKey, Vec<u8>>>);
+mod store;
 
-impl Objects for InMemory {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
-        Ok(self.0.lock().unwrap().get(key).cloned())
-    }
+use store::InMemory;
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
-        self.0.lock().unwrap().insert(*key, bytes.to_vec());
-        Ok(())
-    }
-}
-
-impl InMemory {
-    fn len(&self) -> usize {
-        self.0.lock().unwrap().len()
-    }
-
-    fn each(&self, change: impl FnMut(&mut Vec<u8>)) {
-        self.0.lock().unwrap().values_mut().for_each(change);
-    }
+fn each(memory: &InMemory, change: impl FnMut(&mut Vec<u8>)) {
+    memory.0.lock().unwrap().values_mut().for_each(change);
 }
 
 fn options(resolution: u64) -> BakeOptions {
@@ -102,7 +85,10 @@ fn edit(scene: &mut Scene, random: &mut Random) -> String {
 }
 
 fn edited_bakes_are_fresh_bakes(kind: GeneratedKind, options: &BakeOptions, edits: u64) {
-    let mut scene = generate(kind, 3);
+    edits_are_fresh_bakes(&format!("{kind:?}"), generate(kind, 3), options, edits);
+}
+
+fn edits_are_fresh_bakes(name: &str, mut scene: Scene, options: &BakeOptions, edits: u64) {
     let memory = Arc::new(InMemory::default());
     let objects: Arc<dyn Objects> = memory.clone();
     let (bytes, report) = with_objects(&scene, options, &objects);
@@ -114,36 +100,54 @@ fn edited_bakes_are_fresh_bakes(kind: GeneratedKind, options: &BakeOptions, edit
     for number in 0..edits {
         let what = edit(&mut scene, &mut random);
         let (bytes, report) = with_objects(&scene, options, &objects);
-        assert!(bytes == fresh(&scene, options), "{kind:?}: {number}: {what}");
+        assert!(bytes == fresh(&scene, options), "{name}: {number}: {what}");
         reused += report.reused_tiles;
         // Nothing changed: all is there.
         let (again, report) = with_objects(&scene, options, &objects);
-        assert!(again == bytes && report.reused_tiles == report.tiles, "{kind:?}: {number}: {what}");
+        assert!(again == bytes && report.reused_tiles == report.tiles, "{name}: {number}: {what}");
     }
     assert!(reused > 0);
 }
 
 #[test]
 fn edited_scenes_have_the_bytes_of_fresh_bakes() {
-    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), 12);
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), if full() { 200 } else { 2 });
     let of_receivers = BakeOptions { receivers: Receivers::Static, ..options(1024) };
-    edited_bakes_are_fresh_bakes(GeneratedKind::City, &of_receivers, 4);
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &of_receivers, 1);
 }
 
 #[test]
-#[ignore = "slow: 200 edits of each of three scenes"]
-fn two_hundred_edits_have_the_bytes_of_fresh_bakes() {
-    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), 200);
-    // Without bounds, the grid follows the scene.
+#[ignore = "slow: several edits of each of two scenes; 200 with ADUMBRA_FULL"]
+fn edited_scenes_without_bounds_have_the_bytes_of_fresh_bakes() {
+    let edits = if full() { 200 } else { 4 };
+    // The grid follows the scene.
     let unbounded = BakeOptions { bounds: None, ..options(2048) };
     for kind in [GeneratedKind::Primitives, GeneratedKind::Wires] {
-        edited_bakes_are_fresh_bakes(kind, &unbounded, 200);
+        edited_bakes_are_fresh_bakes(kind, &unbounded, edits);
+    }
+}
+
+/// Real scenes: instances and, with `ADUMBRA_FULL`, one mesh of a whole town, and terrain with trees under masks.
+#[test]
+#[ignore = "slow: real scenes"]
+fn edits_of_real_scenes_have_the_bytes_of_fresh_bakes() {
+    let Some(scenes) = shared("scenes") else { return };
+    let edits = if full() { 200 } else { 2 };
+    let names: &[&str] = if full() { &["kaykit_city_21", "alpine-2", "delft"] } else { &["kaykit_city_21"] };
+    for name in names {
+        let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).expect("a good scene");
+        // The grid follows the scene: an edit may move every voxel.
+        let options = BakeOptions { bounds: None, frame: FrameChoice::Auto, ..options(4096) };
+        edits_are_fresh_bakes(name, scene, &options, edits);
     }
 }
 
 #[test]
 #[ignore = "slow: large root blocks"]
 fn edits_of_root_blocks_of_several_pages_have_the_bytes_of_fresh_bakes() {
+    if !full_alone() {
+        return;
+    }
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(32768), 3);
 }
 
@@ -192,7 +196,7 @@ fn damaged_objects_are_made_again() {
     let whole: Vec<(ObjectKey, Vec<u8>)> =
         memory.0.lock().unwrap().iter().map(|(key, bytes)| (*key, bytes.clone())).collect();
     let mut number = 0;
-    memory.each(|object| {
+    each(&memory, |object| {
         number += 1;
         match number % 4 {
             0 => object.truncate(object.len() / 2),
@@ -212,7 +216,7 @@ fn damaged_objects_are_made_again() {
     }
     // An object under the key of another is damaged too.
     let first = whole[0].1.clone();
-    memory.each(|object| object.clone_from(&first));
+    each(&memory, |object| object.clone_from(&first));
     let (again, report) = with_objects(&scene, &options, &objects);
     // Only under its own key it is whole: a page has 16 x 16 root blocks of 32 texels at most.
     assert!(again == bytes && (1..=256).contains(&report.reused_tiles), "{report:?}");

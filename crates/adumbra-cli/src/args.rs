@@ -3,6 +3,10 @@
 mod bake;
 #[cfg(all(test, feature = "view"))]
 mod defaults;
+mod farm;
+mod path;
+mod shard;
+mod sunlight;
 #[cfg(feature = "view")]
 mod view;
 
@@ -14,6 +18,7 @@ use adumbra::ShadowFile;
 use adumbra_compare::verbs::{compare::Compare, render, render::Render};
 use adumbra_program::args::{RunArgs, SceneArgs, parse_bytes};
 use adumbra_program::exit::Failure;
+use adumbra_program::moment::TimeArg;
 use adumbra_program::query::Query;
 use adumbra_program::schemas::SchemaArgs;
 use adumbra_program::verify::Verify;
@@ -21,6 +26,10 @@ use adumbra_scene::GeneratedKind;
 pub(crate) use bake::Bake;
 use clap::builder::PossibleValue;
 use clap::{Parser, Subcommand, ValueEnum};
+pub(crate) use farm::{ExportFormat, Link, Plan, Tile};
+pub(crate) use path::VerifyPathArgs;
+pub(crate) use shard::Shard;
+pub(crate) use sunlight::{PointArgs, Sky, SkyPatches, SunHours};
 #[cfg(feature = "view")]
 pub(crate) use view::View;
 
@@ -33,7 +42,7 @@ pub(crate) use view::View;
     name = "adumbra",
     version = env!("ADUMBRA_VERSION"),
     max_term_width = 110,
-    after_help = "Exit codes: 0 success, 1 a check failed, 2 wrong usage, 3 bad input, 4 out of memory or disk, 5 GPU device lost, 130 interrupted."
+    after_help = "Exit codes: 0 success, 1 a check failed, 2 wrong usage, 3 bad input, 4 out of memory or disk, 5 GPU device lost, 75 try again later, 130 interrupted."
 )]
 pub(crate) struct Args {
     #[command(subcommand)]
@@ -76,15 +85,39 @@ pub(crate) enum Verb {
     /// Write a shadow file for a web page
     #[command(after_help = "Example: adumbra export city.adumbra --web public/city.adumbra")]
     Export(Export),
-    /// Look after a folder of bake --cache
+    /// Look after what bake --cache keeps
     #[command(subcommand)]
     Cache(Cache),
+    /// Write what a bake consists of, so that many machines can share it
+    #[command(
+        after_help = "Then tile bakes the parts, on any machines and in any order, and link makes the file.\n\n\
+        Example: adumbra plan city.glb --resolution 65536 --export make --shards 16"
+    )]
+    Plan(Box<Plan>),
+    /// Bake parts of a plan; what is there already is left as it is
+    #[command(after_help = "Example: adumbra tile --plan city.plan.json --shard 0/16")]
+    Tile(Tile),
+    /// Make the shadow file of a plan whose parts are baked; exit code 75 if some are missing
+    #[command(after_help = "Example: adumbra link --plan city.plan.json -o city.adumbra")]
+    Link(Link),
     /// Store a shadow file with the context coder, at about a third of its bytes
     #[command(after_help = "Example: adumbra pack city.adumbra")]
     Pack(Convert),
     /// Store a shadow file as it is in memory, for loading without decoding
     #[command(after_help = "Example: adumbra unpack city.adumbra -o city.raw.adumbra")]
     Unpack(Convert),
+    /// Tell how long points see the sun on a day, to the minute, by rays
+    #[command(
+        after_help = "North is -Z and east +X. Each step of the day counts as lit if its first sun is.\n\n\
+        Example: adumbra sun-hours city.glb --grid 0.5 --lat 48.14 --lon 11.58 --tz Europe/Berlin --date 2026-06-21 --from 7 --to 19 -o hours.png -o hours.csv"
+    )]
+    SunHours(Box<SunHours>),
+    /// Tell which patches of the sky points see, and how much of its light arrives
+    #[command(
+        after_help = "Patches go from the horizon up, and in each row clockwise from north, as in Radiance.\n\n\
+        Example: adumbra sky city.glb --grid 2 --patches 577 -o sky.csv"
+    )]
+    Sky(Box<Sky>),
     #[cfg(feature = "render")]
     /// Draw a scene with a file's shadows, with a real-time technique or with rays, or mark where file and rays differ
     #[command(after_help = render::after_help("adumbra", adumbra_render::Techniques::product()))]
@@ -222,6 +255,8 @@ pub(crate) struct VerifyFile {
     pub(crate) verify: Verify,
     #[command(flatten)]
     pub(crate) level: LevelArg,
+    #[command(flatten)]
+    pub(crate) path: VerifyPathArgs,
 }
 
 #[derive(clap::Args)]
@@ -230,6 +265,9 @@ pub(crate) struct QueryFile {
     pub(crate) query: Query,
     #[command(flatten)]
     pub(crate) level: LevelArg,
+    /// The moment to look up in a sun path: by its local clock, such as 12:30, or its seconds
+    #[arg(long, value_name = "TIME")]
+    pub(crate) time: Option<TimeArg>,
 }
 
 #[derive(clap::Args)]
@@ -245,7 +283,7 @@ pub(crate) struct Convert {
 
 #[derive(Subcommand)]
 pub(crate) enum Cache {
-    /// Count what is in the folder
+    /// Count what is there
     #[command(after_help = "Example: adumbra cache info city.cache")]
     Info(CacheInfo),
     /// Remove what was used longest ago
@@ -255,8 +293,8 @@ pub(crate) enum Cache {
 
 #[derive(clap::Args)]
 pub(crate) struct CacheInfo {
-    /// Folder of bake --cache
-    pub(crate) folder: PathBuf,
+    /// Folder or URL of bake --cache
+    pub(crate) place: PathBuf,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -264,8 +302,8 @@ pub(crate) struct CacheInfo {
 
 #[derive(clap::Args)]
 pub(crate) struct CachePrune {
-    /// Folder of bake --cache
-    pub(crate) folder: PathBuf,
+    /// Folder or URL of bake --cache
+    pub(crate) place: PathBuf,
     /// What may stay, such as 500MB or 2GiB
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub(crate) keep: u64,

@@ -27,7 +27,7 @@ impl Verb {
     /// Whether the verb handles an interrupt itself.
     fn has_something_to_finish(&self) -> bool {
         match self {
-            Self::Bake(_) => true,
+            Self::Bake(_) | Self::Tile(_) | Self::Link(_) | Self::SunHours(_) | Self::Sky(_) => true,
             #[cfg(feature = "render")]
             Self::Demo(_) => true,
             _ => false,

@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut contenders = Vec::new();
     for name in &names {
         let spec: TechniqueSpec = name.parse()?;
-        let technique = build(renderer.gpu(), &spec, Baked { light: Some(&file), other: None })?;
+        let technique = build(renderer.gpu(), &spec, Baked::of(&file))?;
         let prepared = Some(renderer.prepare(technique)?);
         contenders.push(Contender { prepared, truth: truth_for(&spec), spec });
     }

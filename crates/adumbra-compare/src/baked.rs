@@ -3,12 +3,14 @@
 use std::any::Any;
 use std::path::{Path, PathBuf};
 
-use adumbra::{PointVisibility, ShadowFile, Sun};
+use adumbra::{Filter, PathSampler, PointVisibility, ShadowFile, Sun, SunPath};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_program::exit::Failure;
 use adumbra_program::lookup::LookupArgs;
+use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, sun_path};
 use adumbra_program::output::note_input;
-use adumbra_render::{Baked, Reads, TechniqueSpec};
+use adumbra_render::voxel::LightFile;
+use adumbra_render::{Baked, Reads, RenderError, TechniqueSpec};
 use adumbra_scene::Scene;
 
 use crate::Result;
@@ -67,6 +69,8 @@ pub trait MoreFiles: Send + Sync {
 pub struct BakedFiles {
     /// The light-aligned file.
     pub light: Option<ShadowFile>,
+    /// A moment of a sun path, in place of a light-aligned file.
+    between: Option<PathMoment>,
     /// Files of further kinds.
     pub more: Option<Box<dyn MoreFiles>>,
     /// What the files that were given have in common.
@@ -87,6 +91,17 @@ pub struct BakeOnDemand<'a> {
     pub max_memory_bytes: Option<u64>,
 }
 
+impl BakeOnDemand<'_> {
+    /// Returns the options of a bake.
+    pub(crate) fn options(&self) -> BakeOptions {
+        BakeOptions {
+            ignore_alpha: self.ignore_alpha,
+            max_memory_bytes: self.max_memory_bytes,
+            ..BakeOptions::new(self.sun, Size::Resolution(self.resolution))
+        }
+    }
+}
+
 impl BakedFiles {
     /// Creates an empty set that can hold files of further kinds.
     pub fn with(more: Option<Box<dyn MoreFiles>>) -> Self {
@@ -99,10 +114,27 @@ impl BakedFiles {
     ///
     /// Returns an error if a file cannot be read, if two files are of one kind, or if they have different suns.
     pub fn read(paths: &[PathBuf], more: Option<Box<dyn MoreFiles>>) -> Result<Self> {
+        Self::read_at(paths, None, more)
+    }
+
+    /// Reads the files, of which one may be a sun path: then a moment is given.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`BakedFiles::read`], and an error if a moment is given without a path or the other way
+    /// round, or if it is night then.
+    pub fn read_at(
+        paths: &[PathBuf],
+        time: Option<TimeArg>,
+        more: Option<Box<dyn MoreFiles>>,
+    ) -> Result<Self> {
         let mut files = Self::with(more);
         for path in paths {
             note_input("the shadow file itself", path);
-            let facts = files.read_one(path)?;
+            let facts = match sun_path(path)? {
+                Some(sun_path) => files.read_moment(path, &sun_path, time)?,
+                None => files.read_one(path)?,
+            };
             let before = files.given.get_or_insert(facts);
             if before.sun != facts.sun {
                 return Err(Failure::Usage(
@@ -112,7 +144,28 @@ impl BakedFiles {
             }
             before.ignore_alpha |= facts.ignore_alpha;
         }
+        if time.is_some() && files.between.is_none() {
+            return Err(Failure::Usage("--sun-time: give a sun path with --shadow-file".to_owned()).into());
+        }
         Ok(files)
+    }
+
+    fn read_moment(&mut self, path: &Path, sun_path: &SunPath, time: Option<TimeArg>) -> Result<FileFacts> {
+        let file = path.display();
+        let Some(time) = time else {
+            return Err(Failure::Usage(format!(
+                "--shadow-file: {file} is a sun path; give a moment to render with --sun-time, or move the sun with compare --sun-sweep"
+            ))
+            .into());
+        };
+        let seconds = moment(sun_path, "--sun-time", time)?;
+        let Some(moment) = path_moment(sun_path, seconds)? else {
+            let time = shown(sun_path, seconds);
+            return Err(Failure::Usage(format!("--sun-time: at {time} the sun is below the horizon")).into());
+        };
+        let facts = FileFacts { sun: moment.sun, ignore_alpha: moment.keys[0].ignores_alpha() };
+        self.between = Some(moment);
+        Ok(facts)
     }
 
     fn read_one(&mut self, path: &Path) -> Result<FileFacts> {
@@ -121,7 +174,7 @@ impl BakedFiles {
         {
             return Ok(facts);
         }
-        let file = ShadowFile::read(path)?;
+        let file = ShadowFile::read(path)?.in_world();
         let facts = FileFacts { sun: file.sun(), ignore_alpha: file.ignores_alpha() };
         match self.light.replace(file) {
             None => Ok(facts),
@@ -150,7 +203,7 @@ impl BakedFiles {
     pub fn serves(&self, spec: &TechniqueSpec) -> bool {
         match spec.reads() {
             Reads::Nothing => true,
-            Reads::LightFile => self.light.is_some(),
+            Reads::LightFile => self.light.is_some() || self.between.is_some(),
             Reads::Other(_) => self.more.as_ref().is_some_and(|more| more.serves(spec)),
         }
     }
@@ -170,12 +223,7 @@ impl BakedFiles {
                     "note: no light-aligned --shadow-file; baking one with {} texels along its longest side",
                     how.resolution
                 );
-                let options = BakeOptions {
-                    ignore_alpha: how.ignore_alpha,
-                    max_memory_bytes: how.max_memory_bytes,
-                    ..BakeOptions::new(how.sun, Size::Resolution(how.resolution))
-                };
-                self.light = Some(bake(how.scene, &options, Watch::none())?.file);
+                self.light = Some(bake(how.scene, &how.options(), Watch::none())?.file);
             } else if let Some(more) = &mut self.more {
                 eprintln!("note: {}", more.announcement(spec, how));
                 more.bake(spec, how)?;
@@ -186,7 +234,16 @@ impl BakedFiles {
 
     /// Returns the files in the form that techniques take.
     pub fn baked(&self) -> Baked<'_> {
-        Baked { light: self.light.as_ref(), other: self.more.as_ref().map(|more| more.files()) }
+        Baked {
+            light: match (&self.light, &self.between) {
+                (Some(file), _) => Some(LightFile::Whole(file)),
+                (None, Some(PathMoment { sun, keys })) => {
+                    Some(LightFile::Between { keys: keys.each_ref(), towards_sun: sun.towards() })
+                }
+                (None, None) => None,
+            },
+            other: self.more.as_ref().map(|more| more.files()),
+        }
     }
 
     /// Returns the look-up of the file that is there, for pictures on the CPU. `None` without a file.
@@ -195,6 +252,12 @@ impl BakedFiles {
     ///
     /// Returns an error for a look-up that does not exist.
     pub fn lookup(&self, args: &LookupArgs) -> Result<Option<Box<dyn PointVisibility + '_>>> {
+        if let Some(PathMoment { sun, keys }) = &self.between {
+            let sampler = PathSampler::new(keys.each_ref(), sun.towards(), Filter::try_from(args.filter)?);
+            let too_far = || RenderError::SunTooFar { towards_sun: sun.towards() };
+            let bias = args.bias.over(keys[0].settings.bias)?;
+            return Ok(Some(Box::new(sampler.ok_or_else(too_far)?.with_bias(bias)?)));
+        }
         match (&self.light, &self.more) {
             (Some(file), _) => Ok(Some(Box::new(args.sampler(file)?))),
             (None, Some(more)) => more.lookup(args),
@@ -204,7 +267,8 @@ impl BakedFiles {
 
     /// Returns the text of the technique that looks up the file that is there.
     pub fn technique(&self, args: &LookupArgs) -> String {
-        let of_more = || self.more.as_ref().filter(|_| self.light.is_none())?.technique(args);
+        let of_more =
+            || self.more.as_ref().filter(|_| self.light.is_none() && self.between.is_none())?.technique(args);
         of_more().unwrap_or_else(|| format!("voxel:filter={}{}", args.filter, args.bias.parameters()))
     }
 

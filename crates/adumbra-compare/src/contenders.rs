@@ -1,11 +1,10 @@
 //! The techniques of a comparison, and the truth that each is compared with.
 
 use adumbra_program::exit::Failure;
-use adumbra_render::{Renderer, TechniqueSpec, Techniques, build};
+use adumbra_render::{Baked, Renderer, TechniqueSpec, Techniques, build};
 
 use crate::Result;
 use crate::args::ReferenceArg;
-use crate::baked::BakedFiles;
 use crate::compare::{Contender, truth_for};
 use crate::report::TruthKind;
 
@@ -32,14 +31,14 @@ pub fn parse(techniques: Techniques, names: &[String]) -> Result<Vec<TechniqueSp
 pub fn contenders(
     renderer: &Renderer,
     specs: &[TechniqueSpec],
-    files: &BakedFiles,
+    baked: Baked<'_>,
     reference: ReferenceArg,
 ) -> Result<Vec<Contender>> {
     let contender = |spec: &TechniqueSpec| {
         let prepared = if spec.is_traced() {
             None
         } else {
-            Some(renderer.prepare(build(renderer.gpu(), spec, files.baked())?)?)
+            Some(renderer.prepare(build(renderer.gpu(), spec, baked)?)?)
         };
         let truth = match reference {
             ReferenceArg::Technique => truth_for(spec),

@@ -126,6 +126,7 @@ from_core!(
     adumbra::IoError,
     adumbra::RangeError,
     adumbra_bake::Error,
+    adumbra_path::Error,
     adumbra_scene::Error,
     adumbra_truth::movers::MoverError
 );

@@ -7,6 +7,7 @@
 //! | [`mod@compare`] | techniques drawn at one camera or along a path, and compared with the truth |
 //! | [`camera_file`] | cameras as JSON |
 //! | [`paths`], [`shimmer`] | camera paths; how shadow factors at fixed points change along them |
+//! | [`swept`], [`changes`] | a sun that moves across a day; how often pixels change between lit and dark meanwhile |
 //! | [`page`] | self-contained HTML pages |
 //! | [`report`], [`pictures`] | tables and JSON; difference pictures and sheets |
 //! | [`contenders`], [`baked`] | the techniques of a comparison, and the baked files that they need |
@@ -17,6 +18,7 @@
 pub mod args;
 pub mod baked;
 pub mod camera_file;
+pub mod changes;
 pub mod compare;
 pub mod contenders;
 pub mod error;
@@ -28,6 +30,7 @@ pub mod pictures;
 pub mod plot;
 pub mod report;
 pub mod shimmer;
+pub mod swept;
 pub mod truth;
 pub mod vector;
 pub mod verbs;

@@ -2,11 +2,14 @@
 //!
 //! The JSON is [`Report`], field by field. `adumbra schema compare` describes each field.
 
+mod sweep;
+
 use std::fmt::Write as _;
 
 use adumbra_program::sun::SunOrigin;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+pub use sweep::{SweepReport, SweepRow};
 
 use crate::metrics::Band;
 use crate::page::Table;
@@ -44,6 +47,9 @@ pub struct Report {
     pub techniques: Vec<TechniqueRow>,
     /// Results over a camera path, if one was given.
     pub path: Option<PathReport>,
+    /// Results while the sun moves, if a sweep was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sweep: Option<SweepReport>,
 }
 
 /// A camera, as requested and as resolved.
@@ -265,6 +271,9 @@ impl Report {
         text.push_str(&self.band_table());
         if let Some(path) = &self.path {
             text.push_str(&path.markdown());
+        }
+        if let Some(sweep) = &self.sweep {
+            text.push_str(&sweep.markdown());
         }
         for (name, note) in self.techniques.iter().flat_map(|t| t.notes.iter().map(move |n| (&t.name, n))) {
             let _ = writeln!(text, "- `{name}`: {note}");

@@ -1,7 +1,11 @@
 //! Writes files that are either complete or absent: a temporary file next to the target is renamed to it once it is
 //! complete. Symbolic links are followed: the file that a link leads to is replaced, and the link is kept.
 
+#[cfg(feature = "watch")]
+mod watch;
+
 use std::collections::HashMap;
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -11,6 +15,9 @@ use std::time::SystemTime;
 use tempfile::{NamedTempFile, TempPath};
 
 use adumbra::IoError;
+
+#[cfg(feature = "watch")]
+pub use watch::FileWatch;
 
 /// Largest number of symbolic links that are followed in a chain, as on Linux.
 const MAX_LINKS: usize = 40;
@@ -28,15 +35,20 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64
     Ok(bytes)
 }
 
-/// Like [`replace_file`], but the system may still hold the file's contents in memory. After a power failure there may be a
-/// file at `path` with other contents, so readers must be able to tell.
+/// Like [`replace_file`], but the temporary file is in `folder`, on the same disk, and the system may still hold the
+/// file's contents in memory. After a power failure there may be a file at `path` with other contents, so readers must be
+/// able to tell. Call [`remove_abandoned`] for `folder` from time to time.
 ///
 /// # Errors
 /// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at `path` is
 /// kept.
-pub fn replace_unsynced(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), IoError> {
+pub fn replace_unsynced(
+    path: &Path,
+    folder: &Path,
+    write: impl FnOnce(&mut File) -> io::Result<()>,
+) -> Result<(), IoError> {
     let target = target_of(path).map_err(IoError::at("create", path))?;
-    let (mut temporary, living) = temporary_beside(path, &target)?;
+    let (mut temporary, living) = temporary_in(folder, path, &target)?;
     write(temporary.as_file_mut()).map_err(with_hint).map_err(IoError::at("write", path))?;
     let placed = {
         let _placing = lock(&PLACING);
@@ -86,6 +98,8 @@ pub struct StagedFile {
     target: PathBuf,
     temporary: TempPath,
     bytes: u64,
+    /// Locked, so that no other program takes the file for abandoned.
+    _file: File,
     _living: Living,
 }
 
@@ -97,13 +111,15 @@ impl StagedFile {
     /// is kept.
     pub fn new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64>) -> Result<Self, IoError> {
         let target = target_of(path).map_err(IoError::at("create", path))?;
-        let (temporary, living) = temporary_beside(path, &target)?;
+        let folder = folder_of(&target);
+        remove_abandoned(&folder);
+        let (temporary, living) = temporary_in(&folder, path, &target)?;
         let (mut file, temporary) = temporary.into_parts();
         let bytes = write(&mut file)
             .and_then(|bytes| file.sync_all().map(|()| bytes))
             .map_err(with_hint)
             .map_err(IoError::at("write", path))?;
-        Ok(Self { path: path.to_owned(), target, temporary, bytes, _living: living })
+        Ok(Self { path: path.to_owned(), target, temporary, bytes, _file: file, _living: living })
     }
 
     /// Returns the path that the file will have.
@@ -145,7 +161,7 @@ fn announce(target: &Path) {
 /// Returns the [`IoError`] that [`replace_file`] would return.
 pub fn check_output(path: &Path) -> Result<(), IoError> {
     let target = target_of(path).map_err(IoError::at("create", path))?;
-    temporary_beside(path, &target).map(|_| ())
+    temporary_in(&folder_of(&target), path, &target).map(|_| ())
 }
 
 /// Returns the path at which a file written to `path` will be: `path` itself, or the target of its symbolic links,
@@ -227,15 +243,34 @@ pub fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Creates an empty temporary file in the folder of `target`, to which `path` leads, with the permissions of the
+const PREFIX: &str = ".adumbra-";
+const SUFFIX: &str = ".tmp";
+
+/// Removes temporary files that programs left in a folder because they were killed. Those of programs that run are locked.
+/// Where files cannot be locked, nothing is removed.
+pub fn remove_abandoned(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for path in entries.flatten().map(|entry| entry.path()) {
+        let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+        if name.starts_with(PREFIX)
+            && name.ends_with(SUFFIX)
+            && let Ok(file) = File::options().write(true).open(&path)
+            && file.try_lock().is_ok()
+        {
+            // It is locked until it is gone, so its name was not given to another file meanwhile.
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// Creates an empty temporary file in `folder` for `target`, to which `path` leads, with the permissions of the
 /// existing file. It is removed when the returned value is dropped.
-fn temporary_beside(path: &Path, target: &Path) -> Result<(NamedTempFile, Living), IoError> {
-    let folder = folder_of(target);
-    check_target(target, &folder).map_err(IoError::at("create", path))?;
+fn temporary_in(folder: &Path, path: &Path, target: &Path) -> Result<(NamedTempFile, Living), IoError> {
+    check_target(target, &folder_of(target)).map_err(IoError::at("create", path))?;
     #[cfg(unix)]
     let permissions = fs::metadata(target).ok().map(|found| found.permissions());
     let mut builder = tempfile::Builder::new();
-    builder.prefix(".adumbra-").suffix(".tmp");
+    builder.prefix(PREFIX).suffix(SUFFIX);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -245,7 +280,18 @@ fn temporary_beside(path: &Path, target: &Path) -> Result<(NamedTempFile, Living
         builder.permissions(fs::Permissions::from_mode(mode));
     }
     let mut living = lock(&LIVING);
-    let temporary = builder.tempfile_in(&folder).map_err(with_hint).map_err(IoError::at("create", path))?;
+    let locked = || -> io::Result<NamedTempFile> {
+        loop {
+            let temporary = builder.tempfile_in(folder)?;
+            // Where files cannot be locked, none is taken for abandoned.
+            let _ = temporary.as_file().lock();
+            // Another program may have taken it for abandoned before it was locked.
+            if temporary.path().exists() {
+                return Ok(temporary);
+            }
+        }
+    };
+    let temporary = locked().map_err(with_hint).map_err(IoError::at("create", path))?;
     living.push(temporary.path().to_owned());
     drop(living);
     let living = Living(temporary.path().to_owned());
@@ -323,6 +369,31 @@ mod tests {
         assert_eq!(source.kind(), ErrorKind::StorageFull);
         assert!(source.to_string().contains("free some space"));
         output.assert_kept();
+    }
+
+    #[test]
+    fn files_of_programs_that_were_killed_are_removed_and_those_in_use_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let names = || {
+            let mut names: Vec<String> = fs::read_dir(folder.path())
+                .unwrap()
+                .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+                .collect();
+            names.sort();
+            names
+        };
+        fs::write(folder.path().join(".adumbra-abc123.tmp"), "left").unwrap();
+        fs::write(folder.path().join(".adumbra-notes"), "mine").unwrap();
+        fs::write(folder.path().join("other.tmp"), "another's").unwrap();
+        let staged = StagedFile::new(&path, |file| file.write_all(b"first").map(|()| 5)).unwrap();
+        let held = names();
+        assert!(held.len() == 3 && held.iter().all(|name| name != ".adumbra-abc123.tmp"), "{held:?}");
+        replace_file(&path, |file| file.write_all(b"second").map(|()| 6)).unwrap();
+        assert_eq!(names().len(), 4, "the staged file is in use");
+        StagedFile::place([staged]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(names(), [".adumbra-notes", "file", "other.tmp"]);
     }
 
     /// Watchers that pair renames see a change of the file itself only if its time is that of the last step.

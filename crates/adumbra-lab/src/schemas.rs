@@ -8,7 +8,7 @@ use adumbra_program::schemas::{Described, SchemaArgs};
 use adumbra_program::{progress, query};
 use adumbra_truth::verify::Verification;
 
-use crate::bench::{ao, bake, blur, fast, gpu, hrsm, lookup, peers, tree, verify};
+use crate::bench::{ao, bake, blur, fast, gpu, hrsm, lookup, peers, stream, tree, verify};
 use crate::dag::{bake::DagBaked, info::DagContents};
 use crate::paper_report::Record;
 use crate::tree::{bake::TreeBaked, export::Exported, import::Imported, info::TreeContents};
@@ -24,6 +24,7 @@ const DESCRIBED: &[Described] = &[
     Described::of::<ao::Document>("bench ao", "ao.json"),
     Described::of::<peers::Document>("bench peers", "peers.json"),
     Described::of::<lookup::Document>("bench lookup", "lookup.json"),
+    Described::of::<stream::Document>("bench stream", "stream-SCENE.json"),
     Described::of::<gpu::Document>("bench gpu", "gpu-ADAPTER.json"),
     Described::of::<Record>("report", "report.json of the papers' measurements"),
     Described::of::<Report>("compare", "the comparison; its report.json is the same"),
@@ -76,10 +77,13 @@ mod tests {
             if !described.name.starts_with("bench ") || file == "gpu-ADAPTER.json" {
                 continue;
             }
-            let text = std::fs::read_to_string(folder.join(file)).unwrap();
-            assert_described(&described.schema(), &serde_json::from_str(&text).unwrap());
-            recorded += 1;
+            for scene in if file.contains("SCENE") { &["box-city-51k", "kaykit_city_121"][..] } else { &[""] }
+            {
+                let text = std::fs::read_to_string(folder.join(file.replace("SCENE", scene))).unwrap();
+                assert_described(&described.schema(), &serde_json::from_str(&text).unwrap());
+                recorded += 1;
+            }
         }
-        assert_eq!(recorded, 10);
+        assert_eq!(recorded, 12);
     }
 }

@@ -12,8 +12,8 @@ use adumbra_papers::techniques::shaders::{
     GRAPH_LEVEL, STRUCTS, WORDS_TEXTURE, tree_declarations,
 };
 use adumbra_shaders::source::{
-    self, FRAME, GRID, POINTS, RESOLVE, SURFACE, VIEW_DEPTH, VOXEL_FIXED, VOXEL_LEVEL_PASS, VOXEL_PASS,
-    VOXEL_READS, WORDS_1, WORDS_6, WORDS_LOGGED,
+    self, FRAME, GRID, POINTS, RESOLVE, SURFACE, VIEW_DEPTH, VOXEL_FIXED, VOXEL_LEVEL_PASS, VOXEL_PARAMS,
+    VOXEL_PASS, VOXEL_READS, WORDS_1, WORDS_6, WORDS_LOGGED,
 };
 use adumbra_shaders::{Source, assemble};
 use naga::TypeInner;
@@ -52,12 +52,13 @@ fn modules() -> Vec<Module> {
     }
     for layout in [DagLayout::Plain, DagLayout::Packed] {
         for access in [WORDS_1, WORDS_6] {
-            let look_up = [look_up_of(layout), vec![access]].concat();
+            let look_up = [look_up_of(layout), vec![access, VOXEL_PARAMS]].concat();
             let name = format!("graph, {layout:?}, {}", access.name);
             let levels = [GRAPH_LEVEL, VOXEL_LEVEL_PASS];
             modules.extend(modules_of(&name, &look_up, VOXEL_PASS, levels, VOXEL_FIXED));
         }
-        let reads = [vec![SURFACE], look_up_of(layout), vec![WORDS_LOGGED, VOXEL_PASS, VOXEL_READS]].concat();
+        let reads =
+            [vec![SURFACE], look_up_of(layout), vec![WORDS_LOGGED, VOXEL_PARAMS, VOXEL_READS]].concat();
         modules.push((format!("graph, {layout:?}, reads"), reads));
     }
     modules

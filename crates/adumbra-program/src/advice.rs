@@ -19,6 +19,7 @@ fn options_of_range(error: &RangeError) -> Option<&'static str> {
         RangeField::Bounds => "--bounds",
         RangeField::Resolution => "--resolution",
         RangeField::VoxelSize => "--voxel-size",
+        RangeField::RegionTexels => "--regions",
         RangeField::FilterWidth => "--filter",
         RangeField::BiasTerm => "--bias-constant, --bias-slope, --bias-normal",
         RangeField::Yaw => "--yaw",

@@ -23,6 +23,8 @@ pub enum Code {
     OutOfRoom = 4,
     /// The GPU was lost.
     DeviceLost = 5,
+    /// Something is not there yet, or cannot be reached now: the same command may succeed later.
+    TryAgain = 75,
     /// A signal ended the work.
     Interrupted = 130,
 }
@@ -70,6 +72,16 @@ impl From<adumbra_truth::movers::MoverError> for Failure {
     }
 }
 
+impl From<adumbra_path::Error> for Failure {
+    fn from(error: adumbra_path::Error) -> Self {
+        match error {
+            adumbra_path::Error::Bake(error) => error.into(),
+            adumbra_path::Error::Library(error) => error.into(),
+            other => Self::BadInput(other.to_string()),
+        }
+    }
+}
+
 impl From<RangeError> for Failure {
     fn from(error: RangeError) -> Self {
         Self::Reader(error.into())
@@ -102,6 +114,14 @@ fn code_of_io(error: &IoError) -> Code {
         | ErrorKind::QuotaExceeded
         | ErrorKind::FileTooLarge
         | ErrorKind::OutOfMemory => Code::OutOfRoom,
+        ErrorKind::ConnectionRefused
+        | ErrorKind::ConnectionReset
+        | ErrorKind::HostUnreachable
+        | ErrorKind::NetworkUnreachable
+        | ErrorKind::NetworkDown
+        | ErrorKind::ResourceBusy
+        | ErrorKind::StaleNetworkFileHandle
+        | ErrorKind::TimedOut => Code::TryAgain,
         _ => Code::BadInput,
     }
 }
@@ -128,11 +148,13 @@ fn code_of_scene(error: &adumbra_scene::Error) -> Code {
 fn code_of_bake(error: &adumbra_bake::Error) -> Code {
     use adumbra_bake::Error as E;
     match error {
-        E::Range(_) | E::Resolution { .. } => Code::Usage,
+        E::Range(_) | E::Resolution { .. } | E::NoPart { .. } => Code::Usage,
+        E::MissingParts { .. } => Code::TryAgain,
         E::MemoryLimit { .. } | E::TooManyWords { .. } => Code::OutOfRoom,
         E::Interrupted => Code::Interrupted,
         E::Io(error) | E::Spill(error) => code_of_io(error),
         E::File(error) => code_of_reader(error),
+        E::Scene(error) => code_of_scene(error),
         _ => Code::BadInput,
     }
 }
@@ -157,6 +179,8 @@ mod tests {
         let empty =
             |reason| -> Failure { adumbra_scene::Error::NoTriangles { path: "a.glb".into(), reason }.into() };
         let full = std::io::Error::from(ErrorKind::StorageFull);
+        let missing: Failure = adumbra_bake::Error::MissingParts { missing: 2, level: 0, first: 7 }.into();
+        let away: Failure = IoError::at("read", "store")(ErrorKind::TimedOut.into()).into();
         let spill: Failure = adumbra_bake::Error::Spill(IoError::at("write", "/tmp")(full)).into();
         for (failure, code, options) in [
             (range(RangeField::Thickness), Code::Usage, "(--thickness)"),
@@ -168,6 +192,8 @@ mod tests {
             (empty(EmptyReason::Filtered), Code::BadInput, "(--only, --exclude)"),
             (spill, Code::OutOfRoom, "(--max-memory)"),
             (Failure::Usage("no".to_owned()), Code::Usage, "no"),
+            (missing, Code::TryAgain, "link again"),
+            (away, Code::TryAgain, "timed out"),
         ] {
             assert_eq!(failure.code(), code, "{failure}");
             assert!(failure.to_string().ends_with(options), "{failure}");

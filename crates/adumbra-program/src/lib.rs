@@ -7,8 +7,10 @@
 //! | [`exit`] | exit codes, and the errors that lead to them |
 //! | [`args`], [`lookup`] | groups of options that several verbs share |
 //! | [`scene`], [`sun`], [`bounds`] | loading a scene, with its warnings; the sun, and where it comes from; the box of `--bounds` |
+//! | [`moment`] | moments of sun paths |
 //! | [`query`], [`verify`] | verbs that several programs offer for files of their own |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
+//! | [`text`] | captions in pictures |
 //! | [`schemas`], [`mirrors`] | the verb `schema`; schemas of the reader's types |
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
@@ -20,6 +22,7 @@ pub mod exit;
 pub mod lookup;
 pub mod memory;
 pub mod mirrors;
+pub mod moment;
 pub mod output;
 pub mod progress;
 pub mod query;
@@ -28,6 +31,7 @@ pub mod schemas;
 pub mod signals;
 pub mod start;
 pub mod sun;
+pub mod text;
 pub mod threads;
 pub mod verify;
 

@@ -12,6 +12,17 @@ pub struct Bounds {
     pub max: [f64; 3],
 }
 
+/// A square of the columns of a world that was cut into regions.
+#[derive(JsonSchema)]
+pub struct Region {
+    /// Number along the grid's y.
+    pub y: i32,
+    /// Number along the grid's x.
+    pub x: i32,
+    /// Texels a side, at the finest level.
+    pub texels: u32,
+}
+
 /// How a grid lies in the world. In either frame a sun ray is one column of voxels.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "lowercase")]
@@ -75,8 +86,13 @@ pub struct FileSettings {
     /// How far behind its first surface a column may switch from lit to shadowed, in voxels. 0 = anywhere that no look-up
     /// from a surface reads.
     pub switch_within_voxels: u32,
+    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to meet
+    /// something. 0 = never.
+    pub dark_after_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,
+    /// The region of a world that the file is of, if the world was cut into regions.
+    pub region: Option<Region>,
     /// The look-up bias that the bake was made for.
     pub bias: Bias,
     /// Number of baked triangles, with those of every instance counted.
@@ -103,13 +119,19 @@ mod tests {
             ignore_alpha: false,
             receivers: adumbra::Receivers::All,
             switch_within_voxels: 0,
+            dark_after_voxels: 0,
             bounds: Some(bounds),
+            region: Some(adumbra::Region { x: -3, y: 2, texels: 4096 }),
             bias: adumbra::Bias::default(),
             triangles: 12,
             instances: 1,
         };
-        let elsewhere =
-            adumbra::FileSettings { receivers: adumbra::Receivers::Static, bounds: None, ..settings };
+        let elsewhere = adumbra::FileSettings {
+            receivers: adumbra::Receivers::Static,
+            bounds: None,
+            region: None,
+            ..settings
+        };
         let schema = schemars::schema_for!(FileSettings).to_value();
         assert_described(&schema, &json!(settings));
         assert_described(&schema, &json!(elsewhere));

@@ -87,7 +87,11 @@ pub fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
 }
 
 /// Returns a picture encoded as PNG. `path` is only for the error.
-fn png(path: &Path, picture: &Picture) -> Result<Vec<u8>, Failure> {
+///
+/// # Errors
+///
+/// Returns [`Failure::BadInput`] if the picture cannot be encoded.
+pub fn png(path: &Path, picture: &Picture) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(&picture.rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
@@ -190,6 +194,17 @@ pub fn format_bytes(bytes: u64) -> String {
         unit += 1;
     }
     if unit == 0 { format!("{bytes} B") } else { format!("{value:.1} {}", units[unit]) }
+}
+
+/// Prints a JSON document in one line.
+///
+/// # Errors
+///
+/// Returns [`Failure::BadInput`] if the document cannot be written as JSON.
+pub fn print_json_line(document: &impl Serialize) -> Result<(), Failure> {
+    let value = serde_json::to_value(document).map_err(|e| Failure::BadInput(e.to_string()))?;
+    crate::say!("{value}");
+    Ok(())
 }
 
 /// Prints a JSON document on stdout with its keys in alphabetical order.

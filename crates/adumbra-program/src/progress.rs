@@ -27,13 +27,13 @@ pub enum Style {
 /// A line of [`Style::Json`].
 #[derive(Serialize, JsonSchema)]
 pub struct Line {
-    /// Always `bake`.
+    /// `bake`, or `trace` where points are traced.
     event: &'static str,
-    /// Number of tiles that are done. Of a tree, a tile is one of 512 equal cubes.
+    /// Number of tiles that are done. Of a tree, a tile is one of 512 equal cubes, and of points a block of them.
     done_tiles: usize,
     /// Total number of tiles.
     total_tiles: usize,
-    /// Texels per second since the bake began. Of a tree, these are voxels.
+    /// Texels per second since the bake began. Of a tree, these are voxels, and of points themselves.
     texels_per_second: f64,
     /// Estimated seconds until the bake is done, extrapolated from the time so far. Null at first.
     eta_seconds: Option<f64>,
@@ -47,15 +47,20 @@ const WARM_UP_SHARE: f64 = 0.03;
 /// The units that progress is counted in.
 #[derive(Clone, Copy)]
 pub struct Units {
+    event: &'static str,
+    doing: &'static str,
     parts: &'static str,
     millions: &'static str,
 }
 
 impl Units {
     /// Tiles and texels, for light-aligned bakes.
-    pub const TEXELS: Self = Self { parts: "tiles", millions: "Mtexel" };
+    pub const TEXELS: Self = Self { event: "bake", doing: "baking", parts: "tiles", millions: "Mtexel" };
     /// Cubes and voxels, for world-aligned bakes.
-    pub const VOXELS: Self = Self { parts: "cubes", millions: "Mvoxel" };
+    pub const VOXELS: Self = Self { event: "bake", doing: "baking", parts: "cubes", millions: "Mvoxel" };
+    /// Blocks of points, for rays from points.
+    pub const POINTS: Self =
+        Self { event: "trace", doing: "tracing", parts: "blocks of points", millions: "Mpoint" };
 }
 
 /// Shows the progress of a bake.
@@ -87,16 +92,19 @@ impl Reporter {
         let seconds = self.start.elapsed().as_secs_f64();
         let share = p.done_tiles as f64 / p.total_tiles as f64;
         let rate = p.done_tiles as f64 * p.texels_per_tile as f64 / seconds.max(1e-9);
+        // Points come by thousands a second, texels by millions.
+        let decimals = if rate < 1e7 { 2 } else { 0 };
         let eta = (share >= WARM_UP_SHARE).then(|| seconds * (1.0 - share) / share);
         let format_eta = eta.map_or("warming up".to_owned(), |s| format!("{s:.0} s left"));
         let finished = p.done_tiles == p.total_tiles;
         let due = |last: Option<Instant>, gap: Duration| last.is_none_or(|t| t.elapsed() >= gap) || finished;
         match self.style {
             Style::Auto => {
-                let bar = state.bar.get_or_insert_with(|| new_bar(p.total_tiles as u64, self.units.parts));
+                let bar = state.bar.get_or_insert_with(|| new_bar(p.total_tiles as u64, self.units));
                 bar.set_position(p.done_tiles as u64);
                 bar.set_message(format!(
-                    "{:.0} {}/s, {:.1} MB, {format_eta}",
+                    "{:.*} {}/s, {:.1} MB, {format_eta}",
+                    decimals,
                     rate / 1e6,
                     self.units.millions,
                     p.graph_bytes as f64 / 1e6
@@ -110,10 +118,12 @@ impl Reporter {
                 if long && due(state.last, Duration::from_secs(10)) {
                     state.last = Some(Instant::now());
                     eprintln!(
-                        "baking: {} of {} {}, {:.0} {}/s, {:.1} MB, {format_eta}",
+                        "{}: {} of {} {}, {:.*} {}/s, {:.1} MB, {format_eta}",
+                        self.units.doing,
                         p.done_tiles,
                         p.total_tiles,
                         self.units.parts,
+                        decimals,
                         rate / 1e6,
                         self.units.millions,
                         p.graph_bytes as f64 / 1e6
@@ -124,7 +134,7 @@ impl Reporter {
                 if due(state.last, Duration::from_millis(100)) {
                     state.last = Some(Instant::now());
                     let line = Line {
-                        event: "bake",
+                        event: self.units.event,
                         done_tiles: p.done_tiles,
                         total_tiles: p.total_tiles,
                         texels_per_second: rate,
@@ -141,9 +151,9 @@ impl Reporter {
     }
 }
 
-fn new_bar(count: u64, parts: &str) -> ProgressBar {
+fn new_bar(count: u64, Units { doing, parts, .. }: Units) -> ProgressBar {
     let bar = ProgressBar::new(count);
-    let template = format!("{{spinner}} baking [{{wide_bar}}] {{pos}}/{{len}} {parts}, {{msg}}");
+    let template = format!("{{spinner}} {doing} [{{wide_bar}}] {{pos}}/{{len}} {parts}, {{msg}}");
     if let Ok(style) = ProgressStyle::with_template(&template) {
         bar.set_style(style);
     }

@@ -22,6 +22,8 @@ pub enum SunSource {
     ShadowFile,
     /// From the file of the camera or of the truth.
     CameraFile,
+    /// From the middle of the day that the sun is moved across.
+    SunSweep,
     /// From a directional light of the scene.
     Light,
     /// From nothing: it is the default.
@@ -49,6 +51,7 @@ impl fmt::Display for SunOrigin {
             (SunSource::Option, _) => f.write_str("--sun"),
             (SunSource::ShadowFile, _) => f.write_str("of the shadow file"),
             (SunSource::CameraFile, _) => f.write_str("of the camera's file"),
+            (SunSource::SunSweep, _) => f.write_str("of the middle of the sweep"),
             (SunSource::Light, Some(name)) => write!(f, "light {name:?} of the scene"),
             (SunSource::Light, None) => f.write_str("light of the scene"),
             (SunSource::Default, _) => f.write_str("default"),

@@ -112,7 +112,12 @@ impl Verify {
         Ok(Code::CheckFailed)
     }
 
-    fn trace(
+    /// Compares `answers` for a sun with rays, and reports nothing.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the scene cannot be loaded or memory is not enough.
+    pub fn trace(
         &self,
         load: &LoadOptions,
         sun: Sun,

@@ -46,6 +46,21 @@ pub enum RenderError {
         /// The error that it reported.
         reason: String,
     },
+    /// A file that is streamed cannot be opened.
+    #[error("the shadow file cannot be streamed: {what}")]
+    Stream {
+        /// Why.
+        what: String,
+    },
+    /// A sun is too far from those of a path's keys.
+    #[error(
+        "the sun towards ({0}, {1}, {2}) is too far from the sun path's keys around it; choose another moment",
+        towards_sun[0], towards_sun[1], towards_sun[2]
+    )]
+    SunTooFar {
+        /// Unit vector towards the sun.
+        towards_sun: [f64; 3],
+    },
     /// The device was lost or stopped responding. Nothing that it held can be read any more.
     #[error(
         "the GPU device was lost: {reason}; run it again, with a smaller picture or map if it happens again"

@@ -6,14 +6,14 @@
 
 use std::any::Any;
 
-use adumbra::{Bias, Filter, ShadowFile};
+use adumbra::{Bias, Filter};
 use adumbra_shaders::{Source, source};
 
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::maps::{MapCasters, MapKind, MapSettings, ShadowMap};
 use crate::technique::{Answer, FrameInput, SpecReader, SpecText, Technique};
-use crate::voxel::{BakedLight, NO_FILE, VoxelSettings, read_filter};
+use crate::voxel::{BakedLight, LightFile, NO_FILE, VoxelSettings, read_filter};
 
 /// A baked file and a shadow map of the movers.
 pub struct VoxelCsm {
@@ -63,12 +63,12 @@ impl VoxelCsm {
     /// Builds the technique `voxel+csm` from text, read by [`VoxelCsmSettings::from_spec`].
     ///
     /// # Errors
-    /// Returns the errors of [`BakedLight::from_file`] and [`ShadowMap::new`], and [`crate::RenderError::Technique`]
+    /// Returns the errors of [`BakedLight::new`] and [`ShadowMap::new`], and [`crate::RenderError::Technique`]
     /// for other parameters or if there is no file.
-    pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<&ShadowFile>) -> Result<Self> {
+    pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<LightFile<'_>>) -> Result<Self> {
         let settings = VoxelCsmSettings::from_spec(spec)?;
         let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
-        let light = BakedLight::from_file(gpu, file, settings.voxel(file.settings.bias))?;
+        let light = BakedLight::new(gpu, file, settings.voxel(file.bias()))?;
         let map = ShadowMap::new(gpu, "csm", settings.map)?;
         Ok(Self { name: spec.to_string(), light, map })
     }
@@ -80,7 +80,7 @@ impl Technique for VoxelCsm {
     }
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
-        self.light.set_anchor(input.gpu, input.anchor_world)?;
+        self.light.prepare(input)?;
         self.map.prepare(input)
     }
 
@@ -91,10 +91,11 @@ impl Technique for VoxelCsm {
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         match answer {
             Answer::Visibility => {
-                let both = self.light.look_up().into_iter().chain(self.map.visibility_sources());
+                let both = self.light.file_factor().into_iter().chain(self.map.visibility_sources());
                 Some(both.chain([source::VOXEL_CSM]).collect())
             }
-            Answer::Voxel => Some(self.light.level_sources()),
+            Answer::Voxel => self.light.level_sources(),
+            Answer::Resident => self.light.resident_sources(),
             Answer::Cascade | Answer::Level => self.map.sources(answer),
         }
     }

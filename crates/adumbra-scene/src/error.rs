@@ -23,6 +23,12 @@ pub enum Error {
         /// The scene file.
         path: PathBuf,
     },
+    /// Edits of a scene cannot be made.
+    #[error("cannot edit the scene: {what}")]
+    Edits {
+        /// Which edit, and why.
+        what: String,
+    },
     /// The scene file does not parse.
     #[error("{path:?}: not a valid {format} file: {what}; export it again or check that it is complete", path = path.display(), what = one_line(what))]
     SceneParse {

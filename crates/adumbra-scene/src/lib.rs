@@ -8,6 +8,7 @@ mod affine;
 mod budget;
 mod camera;
 pub mod daylight;
+mod edit;
 mod error;
 mod far_origin;
 mod filter;
@@ -28,6 +29,7 @@ mod srgb;
 mod subdivide;
 mod texture;
 pub mod topology;
+mod triangles;
 mod usual_size;
 mod validate;
 
@@ -38,6 +40,7 @@ use adumbra::Bounds;
 use one_line::one_line;
 
 pub use camera::{Camera, Projection, View};
+pub use edit::{Added, Edits, Moved, Which};
 pub use error::{EmptyReason, Error, Result};
 pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate, icosphere};
@@ -48,6 +51,7 @@ pub use movers::{MoverPolicy, Movers};
 pub use notes::{Counts, LoadNotes, Omission};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use texture::{Pixels, Texture, Wrap};
+pub use triangles::from_triangles;
 
 /// A scene: meshes stored once, placed by instances.
 #[derive(Clone, Debug, Default)]
@@ -160,6 +164,8 @@ pub struct LoadOptions {
     /// before they are allocated. Exceeding it is [`Error::SceneMemory`]. The default is 2 GiB plus 64 bytes for each
     /// byte of the scene's files, so that a small file cannot exhaust memory while a large file still loads.
     pub max_memory_bytes: Option<u64>,
+    /// Edits of the instances that the scene has after everything else.
+    pub edits: Edits,
     /// Treat everything that the loader leaves out as an error: [`Error::Omitted`] instead of
     /// [`LoadNotes::omissions`].
     pub strict: bool,
@@ -332,6 +338,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     if options.strict && !scene.notes.omissions.is_empty() {
         return Err(Error::Omitted { path: path.to_owned(), omissions: scene.notes.omissions });
+    }
+    if options.edits != Edits::default() {
+        scene.edit(&options.edits)?;
     }
     Ok(scene)
 }

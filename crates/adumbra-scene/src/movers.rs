@@ -117,6 +117,13 @@ impl Tracks {
 }
 
 impl Movers {
+    /// Follows the removal of all instances that are not `kept`, none of which is a mover.
+    pub(super) fn forget(&mut self, kept: &[bool]) {
+        for mover in &mut self.list {
+            mover.instance = kept[..mover.instance as usize].iter().filter(|&&kept| kept).count() as u32;
+        }
+    }
+
     pub(super) fn new(list: Vec<Mover>, nodes: Vec<MovingNode>) -> Self {
         Self { list, nodes }
     }

@@ -74,7 +74,7 @@ fn scene_of(sources: &Sources<'_>, bytes: Vec<u8>, options: &LoadOptions) -> Res
 }
 
 /// The position of a corner; an error if it is not finite.
-fn point(path: &Path, mesh: &Mesh, corner: u32) -> Result<[f32; 3]> {
+pub(super) fn point(path: &Path, mesh: &Mesh, corner: u32) -> Result<[f32; 3]> {
     let p = mesh.positions.get(corner as usize).copied().unwrap_or([f32::NAN; 3]);
     check_vertex(path, &mesh.name, u64::from(corner), p)?;
     Ok(p)
@@ -122,7 +122,7 @@ fn add_strips(path: &Path, mesh: &mut Mesh, strips: &Polygons, sieve: &mut Sieve
 }
 
 /// Removes vertices that no triangle uses, which have not been validated.
-fn drop_unused(mesh: &mut Mesh) {
+pub(super) fn drop_unused(mesh: &mut Mesh) {
     let mut new_index = vec![u32::MAX; mesh.positions.len()];
     for &corner in mesh.triangles.iter().flatten() {
         if let Some(slot) = new_index.get_mut(corner as usize) {

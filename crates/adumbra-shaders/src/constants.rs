@@ -72,6 +72,21 @@ shared! {
     /// Replaces a shape's address if the whole block switches at its base
     /// (`adumbra::layout::depths::UNIFORM`).
     DEPTHS_UNIFORM: u32 = u32::MAX;
+    /// Stored in place of an address if the page is not resident (`adumbra::stream`).
+    DEPTHS_ABSENT: u32 = u32::MAX - 1;
+    /// Level of a page: it spans 2^9 columns a side (`adumbra::layout::depths::PAGE_LEVEL`).
+    PAGE_LEVEL: u32 = 9;
+    /// Weight of a page whose answers are not mixed with those of the next coarser level (`adumbra::stream`).
+    WHOLE_PAGE: u32 = 256;
+    /// Stored in the third of a quadtree's extra words if the weights of its pages follow the table of blocks.
+    PAGES_FADE: u32 = 2;
+    /// Largest number of levels of a file (`adumbra::file::MAX_LEVELS`).
+    MAX_LEVELS: u32 = 8;
+    /// A ray that comes out of a column's shadow within so many voxels of its surface has passed through the surface's edge
+    /// (`adumbra::query::EDGE_VOXELS`).
+    MARCH_EDGE_VOXELS: u32 = 2;
+    /// Number of lit taps that says that a page is not resident. No filter has as many taps.
+    TAPS_ABSENT: u32 = 1 << 16;
     /// Switch depth of a column that is lit to its end (`adumbra::layout::depths::NEVER`).
     DEPTHS_NEVER: u32 = u32::MAX;
     /// Distance along the receiver's plane, in texels, by which hardware 2 × 2 comparisons move the compared depth

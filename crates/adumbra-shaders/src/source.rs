@@ -43,6 +43,10 @@ sources! {
     DEPTHS = "core/depths.wgsl";
     /// Leaves of the quadtree.
     DEPTHS_LEAF = "core/depths_leaf.wgsl";
+    /// The blend of a streamed file's levels.
+    DEPTHS_BLEND = "core/depths_blend.wgsl";
+    /// The march to another sun than a file's own.
+    DEPTHS_MARCH = "core/depths_march.wgsl";
     /// Penumbrae from switch depths.
     DEPTHS_SOFT = "core/depths_soft.wgsl";
     /// The level at which a look-up ends.
@@ -53,6 +57,16 @@ sources! {
     WORDS_LOGGED = "access/words_logged.wgsl";
     /// Words from six storage buffers.
     WORDS_6 = "access/words_6.wgsl";
+    /// The parameters of a file that was uploaded whole.
+    VOXEL_PARAMS = "access/voxel_params.wgsl";
+    /// The parameters of a streamed file's levels.
+    VOXEL_LEVELS = "access/voxel_levels.wgsl";
+    /// The parameters of two keys of a sun path.
+    VOXEL_PATH = "access/voxel_path.wgsl";
+    /// The look-up between two keys of a sun path, with a filter.
+    VOXEL_PATH_FILTER = "access/voxel_path_filter.wgsl";
+    /// The look-up between two keys of a sun path, for the sun's disc.
+    VOXEL_PATH_DISC = "access/voxel_path_disc.wgsl";
     /// Texels of a look-up texture of format `R32Uint`.
     TEXTURE_R32UINT = "access/texture_r32uint.wgsl";
     /// Texels of a look-up texture of format `Rgba8Unorm`.
@@ -193,10 +207,20 @@ sources! {
     DEPTHS_FIXED = "passes/depths_fixed.wgsl";
     /// Lit taps of `voxel` for receivers in fixed point.
     VOXEL_FIXED = "passes/voxel_fixed.wgsl";
+    /// Marches in both keys of a sun path, from starts in fixed point.
+    MARCH_FIXED = "passes/march_fixed.wgsl";
     /// Lit taps of `voxel` for receivers in fixed point, and the words that were read for them.
     VOXEL_READS = "passes/voxel_reads.wgsl";
+    /// Visibility between two keys of a sun path, and the number of words that were read for it.
+    PATH_READS = "passes/path_reads.wgsl";
     /// The level at which a look-up of `voxel` ends, as a pass.
     VOXEL_LEVEL_PASS = "passes/voxel_level.wgsl";
+    /// The technique `voxel:soft` in a streamed file.
+    VOXEL_LEVELS_SOFT_PASS = "passes/voxel_levels_soft.wgsl";
+    /// The level at which a look-up in a streamed file ends.
+    VOXEL_LEVELS_BLOCK_PASS = "passes/voxel_levels_block.wgsl";
+    /// The level of a streamed file that answers.
+    VOXEL_LEVELS_RESIDENT_PASS = "passes/voxel_levels_resident.wgsl";
     /// Conversions between texels and view space, for ambient occlusion.
     OCCLUSION = "core/occlusion.wgsl";
     /// Depth extrapolated along a screen axis, for ambient occlusion.

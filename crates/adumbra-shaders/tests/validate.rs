@@ -86,6 +86,7 @@ fn assembled_look_ups_hold_only_the_shared_structures_and_constants_that_they_us
         source::DEPTHS,
         source::DEPTHS_LEAF,
         source::WORDS_1,
+        source::VOXEL_PARAMS,
         source::VOXEL_PASS,
     ];
     let text = assemble(&look_up);

@@ -32,7 +32,7 @@ pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_json, lab_program, program, read_f32, stderr,
 };
-pub use shared_folder::{full, scene_file, shared};
+pub use shared_folder::{full, full_alone, scene_file, shared};
 pub use solids::{add_box, add_quad, cuboid, scene_of};
 pub use teeth::toothed_bar;
 pub use truth_files::{npz_array, npz_camera};

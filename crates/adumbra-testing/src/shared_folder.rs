@@ -20,6 +20,15 @@ pub fn full() -> bool {
     std::env::var_os("ADUMBRA_FULL").is_some()
 }
 
+/// Whether to run a test that takes minutes: if `ADUMBRA_FULL` is not set, prints a note and returns `false`; the test should
+/// then pass.
+pub fn full_alone() -> bool {
+    if !full() {
+        eprintln!("SKIPPED: takes minutes; set ADUMBRA_FULL");
+    }
+    full()
+}
+
 /// Returns the path of the scene with that name, whatever its extension. Panics if there is none.
 pub fn scene_file(scenes: &Path, name: &str) -> PathBuf {
     let candidates = ["glb", "ply", "obj"].map(|e| scenes.join(format!("{name}.{e}")));

@@ -7,16 +7,16 @@ mod results;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
-use adumbra::ShadowFile;
 use adumbra_compare::camera_file::CameraFile;
 use adumbra_compare::pictures::png;
-use adumbra_files::{replace_file, same_file};
+use adumbra_files::{FileWatch, replace_file, same_file};
 use adumbra_render::{FrameTimes, Gpu, RenderError};
 use adumbra_scene::Camera;
 use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::picture::Picture;
 
 use crate::command::{Command, Side};
+use crate::day::{Change, Day};
 use crate::error::Result;
 use crate::event::EventSender;
 use crate::loading::{self, DropKind, Loads};
@@ -24,10 +24,10 @@ use crate::messages::{Messages, Say};
 use crate::options::ViewOptions;
 use crate::player::Player;
 use crate::settings::Settings;
-use crate::shadow_file::is_same_sun;
+use crate::shadow_file::{ShownFile, is_same_sun};
 use crate::shadows::Shadows;
 use crate::stage::{FrameContext, Stage, is_fatal};
-use crate::startup::Startup;
+use crate::startup::{StartingDay, Startup};
 use crate::tracing::TraceThread;
 use crate::{ball, command_line, keys, wireframes};
 
@@ -64,7 +64,13 @@ pub(crate) struct App {
     pub(crate) initial: Settings,
     pub(crate) stage: Option<Stage>,
     pub(crate) loads: Loads,
+    /// The load of a scene that is shown and has changed; the view stays as it is.
+    again: Option<u64>,
+    /// The files that are followed.
+    followed: Option<(Vec<PathBuf>, FileWatch)>,
     pub(crate) shadows: Shadows,
+    /// The day that is played.
+    pub(crate) day: Option<Day>,
     tracing: TraceThread,
     /// The reason why the rays requested last could not be traced.
     trace_fault: Option<String>,
@@ -80,7 +86,7 @@ pub(crate) struct App {
     /// Number of shadow files being read; the script waits for them.
     reading: u32,
     /// The file that was read last while a scene was loading; it belongs to that scene.
-    held_file: Option<(ShadowFile, PathBuf)>,
+    held_file: Option<(ShownFile, PathBuf)>,
     /// A camera that was requested while a scene was loading; it belongs to that scene.
     held_camera: Option<Camera>,
     pub(crate) resize: Option<[u32; 2]>,
@@ -94,13 +100,19 @@ pub(crate) struct App {
 impl App {
     /// Creates the view and starts to load the scene.
     pub(crate) fn new(startup: Startup, gpu: Gpu, sender: EventSender, say: Say) -> Self {
-        let Startup { mut options, settings, file } = startup;
+        let Startup { mut options, settings, file, day } = startup;
         let player = options.script.take().map(Player::new);
         let mut shadows = Shadows::new(options.max_memory_bytes, sender.clone());
         if let Some(file) = file {
             shadows.give(file, options.shadow_file.clone());
         }
+        let mut fault = None;
+        let day = day.map(|StartingDay { mut day, path }| {
+            fault = path.and_then(|path| day.read(path, sender.clone()).err());
+            day
+        });
         let mut app = Self {
+            day,
             gpu,
             tracing: TraceThread::start(sender.clone()),
             sender,
@@ -108,6 +120,8 @@ impl App {
             settings,
             stage: None,
             loads: Loads::default(),
+            again: None,
+            followed: None,
             shadows,
             trace_fault: None,
             ball: BallState::None,
@@ -129,13 +143,17 @@ impl App {
             let name = app.gpu.name();
             app.messages.note(format!("{name}: {note}"));
         }
+        if let Some(fault) = fault {
+            app.messages.error(fault.to_string());
+        }
         app.load(app.options.scene.clone());
         app
     }
 
-    fn load(&mut self, path: PathBuf) {
+    fn load(&mut self, path: PathBuf) -> u64 {
         let load = self.loads.begin(path.clone());
         loading::load_scene(load, path, self.options.load.clone(), self.sender.clone());
+        load
     }
 
     /// Executes a user's command; errors are shown as messages.
@@ -161,6 +179,7 @@ impl App {
                 Command::Camera { .. } => self.hold_camera(),
                 Command::Ball(_) => self.seek_ball()?,
                 Command::Bake(_) => self.shadows.rebake(),
+                Command::Budget(_) => self.read_again(),
                 _ => {}
             }
             return Ok(());
@@ -171,6 +190,14 @@ impl App {
                 let command = keys::command(key, &self.settings).or_else(flight);
                 let command = command.ok_or_else(|| format!("{key} does nothing; press ? for help"))?;
                 return self.try_command(&command);
+            }
+            Command::Hour(hour) => {
+                let day = self.day.as_mut().ok_or("no day is played; start with --day")?;
+                if !hour.is_finite() {
+                    return Err(format!("hour {hour}: give a number"));
+                }
+                day.set(day.at_hour(*hour));
+                self.settings.sun = day.sun();
             }
             Command::LoadCamera(path) => {
                 let file = CameraFile::read(path).map_err(|e| e.to_string())?;
@@ -231,10 +258,10 @@ impl App {
 
     fn take_file(&mut self, path: &Path) -> Result<(), String> {
         match loading::drop_kind(path)? {
-            DropKind::Scene => self.load(path.to_owned()),
+            DropKind::Scene => _ = self.load(path.to_owned()),
             DropKind::ShadowFile => {
                 self.reading += 1;
-                loading::read_file(path.to_owned(), self.sender.clone());
+                loading::read_file(path.to_owned(), self.settings.stream_options(), self.sender.clone());
             }
             DropKind::Camera => self.try_command(&Command::LoadCamera(path.to_owned()))?,
         }
@@ -322,8 +349,11 @@ impl App {
     pub(crate) fn command_line(&self) -> String {
         let scene = self.stage.as_ref().map_or(&self.options.scene, |s| &s.scene().path);
         let ball = self.options.ball_text.as_deref();
-        let file = self.shadows.given_path(&self.settings);
-        let words = command_line::of(scene, file, ball, &self.settings);
+        let of_day =
+            self.options.shadow_file.as_deref().filter(|_| self.day.as_ref().is_some_and(Day::is_read));
+        let file = self.shadows.given_path(&self.settings).or(of_day);
+        let day = self.day.as_ref().map(|day| (self.options.day.as_ref(), day.hour()));
+        let words = command_line::of(scene, file, day, ball, &self.settings);
         [&[words], &self.options.repeated[..]].concat().join(" ")
     }
 
@@ -352,9 +382,34 @@ impl App {
             self.settings.seconds = (self.settings.seconds + seconds) % end.max(1e-3);
             self.dirty = true;
         }
-        if self.shadows.reconcile(&self.settings, stage.scene()) {
+        if let Some(day) = &mut self.day {
+            if self.settings.playing {
+                day.advance(seconds);
+            }
+            if self.settings.playing || day.is_read() {
+                self.dirty |= !is_same_sun(&self.settings.sun, &day.sun());
+                self.settings.sun = day.sun();
+            }
+            match day.follow(&self.settings, stage.scene(), self.options.max_memory_bytes, &self.sender) {
+                Change::None => {}
+                Change::Redraw => self.dirty = true,
+                Change::Begin(light) => {
+                    self.shadows.follow(ShownFile::Moving(light));
+                    stage.forget_file();
+                    self.dirty = true;
+                }
+            }
+            if let Some(fault) = day.take_fault() {
+                self.messages.error(format!("no more keys of the day: {fault}"));
+            }
+        } else if self.shadows.reconcile(&self.settings, stage.scene()) {
             stage.forget_file();
             self.dirty = true;
+        }
+        if let Some(streamed) = self.shadows.file().and_then(ShownFile::streamed) {
+            for fault in streamed.take_faults() {
+                self.messages.error(format!("the shadow file: {fault}"));
+            }
         }
         match stage.trace_key(&self.settings).filter(|key| !self.settings.playing && !stage.has_traced(key)) {
             Some(key) => {
@@ -369,13 +424,25 @@ impl App {
 
     /// Whether a frame must be drawn.
     pub(crate) fn needs_frame(&self) -> bool {
-        self.dirty || self.settings.continuous
+        self.dirty || self.settings.continuous || self.shadows.is_streaming(&self.settings)
+    }
+
+    /// Reads the file that is shown again, because the budget is another.
+    fn read_again(&mut self) {
+        if let Some(path) = self.shadows.given_path(&self.settings).map(Path::to_owned) {
+            self.reading += 1;
+            loading::read_file(path, self.settings.stream_options(), self.sender.clone());
+        }
     }
 
     /// Whether something is in progress by itself, so that the event loop must not sleep.
     pub(crate) fn is_busy(&self) -> bool {
-        let plays = self.settings.playing && self.stage.as_ref().is_some_and(|s| s.end_seconds().is_some());
-        plays || self.settings.continuous || self.player.is_some()
+        let moves = self.day.is_some() || self.stage.as_ref().is_some_and(|s| s.end_seconds().is_some());
+        let plays = self.settings.playing && moves;
+        plays
+            || self.settings.continuous
+            || self.player.is_some()
+            || self.shadows.is_streaming(&self.settings)
     }
 
     /// Draws the scene, if there is one.
@@ -400,7 +467,7 @@ impl App {
             self.shadows
                 .file()
                 .filter(|_| self.settings.uses_file())
-                .map(wireframes::of_file)
+                .map(|file| wireframes::of_grid(&file.grid()))
                 .unwrap_or_default()
         } else {
             Vec::new()

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, Progress, Size, Watch, bake};
+use adumbra_bake::{BakeOptions, MemoryObjects, Objects, Progress, Size, Watch, bake, bake_again};
 
 use crate::background::{background_pool, caught};
 use crate::event::{Event, EventSender};
@@ -57,11 +57,12 @@ fn levels(finest: u64) -> Vec<u64> {
 }
 
 impl RunningBake {
-    /// Starts a bake.
+    /// Starts a bake. `objects` has what earlier bakes have made; without a memory limit they are used.
     pub(crate) fn start(
         key: BakeKey,
         scene: Arc<LoadedScene>,
         max_memory: Option<u64>,
+        objects: Arc<MemoryObjects>,
         sender: EventSender,
     ) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
@@ -71,8 +72,11 @@ impl RunningBake {
         thread::spawn(move || {
             let outcome = caught(|| {
                 let pool = background_pool()?;
-                pool.install(|| bake_levels(number, key, &scene, max_memory, &seen, &sender))
-                    .map_err(|e| e.to_string())
+                // What only the bake before the last one used will hardly be needed again.
+                objects.remove_unused();
+                let objects = max_memory.is_none().then_some(objects as Arc<dyn Objects>);
+                let inputs = Inputs { scene: &scene, max_memory, objects };
+                pool.install(|| bake_levels(number, key, &inputs, &seen, &sender)).map_err(|e| e.to_string())
             });
             if let Err(error) = outcome {
                 let error = (!seen.load(Ordering::Relaxed)).then_some(error);
@@ -94,11 +98,17 @@ impl Drop for RunningBake {
     }
 }
 
+/// What a bake works on.
+struct Inputs<'a> {
+    scene: &'a LoadedScene,
+    max_memory: Option<u64>,
+    objects: Option<Arc<dyn Objects>>,
+}
+
 fn bake_levels(
     number: u64,
     key: BakeKey,
-    scene: &LoadedScene,
-    max_memory: Option<u64>,
+    inputs: &Inputs<'_>,
     cancel: &AtomicBool,
     sender: &EventSender,
 ) -> adumbra_bake::Result<()> {
@@ -113,12 +123,18 @@ fn bake_levels(
             }
         };
         let options = BakeOptions {
-            ignore_alpha: scene.ignore_alpha,
-            max_memory_bytes: max_memory,
+            ignore_alpha: inputs.scene.ignore_alpha,
+            max_memory_bytes: inputs.max_memory,
             ..BakeOptions::new(key.sun, Size::Resolution(resolution))
         };
-        let file = bake(&scene.still, &options, Watch::new(&done, cancel))?.file;
-        sender.send(Event::Baked { bake: number, file, last: resolution == key.resolution });
+        let (still, watch) = (&inputs.scene.still, Watch::new(&done, cancel));
+        let baked = match &inputs.objects {
+            Some(objects) => bake_again(still, &options, objects, watch)?,
+            None => bake(still, &options, watch)?,
+        };
+        let file = baked.file;
+        let last = resolution == key.resolution;
+        sender.send(Event::Baked { bake: number, file: Box::new(file), last });
     }
     Ok(())
 }
@@ -151,7 +167,7 @@ mod tests {
         let (channel, events) = mpsc::channel();
         let sender = EventSender::new(move |event| channel.send(event).unwrap());
         let key = BakeKey::new(1, &Settings { sun, resolution: 2048, ..settings() });
-        let running = RunningBake::start(key, scene(), None, sender);
+        let running = RunningBake::start(key, scene(), None, Arc::default(), sender);
         let mut landed = Vec::new();
         for event in events {
             match event {
@@ -176,7 +192,7 @@ mod tests {
         let scene = Arc::new(LoadedScene { whole, still, ..sound });
         let (channel, events) = mpsc::channel();
         let sender = EventSender::new(move |event| channel.send(event).unwrap());
-        let running = RunningBake::start(BakeKey::new(1, &settings()), scene, None, sender);
+        let running = RunningBake::start(BakeKey::new(1, &settings()), scene, None, Arc::default(), sender);
         let ended: Vec<_> = events.iter().collect();
         let [Event::BakeEnded { bake, error: Some(error) }] = &ended[..] else { panic!("{}", ended.len()) };
         assert!(*bake == running.number && error.contains("please report it"), "{error}");
@@ -188,7 +204,7 @@ mod tests {
         let (channel, events) = mpsc::channel();
         let sender = EventSender::new(move |event| channel.send(event).unwrap());
         let key = BakeKey::new(1, &Settings { sun, resolution: 32_768, ..settings() });
-        let running = RunningBake::start(key, scene(), None, sender);
+        let running = RunningBake::start(key, scene(), None, Arc::default(), sender);
         running.cancel();
         let ended: Vec<_> =
             events.iter().filter(|n| matches!(n, Event::BakeEnded { error: None, .. })).collect();

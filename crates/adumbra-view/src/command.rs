@@ -97,6 +97,8 @@ pub enum Command {
     WatchBall,
     /// Sets the time, in seconds since all movements began.
     Time(f64),
+    /// Sets the clock of the day that is played, in hours.
+    Hour(f64),
     /// Starts or stops time.
     Play(bool),
     /// Shows or hides the bounds of the shadow file's space as lines.
@@ -111,6 +113,8 @@ pub enum Command {
     Continuous(bool),
     /// Starts a new bake with this many texels on the longest side.
     Bake(u64),
+    /// Sets the budget of shadow files in MiB: one that needs more is streamed.
+    Budget(u64),
     /// Stops the bake; completed levels stay.
     CancelBake,
     /// Opens a scene, a shadow file or a camera, as if it were dropped on the window.

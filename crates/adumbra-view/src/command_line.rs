@@ -4,6 +4,7 @@ use std::path::Path;
 
 use adumbra_scene::Projection;
 
+use crate::day::DayOptions;
 use crate::navigation;
 use crate::settings::{Settings, Shown};
 
@@ -21,6 +22,7 @@ fn quoted(word: &str) -> String {
 pub(crate) fn of(
     scene: &Path,
     shadow_file: Option<&Path>,
+    day: Option<(Option<&DayOptions>, f64)>,
     ball: Option<&str>,
     settings: &Settings,
 ) -> String {
@@ -30,7 +32,19 @@ pub(crate) fn of(
     let mut add = |name: &str, value: String| words.extend([format!("--{name}"), quoted(&value)]);
     if let Some(path) = shadow_file {
         add("shadow-file", path.display().to_string());
-    } else {
+    }
+    if let Some((options, hour)) = day {
+        if let Some(text) = options.and_then(|day| day.text.as_ref()) {
+            add("day", text.clone());
+        }
+        if let Some(day) = options {
+            add("day-length", day.length_seconds.to_string());
+            if let Some(near) = day.near_world {
+                add("day-near", near.to_string());
+            }
+        }
+        add("hour", hour.to_string());
+    } else if shadow_file.is_none() {
         let [azimuth, elevation] = navigation::angles(s.sun.towards());
         add("azimuth", azimuth.to_string());
         add("elevation", elevation.to_string());
@@ -54,6 +68,8 @@ pub(crate) fn of(
     add("size", format!("{}x{}", s.camera.width, s.camera.height));
     add("antialias", s.antialias.to_string());
     add("resolution", s.resolution.to_string());
+    add("budget", s.budget_mib.to_string());
+    add("fade", s.fade_frames.to_string());
     if s.ball {
         add("move", ball.unwrap_or("sphere").to_owned());
     }
@@ -82,7 +98,7 @@ mod tests {
         let mut s = settings();
         s.shown = Shown::Split(0.25);
         s.ball = true;
-        let line = of(Path::new("my city.glb"), None, Some("sphere:radius=2"), &s);
+        let line = of(Path::new("my city.glb"), None, None, Some("sphere:radius=2"), &s);
         assert!(line.starts_with("adumbra view 'my city.glb' --azimuth "), "{line}");
         for part in [
             "--shadow voxel --shadow csm:cascades=3",
@@ -93,7 +109,7 @@ mod tests {
         ] {
             assert!(line.contains(part), "{line}");
         }
-        let line = of(Path::new("a.glb"), Some(Path::new("it's.adumbra")), None, &s);
+        let line = of(Path::new("a.glb"), Some(Path::new("it's.adumbra")), None, None, &s);
         assert!(line.contains(r"--shadow-file 'it'\''s.adumbra'") && !line.contains("azimuth"), "{line}");
     }
 }

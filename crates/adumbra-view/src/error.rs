@@ -87,6 +87,10 @@ pub enum OptionField {
     Antialias,
     /// Resolution of bakes, in texels.
     Resolution,
+    /// Budget of shadow files.
+    Budget,
+    /// The day to play.
+    Day,
 }
 
 /// Result type used across the crate.

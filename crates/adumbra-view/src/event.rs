@@ -8,18 +8,23 @@ use adumbra_truth::movers::BallPath;
 
 use crate::error::Result;
 use crate::loaded_scene::LoadedScene;
+use crate::shadow_file::ShownFile;
 use crate::traced::Traced;
 
 /// An event from another thread.
 pub(crate) enum Event {
     /// A loaded scene, or the error; `load` is the number of the load.
     Scene { load: u64, loaded: Result<Arc<LoadedScene>> },
+    /// Some of the files that are followed have changed.
+    Changed,
     /// A shadow file that was read, or the error.
-    File { path: PathBuf, read: Result<ShadowFile, String> },
+    File { path: PathBuf, read: Result<ShownFile, String> },
     /// Progress of a bake, identified by its number: texels on the longest side, and the completed fraction.
     Baking { bake: u64, resolution: u64, share: f32 },
     /// A completed level of a bake.
-    Baked { bake: u64, file: ShadowFile, last: bool },
+    Baked { bake: u64, file: Box<ShadowFile>, last: bool },
+    /// A key of a day has been baked or read.
+    Key,
     /// A bake ended without a file: it was cancelled, or failed with this error.
     BakeEnded { bake: u64, error: Option<String> },
     /// Traced visibilities.

@@ -34,6 +34,7 @@
 //! | `background`, `event` | threads, and the events that they send |
 //! | `loading`, `baking`, `tracing`, `ball` | work on other threads; `loaded_scene` and `traced` are its results |
 //! | `shadows`, `shadow_file` | starts and cancels bakes; reads properties of shadow files |
+//! | `day` | plays a day: its clock, and the keys around its sun |
 //! | `stage`, `wireframes` | draws what the settings require |
 //! | `ui/`, `messages` | the panel, the plot of times, the help; messages to the user |
 //! | `options`, `startup`, `command_line` | from options to the first settings, and from settings to a command line |
@@ -45,6 +46,7 @@ mod baking;
 mod ball;
 mod command;
 mod command_line;
+mod day;
 mod error;
 mod event;
 mod keys;
@@ -67,6 +69,7 @@ mod window;
 mod wireframes;
 
 pub use command::{Command, Side};
+pub use day::DayOptions;
 pub use error::{OptionField, Result, ViewError};
 pub use messages::Say;
 pub use options::ViewOptions;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adumbra::ShadowFile;
+use adumbra::stream::StreamOptions;
 use adumbra_scene as scene;
 use adumbra_scene::LoadOptions;
 
@@ -12,6 +12,7 @@ use crate::background::in_background;
 use crate::error::ViewError;
 use crate::event::{Event, EventSender};
 use crate::loaded_scene::LoadedScene;
+use crate::shadow_file::ShownFile;
 
 /// The kind of a dropped file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,10 +96,10 @@ pub(crate) fn load_scene(load: u64, path: PathBuf, options: LoadOptions, sender:
     });
 }
 
-/// Reads a shadow file and sends it.
-pub(crate) fn read_file(path: PathBuf, sender: EventSender) {
+/// Reads a shadow file, or the beginning of one that needs more than the budget, and sends it.
+pub(crate) fn read_file(path: PathBuf, stream: StreamOptions, sender: EventSender) {
     let file = path.clone();
-    let work = move || ShadowFile::read(&file).map_err(|e| e.to_string());
+    let work = move || ShownFile::read(&file, stream).map_err(|e| e.to_string());
     in_background(work, move |read| sender.send(Event::File { path, read }));
 }
 

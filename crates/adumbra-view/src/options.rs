@@ -7,6 +7,7 @@ use adumbra_render::{GpuOptions, SpecText, TechniqueSpec};
 use adumbra_scene::{LoadOptions, Projection};
 use adumbra_truth::movers::MoveSpec;
 
+use crate::day::DayOptions;
 use crate::script::Script;
 use crate::settings::Shown;
 
@@ -18,6 +19,8 @@ pub struct ViewOptions {
     pub load: LoadOptions,
     /// A shadow file that replaces a bake. A bake starts when the sun moves. The file is used again when it returns.
     pub shadow_file: Option<PathBuf>,
+    /// Whether to load the scene and the shadow file again when their files change.
+    pub watch: bool,
     /// Shadow techniques of both sides. The defaults are `voxel`, which reads the shadow file, and cascades.
     pub shadows: [Option<TechniqueSpec>; 2],
     /// Ambient occlusion.
@@ -54,6 +57,10 @@ pub struct ViewOptions {
     pub continuous: bool,
     /// Resolution of bakes, in texels on the longest side.
     pub resolution: u64,
+    /// Budget of shadow files in MiB: one that needs more is streamed.
+    pub budget_mib: u64,
+    /// Frames over which pages of a streamed file come and go; 0 changes them at once.
+    pub fade_frames: u32,
     /// Memory limit of a bake, in bytes.
     pub max_memory_bytes: Option<u64>,
     /// Options for selecting the device.
@@ -62,6 +69,9 @@ pub struct ViewOptions {
     pub repeated: Vec<String>,
     /// Other files that were read, such as the script. No picture and no camera may overwrite them.
     pub inputs: Vec<PathBuf>,
+    /// A day to play. Its sun takes the place of `sun`. One without a text gives length and hour of a path file that is
+    /// the shadow file.
+    pub day: Option<DayOptions>,
     /// Script to play.
     pub script: Option<Script>,
 }

@@ -30,6 +30,8 @@ pub enum Until {
     Baked,
     /// At least one level of the bake is complete.
     Landed,
+    /// The last frame had all that its camera needs of a streamed file.
+    Streamed,
     /// The requested rays are traced.
     Traced,
     /// The ball has its path.

@@ -1,6 +1,7 @@
 //! The settings of a view, as plain data. Commands change them without a window or a device.
 
 use adumbra::Sun;
+use adumbra::stream::StreamOptions;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};
 use adumbra_render::{Reads, RenderError, SpecText, TECHNIQUES, TechniqueSpec};
@@ -56,9 +57,22 @@ pub struct Settings {
     pub continuous: bool,
     /// Resolution of bakes, in texels on the longest side.
     pub resolution: u64,
+    /// Budget of shadow files in MiB: one that needs more is streamed.
+    pub budget_mib: u64,
+    /// Frames over which pages of a streamed file come and go; 0 changes them at once.
+    pub fade_frames: u32,
 }
 
 impl Settings {
+    /// Returns how a shadow file is streamed.
+    pub(crate) fn stream_options(&self) -> StreamOptions {
+        StreamOptions {
+            budget_bytes: self.budget_mib << 20,
+            fade_frames: self.fade_frames,
+            ..StreamOptions::default()
+        }
+    }
+
     /// Returns the technique of a side.
     pub fn shadow(&self, side: Side) -> &TechniqueSpec {
         &self.shadows[side as usize]
@@ -147,7 +161,14 @@ impl Settings {
                 }
                 self.resolution = *resolution;
             }
+            Command::Budget(mib) => {
+                if !(1..=8192).contains(mib) {
+                    return Err(format!("budget {mib}: give 1 to 8192 MiB"));
+                }
+                self.budget_mib = *mib;
+            }
             Command::LoadCamera(_)
+            | Command::Hour(_)
             | Command::ResetCamera
             | Command::ResetSun
             | Command::ResetAll
@@ -265,6 +286,8 @@ pub(crate) mod tests {
             antialias: 1,
             continuous: false,
             resolution: 8192,
+            budget_mib: 64,
+            fade_frames: 0,
         }
     }
 
@@ -316,6 +339,7 @@ pub(crate) mod tests {
             Command::Zoom(0.0),
             Command::Antialias(9),
             Command::Bake(1000),
+            Command::Budget(0),
             Command::Time(f64::INFINITY),
         ] {
             let mut s = settings();

@@ -3,28 +3,30 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adumbra::ShadowFile;
+use adumbra_bake::MemoryObjects;
 
 use crate::baking::{BakeKey, RunningBake};
 use crate::event::EventSender;
 use crate::loaded_scene::LoadedScene;
 use crate::settings::Settings;
-use crate::shadow_file::serves;
+use crate::shadow_file::ShownFile;
 
 /// The shadow file and its bake.
 pub(crate) struct Shadows {
-    file: Option<Arc<ShadowFile>>,
+    file: Option<ShownFile>,
     origin: Origin,
     running: Option<RunningBake>,
     given: Option<Given>,
     stopped: Option<Stopped>,
     max_memory_bytes: Option<u64>,
+    /// What earlier bakes have made.
+    objects: Arc<MemoryObjects>,
     sender: EventSender,
 }
 
 /// A given file, kept for when the sun is again the one it was baked for.
 struct Given {
-    file: Arc<ShadowFile>,
+    file: ShownFile,
     path: Option<PathBuf>,
     /// Whether a bake was requested in its place.
     is_set_aside: bool,
@@ -43,6 +45,8 @@ enum Origin {
     None,
     /// The file was given.
     Given,
+    /// The file follows the sun.
+    Followed,
     /// The file is a level of a bake, not necessarily the last one.
     Baked { key: BakeKey, is_last: bool },
 }
@@ -56,6 +60,7 @@ impl Shadows {
             given: None,
             stopped: None,
             max_memory_bytes,
+            objects: Arc::default(),
             sender,
         }
     }
@@ -66,11 +71,17 @@ impl Shadows {
     }
 
     /// Uses a file that was given.
-    pub(crate) fn give(&mut self, file: ShadowFile, path: Option<PathBuf>) {
+    pub(crate) fn give(&mut self, file: ShownFile, path: Option<PathBuf>) {
         self.clear();
-        let file = Arc::new(file);
         self.given = Some(Given { file: file.clone(), path, is_set_aside: false });
         self.origin = Origin::Given;
+        self.file = Some(file);
+    }
+
+    /// Uses the keys around a sun that moves, which need no bake.
+    pub(crate) fn follow(&mut self, file: ShownFile) {
+        self.clear();
+        self.origin = Origin::Followed;
         self.file = Some(file);
     }
 
@@ -94,7 +105,7 @@ impl Shadows {
 
     /// Uses the given file again if it was baked for the current sun. Returns whether the file changed.
     fn take_back(&mut self, settings: &Settings) -> bool {
-        let fits = |g: &&Given| !g.is_set_aside && serves(&g.file, settings);
+        let fits = |g: &&Given| !g.is_set_aside && g.file.serves(settings);
         let Some(given) = self.given.as_ref().filter(fits) else { return false };
         if matches!(self.origin, Origin::Given) {
             return false;
@@ -104,8 +115,13 @@ impl Shadows {
         true
     }
 
-    pub(crate) fn file(&self) -> Option<&ShadowFile> {
-        self.file.as_deref()
+    pub(crate) fn file(&self) -> Option<&ShownFile> {
+        self.file.as_ref()
+    }
+
+    /// Whether the visible file is streamed, or a key of a sun that moves, and the last frame lacked some of it.
+    pub(crate) fn is_streaming(&self, settings: &Settings) -> bool {
+        self.file().is_some_and(|file| settings.uses_file() && !file.is_settled())
     }
 
     /// Returns the path of the visible file if it was given.
@@ -137,7 +153,7 @@ impl Shadows {
     }
 
     fn fits(&self, settings: &Settings) -> bool {
-        self.file().is_some_and(|f| serves(f, settings))
+        self.file().is_some_and(|f| f.serves(settings))
     }
 
     /// Whether a visible technique reads a file, and neither the final one is there nor was its bake stopped.
@@ -145,6 +161,7 @@ impl Shadows {
         let wanted = BakeKey::new(scene.number, settings);
         let is_final = match &self.origin {
             Origin::None => false,
+            Origin::Followed => true,
             Origin::Given => self.fits(settings),
             Origin::Baked { key, is_last } => *is_last && *key == wanted,
         };
@@ -162,7 +179,9 @@ impl Shadows {
             Some(running) if !wanted || running.key != key => running.cancel(),
             None if wanted => {
                 let sender = self.sender.clone();
-                self.running = Some(RunningBake::start(key, scene.clone(), self.max_memory_bytes, sender));
+                let objects = self.objects.clone();
+                let scene = scene.clone();
+                self.running = Some(RunningBake::start(key, scene, self.max_memory_bytes, objects, sender));
             }
             _ => {}
         }
@@ -177,7 +196,7 @@ impl Shadows {
     }
 
     /// Uses a level of a bake. Returns false if the settings no longer need it.
-    pub(crate) fn landed(&mut self, bake: u64, file: ShadowFile, is_last: bool, settings: &Settings) -> bool {
+    pub(crate) fn landed(&mut self, bake: u64, file: ShownFile, is_last: bool, settings: &Settings) -> bool {
         let Some(running) = self.running.as_ref().filter(|r| r.number == bake) else { return false };
         let key = running.key;
         if is_last {
@@ -187,13 +206,13 @@ impl Shadows {
             return false;
         }
         let is_finer =
-            |old: &ShadowFile| serves(old, settings) && old.settings.resolution > file.settings.resolution;
+            |old: &ShownFile| old.serves(settings) && old.settings().resolution > file.settings().resolution;
         if !is_last && self.file().is_some_and(is_finer) {
             // The first levels of a finer bake are coarser than the result of the previous bake.
             return false;
         }
         self.origin = Origin::Baked { key, is_last };
-        self.file = Some(Arc::new(file));
+        self.file = Some(file);
         true
     }
 
@@ -255,7 +274,7 @@ mod tests {
             while !self.shadows.is_settled(&self.settings, &self.scene) {
                 match self.events.recv_timeout(std::time::Duration::from_secs(60)).unwrap() {
                     Event::Baked { bake, file, last } => {
-                        self.shadows.landed(bake, file, last, &self.settings);
+                        self.shadows.landed(bake, ShownFile::whole(*file), last, &self.settings);
                     }
                     Event::BakeEnded { bake, error } => self.shadows.ended(bake, error),
                     _ => {}
@@ -265,7 +284,7 @@ mod tests {
         }
 
         fn resolution(&self) -> u32 {
-            self.shadows.file().map_or(0, |file| file.settings.resolution)
+            self.shadows.file().map_or(0, |file| file.settings().resolution)
         }
     }
 

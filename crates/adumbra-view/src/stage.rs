@@ -5,7 +5,7 @@ mod sides;
 
 use std::sync::Arc;
 
-use adumbra::{Bounds, ShadowFile};
+use adumbra::Bounds;
 use adumbra_compare::pictures::picture_of_rgba;
 use adumbra_render::layers::{Layer, LayerPass, LinePass, PresentKind, PresentPass, WorldLine};
 use adumbra_render::occlusion::{
@@ -21,6 +21,7 @@ pub(crate) use self::sides::SideView;
 use crate::command::Side;
 use crate::loaded_scene::LoadedScene;
 use crate::settings::{Settings, Shown};
+use crate::shadow_file::ShownFile;
 use crate::traced::{TraceKey, Traced};
 
 /// A scene with everything that is needed to draw it.
@@ -44,7 +45,7 @@ pub(crate) struct Stage {
 
 /// Inputs of a frame besides the settings.
 pub(crate) struct FrameContext<'a> {
-    pub(crate) file: Option<&'a ShadowFile>,
+    pub(crate) file: Option<&'a ShownFile>,
     pub(crate) lines: &'a [WorldLine],
 }
 

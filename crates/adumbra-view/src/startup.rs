@@ -1,20 +1,30 @@
 //! From options to the state a view starts with. Invalid options are reported before a window opens.
 
-use adumbra::{ShadowFile, Sun};
+use adumbra::{Sun, SunPath};
+use adumbra_program::exit::Failure;
+use adumbra_program::moment::sun_path;
 use adumbra_program::sun::DEFAULT_SUN;
 use adumbra_scene::{Camera, MoverPolicy};
 
 use crate::command::{Command, Side};
+use crate::day::{Day, DayOptions};
 use crate::error::{OptionField as Field, Result, ViewError};
 use crate::options::ViewOptions;
 use crate::settings::{Settings, Shown};
-use crate::shadow_file::is_same_sun;
+use crate::shadow_file::{ShownFile, is_same_sun};
 
 /// The state a view starts with.
 pub(crate) struct Startup {
     pub(crate) options: ViewOptions,
     pub(crate) settings: Settings,
-    pub(crate) file: Option<ShadowFile>,
+    pub(crate) file: Option<ShownFile>,
+    pub(crate) day: Option<StartingDay>,
+}
+
+/// A day, and the path file that has its keys, if there is one.
+pub(crate) struct StartingDay {
+    pub(crate) day: Day,
+    pub(crate) path: Option<SunPath>,
 }
 
 impl Startup {
@@ -28,17 +38,58 @@ impl Startup {
         if options.load.movers == MoverPolicy::Skip {
             options.load.movers = MoverPolicy::Keep;
         }
-        let file = options.shadow_file.as_ref().map(ShadowFile::read).transpose()?;
+        if let Some(path) =
+            options.shadow_file.as_deref().map(sun_path).transpose().map_err(failure)?.flatten()
+        {
+            let day = Some(starting_day(options.day.as_ref(), Some(path))?);
+            return Ok(Self { options, settings, file: None, day }.at_its_sun());
+        }
+        let asked = options.day.as_ref().filter(|day| day.text.is_some());
+        let day = asked.map(|day| starting_day(Some(day), None)).transpose()?;
+        let read = |path| ShownFile::read(path, settings.stream_options());
+        let file = options.shadow_file.as_ref().map(|path| read(path)).transpose()?;
         if let Some(file) = &file {
             let asked = options.sun.filter(|sun| !is_same_sun(sun, &file.sun()));
             settings.sun = asked.unwrap_or_else(|| file.sun());
-            if file.ignores_alpha() && !options.load.ignore_alpha {
+            if file.settings().ignore_alpha && !options.load.ignore_alpha {
                 options.load.ignore_alpha = true;
                 // The file was baked with this option, so a bake that replaces it needs it too.
                 options.repeated.push("--ignore-alpha".to_owned());
             }
         }
-        Ok(Self { options, settings, file })
+        Ok(Self { options, settings, file, day }.at_its_sun())
+    }
+
+    /// Returns it with the sun of its day.
+    fn at_its_sun(mut self) -> Self {
+        if let Some(StartingDay { day, .. }) = &self.day {
+            self.settings.sun = day.sun();
+        }
+        self
+    }
+}
+
+/// Returns the day of a path file, with the length and hour that were asked for, or a day that was asked for.
+fn starting_day(asked: Option<&DayOptions>, path: Option<SunPath>) -> Result<StartingDay> {
+    let of_path = path.as_ref().map(|path| DayOptions {
+        steps: path.steps().to_vec(),
+        utc_offset_seconds: path.place_degrees().map(|_| path.utc_offset_seconds()),
+        length_seconds: asked.map_or(DayOptions::LENGTH_SECONDS, |day| day.length_seconds),
+        text: None,
+        near_world: None,
+        hour: asked.and_then(|day| day.hour),
+    });
+    let day = of_path.as_ref().or(asked).and_then(Day::new);
+    let day =
+        day.ok_or_else(|| wrong(Field::Day)("the sun is never above the horizon on this day".to_owned()))?;
+    Ok(StartingDay { day, path })
+}
+
+fn failure(failure: Failure) -> ViewError {
+    match failure {
+        Failure::Io(error) => error.into(),
+        Failure::Reader(error) => error.into(),
+        other => ViewError::Fault { what: other.to_string() },
     }
 }
 
@@ -73,6 +124,8 @@ fn settings_of(options: &ViewOptions) -> Result<Settings> {
         antialias: options.antialias,
         continuous: options.continuous,
         resolution: options.resolution,
+        budget_mib: options.budget_mib,
+        fade_frames: options.fade_frames,
     };
     let technique = |side: usize| settings.shadows[side].to_string();
     for (field, command) in [
@@ -82,6 +135,7 @@ fn settings_of(options: &ViewOptions) -> Result<Settings> {
         (Field::Layer, Command::Layer(options.layer.clone())),
         (Field::Ambient, Command::Ao(options.ambient.to_string())),
         (Field::Resolution, Command::Bake(options.resolution)),
+        (Field::Budget, Command::Budget(options.budget_mib)),
         (Field::Antialias, Command::Antialias(options.antialias)),
         (
             Field::Shown,

@@ -1,6 +1,6 @@
 //! A shadow file's space as a wireframe.
 
-use adumbra::ShadowFile;
+use adumbra::LightGrid;
 use adumbra_render::layers::WorldLine;
 
 /// Display-encoded colour of the lines.
@@ -20,9 +20,8 @@ fn edges(corner: [f64; 3], edges: [[f64; 3]; 3]) -> impl Iterator<Item = WorldLi
     })
 }
 
-/// Returns the edges of a file's space.
-pub(crate) fn of_file(file: &ShadowFile) -> Vec<WorldLine> {
-    let grid = &file.grid;
+/// Returns the edges of a grid's space.
+pub(crate) fn of_grid(grid: &LightGrid) -> Vec<WorldLine> {
     let sides = std::array::from_fn(|a| grid.edges[a].map(|c| c * grid.voxel_size * f64::from(grid.size[a])));
     edges(grid.origin(), sides).collect()
 }

@@ -1,7 +1,7 @@
 //! The settings of a bake. They are written into the file and shown by `info`.
 
 use crate::error::{RangeError, RangeField, Result};
-use crate::grid::Bounds;
+use crate::grid::{Bounds, Region};
 
 /// How far a look-up moves its point before it reads the grid. All terms are in texels of the light's plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,8 +92,14 @@ pub struct FileSettings {
     /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that no contour
     /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere that no look-up from a surface reads.
     pub switch_within_voxels: u32,
+    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to meet
+    /// something. 0 = never.
+    pub dark_after_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,
+    /// The region of a world that the file is of, if the world was cut into regions. Positions are then relative to the
+    /// region's origin.
+    pub region: Option<Region>,
     /// The look-up bias that the bake was made for.
     pub bias: Bias,
     /// Number of baked triangles, with those of every instance counted.

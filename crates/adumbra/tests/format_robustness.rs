@@ -229,14 +229,14 @@ fn mutations_are_refused_or_answer_everywhere() {
         (format!("{name}, coded"), file.to_bytes(AtRest::Coded).expect("a file of a writer"))
     });
     let all: Vec<_> = raw().into_iter().chain(coded).collect();
-    let (accepted, faults) = count_faults(&all, 400_000, |bytes, seed| {
+    let (accepted, faults) = count_faults(&all, 150_000, |bytes, seed| {
         let mutated = mutate(bytes, seed);
         let file = exercise(&mutated).map_err(|error| error.fault().unwrap_or(error.kind()))?;
         agrees_with_the_reference(&file, &encode(&file), seed);
         Ok(())
     });
     // The mutations reach every check, and also produce quadtrees that are still valid.
-    assert!(accepted > 10_000, "{accepted} accepted");
+    assert!(accepted > 3750, "{accepted} accepted");
     assert_faults_found(&faults, &["Bundle", "Coded", "Root", "Order", "End", "Bits", "Ranks"]);
 }
 

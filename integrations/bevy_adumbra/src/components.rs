@@ -6,6 +6,7 @@ use bevy::ecs::prelude::*;
 use bevy::reflect::prelude::*;
 
 use crate::BakedShadowFile;
+use crate::source::StreamSource;
 use crate::status::BakedShadowStatus;
 
 /// Shadows of a directional light from baked files. Put it on the light, whose `shadow_maps_enabled` must be true.
@@ -20,6 +21,9 @@ pub struct BakedShadow {
     /// The files: parts of a large world, or several suns. A point takes the file whose grid contains it, and that which
     /// it is farthest inside of if there are several. At most eight files are in use at once in an app.
     pub files: Vec<Handle<BakedShadowFile>>,
+    /// Files that are streamed: of these, what cameras see is read within a [`StreamBudget`](crate::StreamBudget). They
+    /// are in use beside `files`.
+    pub streams: Vec<StreamSource>,
     /// The texels whose mean a look-up returns.
     pub filter: ShadowFilter,
     /// Full angle of the sun's disc in degrees, 0.01 to 20, for shadows that soften with distance; the real sun has 0.53.
@@ -30,6 +34,10 @@ pub struct BakedShadow {
     pub align: bool,
     /// How far points are lifted off their surfaces. `None` is the bias that the file was baked for.
     pub bias: Option<ShadowBias>,
+    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that a `BakeShadow`
+    /// on the same light bakes ahead of it (feature `bake`), in place of `files` and `streams`. A filter is the mean of 3 × 3
+    /// rays; `softness` is not possible. Of the files that an app may have in use, such a light takes four.
+    pub follow: bool,
 }
 
 impl BakedShadow {
@@ -37,12 +45,33 @@ impl BakedShadow {
     pub fn new(file: Handle<BakedShadowFile>) -> Self {
         Self { files: vec![file], ..Self::default() }
     }
+
+    /// Shadows from one file of any size that is streamed: of an asset's path, a path on a disk, or a source of the app's
+    /// own. Bake it with several levels (`adumbra bake --levels 5`), of which a coarse one answers at once.
+    pub fn streamed(source: impl Into<StreamSource>) -> Self {
+        Self { streams: vec![source.into()], ..Self::default() }
+    }
+
+    /// Shadows that follow the light wherever it turns, as the sun does in a day: put a `BakeShadow` on the same light
+    /// (feature `bake`). Keys are baked ahead of the light in the background, coarse to fine. There is an answer in every
+    /// frame after the first key, also where the light jumps.
+    pub fn follow_sun() -> Self {
+        Self { align: false, follow: true, ..Self::default() }
+    }
 }
 
 /// As [`BakedShadow::new`], without a file.
 impl Default for BakedShadow {
     fn default() -> Self {
-        Self { files: Vec::new(), filter: ShadowFilter::default(), softness: None, align: true, bias: None }
+        Self {
+            files: Vec::new(),
+            streams: Vec::new(),
+            filter: ShadowFilter::default(),
+            softness: None,
+            align: true,
+            bias: None,
+            follow: false,
+        }
     }
 }
 

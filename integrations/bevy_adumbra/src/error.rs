@@ -5,6 +5,7 @@ use std::ops::Deref;
 use std::sync::Arc;
 
 use adumbra::RangeError;
+use adumbra::stream::StreamFault;
 use bevy::asset::AssetLoadError;
 use bevy::reflect::prelude::*;
 
@@ -18,12 +19,29 @@ pub enum BakedShadowError {
     /// The light casts no shadows.
     #[error("the light has no shadows; set DirectionalLight::shadow_maps_enabled")]
     NoShadowMaps,
-    /// The light's list of files is empty.
-    #[error("BakedShadow::files is empty; give it a file")]
+    /// The light's lists of files are empty.
+    #[error("BakedShadow::files and BakedShadow::streams are empty; give it a file")]
     NoFiles,
+    /// Nothing bakes the keys of a light that is to be followed.
+    #[error(
+        "BakedShadow::follow needs keys, and nothing bakes them; put a BakeShadow on the light (feature `bake`)"
+    )]
+    NothingFollows,
+    /// A light that is followed has penumbrae.
+    #[error("BakedShadow::softness is not possible with BakedShadow::follow; set one of them alone")]
+    SoftFollow,
     /// A file could not be loaded.
     #[error(transparent)]
     NotLoaded(SharedError<AssetLoadError>),
+    /// A part of a streamed file could not be had.
+    #[error("{file}: {fault}")]
+    Stream {
+        /// Where the file is read from.
+        file: String,
+        /// What is missing, why, and when it is asked for again.
+        #[source]
+        fault: SharedError<StreamFault>,
+    },
     /// A file is too large for look-ups on this device.
     #[error(transparent)]
     File(RangeError),
@@ -38,8 +56,8 @@ pub enum BakedShadowError {
     },
     /// All files of the app together are too large for the device.
     #[error(
-        "the files need {rows} rows of texels, and the device allows {limit}; bake at a lower resolution, or load \
-         fewer at a time"
+        "the files need {rows} rows of texels, and the device allows {limit}; bake at a lower resolution, load \
+         fewer at a time, or stream them with less StreamBudget::bytes"
     )]
     TooManyRows {
         /// Rows of a texture that they need.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use adumbra::gpu::{LookUp, LookUpTexture};
-use adumbra::{Error, FormatError, LightGrid, RangeError, ShadowFile};
+use adumbra::{Error, FormatError, LightGrid, RangeError, Receivers, ShadowFile};
 use bevy::asset::io::Reader;
 use bevy::asset::{Asset, AssetLoader, LoadContext};
 use bevy::math::Vec3;
@@ -51,6 +51,11 @@ impl BakedShadowFile {
     /// Returns the voxel grid in the world.
     pub fn grid(&self) -> &LightGrid {
         &self.file.grid
+    }
+
+    /// Returns what the file answers for.
+    pub(crate) fn receivers(&self) -> Receivers {
+        self.file.settings.receivers
     }
 
     /// Returns the texture, or why there is none.

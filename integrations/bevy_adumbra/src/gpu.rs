@@ -5,7 +5,7 @@
 //! view with it gets one texture of the format that Bevy needs: the picture's rows above, as Bevy copies them, and the
 //! words below. Transmission divides by the texture's own size, so it looks up the same texels as before.
 
-use std::sync::Arc;
+use std::borrow::Cow;
 
 use bevy::ecs::prelude::*;
 use bevy::image::TextureFormatPixelInfo;
@@ -24,7 +24,10 @@ use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
 
 use crate::DeviceLimits;
-use crate::lights::{FileInUse, FilesInUse};
+use crate::encode::encoded;
+use crate::in_use::{FileInUse, FilesInUse, March};
+use crate::pools::Pools;
+use crate::texels::{PoolTexels, Texels, rectangles};
 
 /// First word of the directory, `ADUD`.
 const DIRECTORY_MAGIC: u32 = u32::from_le_bytes(*b"ADUD");
@@ -59,33 +62,63 @@ pub(crate) struct WordTextures {
 }
 
 impl WordTextures {
-    /// Brings the textures up to date. If only settings have changed, less than 1 KiB per file is written.
-    fn take(&mut self, device: &RenderDevice, queue: &RenderQueue, version: u64, files: &[FileInUse]) {
-        let format = TextureFormat::Rgba8Unorm;
+    /// Brings the textures up to date. If only settings have changed, less than 5 KiB per file is written.
+    fn take(
+        &mut self,
+        (device, queue): (&RenderDevice, &RenderQueue),
+        (version, files): (u64, &[FileInUse]),
+        pools: &Pools,
+    ) {
         let has_words = self.files.len() == files.len()
-            && self.files.iter().zip(files).all(|(a, b)| Arc::ptr_eq(&a.texture, &b.texture));
+            && self.files.iter().zip(files).all(|(a, b)| a.texels == b.texels);
         match &self.words {
-            Some(words) if has_words => {
-                for (row, bytes) in parameters(files) {
-                    let size = UVec2::new(bytes.len() as u32 / 4, 1);
-                    write(queue, &words.texture, UVec2::new(0, row), size, &bytes);
-                    for ((picture, format), below) in &self.below {
-                        let Some(bytes) = encoded(&bytes, *format) else { continue };
-                        write(queue, &below.texture, UVec2::new(0, picture.y + row), size, &bytes);
-                    }
+            Some(_) if has_words => {
+                for Part { row, width, first, bytes } in parameters(files) {
+                    self.write(queue, row, width, first, &bytes);
                 }
             }
             _ => {
                 self.below.clear();
                 let has_size = size(&self.files) == size(files);
                 let same = self.words.take().filter(|_| has_size);
-                let words = same.unwrap_or_else(|| word_texture(device, size(files), format));
-                write(queue, &words.texture, UVec2::ZERO, size(files), &rows(files));
+                let words =
+                    same.unwrap_or_else(|| word_texture(device, size(files), TextureFormat::Rgba8Unorm));
+                write_all(queue, &words.texture, 0, files, pools);
                 self.words = Some(words);
             }
         }
         self.version = version;
         self.files = files.to_vec();
+    }
+
+    /// Writes some texels of a file, which begins in a row and has a width, to all textures.
+    fn write(&self, queue: &RenderQueue, row: u32, width: u32, first: u32, bytes: &[u8]) {
+        if let Some(words) = &self.words {
+            write(queue, &words.texture, row, width, first, bytes);
+        }
+        for ((picture, _), below) in &self.below {
+            write(queue, &below.texture, picture.y + row, width, first, bytes);
+        }
+    }
+
+    /// Writes what has come to pools in this frame.
+    fn take_writes(&self, queue: &RenderQueue, pools: &mut Pools) {
+        let mut row = 0;
+        let rows: Vec<_> = self
+            .files
+            .iter()
+            .map(|file| {
+                let at = row;
+                row += file.texels.height();
+                at
+            })
+            .collect();
+        pools.take_writes(|pool, first, bytes| {
+            let is_pool = |file: &FileInUse| file.texels == Texels::Pool(pool);
+            if let Some(file) = self.files.iter().position(is_pool) {
+                self.write(queue, rows[file], pool.width, first, bytes);
+            }
+        });
     }
 }
 
@@ -102,72 +135,69 @@ pub(crate) struct HasWords;
 
 /// Width and rows of the words of all files and the directory.
 fn size(files: &[FileInUse]) -> UVec2 {
-    let width = files.iter().map(|file| file.texture.width()).max().unwrap_or(1);
-    UVec2::new(width, 1 + files.iter().map(|file| file.texture.height()).sum::<u32>())
+    let width = files.iter().map(|file| file.texels.width()).max().unwrap_or(1);
+    UVec2::new(width, 1 + files.iter().map(|file| file.texels.height()).sum::<u32>())
 }
 
-/// The beginnings of rows that depend on settings: each file's parameters and the directory, with their rows.
-fn parameters(files: &[FileInUse]) -> Vec<(u32, Vec<u8>)> {
-    let mut directory = vec![0_u32; FILE_WORDS[0] + FILE_WORDS[1] * files.len()];
-    directory[..3].copy_from_slice(&[DIRECTORY_MAGIC, files.len() as u32, size(files).y]);
+/// Bytes of texels in a row of all texels of a file, or of the directory.
+struct Part<'a> {
+    /// First row of the file, and its width.
+    row: u32,
+    width: u32,
+    /// First texel.
+    first: u32,
+    bytes: Cow<'a, [u8]>,
+}
+
+/// What depends on settings: each file's headers and the directory.
+fn parameters(files: &[FileInUse]) -> Vec<Part<'_>> {
+    let listed = files.iter().filter(|file| file.is_ready).count();
+    let mut directory = vec![DIRECTORY_MAGIC, listed as u32, size(files).y];
+    directory.resize(FILE_WORDS[0], 0);
+    let place = |texels: PoolTexels| {
+        let mut listed = files.iter().filter(|file| file.is_ready);
+        listed.position(|file| file.texels == Texels::Pool(texels)).unwrap_or(0) as u32
+    };
     let (mut row, mut parts) = (0, Vec::new());
-    for (n, file) in files.iter().enumerate() {
-        let of_file = &mut directory[FILE_WORDS[0] + FILE_WORDS[1] * n..][..4];
-        let alone = u32::from(file.is_alone(files));
-        of_file.copy_from_slice(&[row, file.texture.width().ilog2(), file.way.code(), alone]);
-        parts.push((row, file.header.clone()));
-        row += file.texture.height();
+    for file in files {
+        let width = file.texels.width();
+        if file.is_ready {
+            let alone = u32::from(file.is_alone(files));
+            directory.extend([row, width.ilog2(), file.way.code(), alone]);
+            if let Some(March { slope: [x, y], other }) = file.march {
+                directory.extend([x as u32, y as u32, place(other)]);
+            }
+            directory.resize(directory.len().next_multiple_of(FILE_WORDS[1]), 0);
+        }
+        parts.push(Part { row, width, first: 0, bytes: Cow::from(&file.header) });
+        row += file.texels.height();
     }
-    parts.push((row, directory.into_iter().flat_map(u32::to_le_bytes).collect()));
+    let bytes: Vec<u8> = directory.into_iter().flat_map(u32::to_le_bytes).collect();
+    parts.push(Part { row, width: size(files).x, first: 0, bytes: bytes.into() });
     parts
 }
 
-/// Returns the rows of all files and the directory.
-fn rows(files: &[FileInUse]) -> Vec<u8> {
-    let size = size(files);
-    let row_bytes = 4 * size.x as usize;
-    let mut bytes = vec![0; row_bytes * size.y as usize];
-    let mut row = 0;
+/// Writes all files and the directory to a texture, from a row on. Of pools, that is what has been written to them.
+fn write_all(queue: &RenderQueue, texture: &Texture, row: u32, files: &[FileInUse], pools: &Pools) {
+    let mut at = row;
     for file in files {
-        let rows = file.texture.bytes().chunks(4 * file.texture.width() as usize);
-        for (texels, to) in rows.zip(bytes.chunks_mut(row_bytes).skip(row)) {
-            to[..texels.len()].copy_from_slice(texels);
-        }
-        row += file.texture.height() as usize;
+        let bytes = match &file.texels {
+            Texels::Whole(texture) => texture.bytes(),
+            Texels::Pool(pool) => pools.bytes(*pool),
+        };
+        write(queue, texture, at, file.texels.width(), 0, bytes);
+        at += file.texels.height();
     }
-    for (row, part) in parameters(files) {
-        bytes[row_bytes * row as usize..][..part.len()].copy_from_slice(&part);
+    for part in parameters(files) {
+        write(queue, texture, row + part.row, part.width, part.first, &part.bytes);
     }
-    bytes
-}
-
-/// Returns the bytes of words in a format that Bevy draws into, or `None` for a format that cannot hold them.
-fn encoded(bytes: &[u8], format: TextureFormat) -> Option<Vec<u8>> {
-    Some(match format {
-        TextureFormat::Rgba8Unorm | TextureFormat::Rgba8UnormSrgb => bytes.to_vec(),
-        TextureFormat::Bgra8Unorm | TextureFormat::Bgra8UnormSrgb => {
-            bytes.chunks(4).flat_map(|texel| [texel[2], texel[1], texel[0], texel[3]]).collect()
-        }
-        TextureFormat::Rgba16Float => bytes.iter().flat_map(|&b| half(b).to_le_bytes()).collect(),
-        TextureFormat::Rgba32Float => bytes.iter().flat_map(|&b| f32::from(b).to_le_bytes()).collect(),
-        _ => return None,
-    })
-}
-
-/// Returns a number as a half float.
-///
-/// Worked value: 5 is 1.25 · 2^2, so its exponent is 15 + 2 and its fraction a quarter of 2^10: 0x4500.
-fn half(number: u8) -> u16 {
-    let Some(exponent) = number.checked_ilog2() else { return 0 };
-    let exponent = exponent as u16;
-    (exponent + 15) << 10 | (u16::from(number) << (10 - exponent)) & 0x3ff
 }
 
 /// Gives every 3D view the words of the files in use.
 pub(crate) fn give_words(
     mut commands: Commands,
     files: Res<ExtractedFiles>,
-    mut textures: ResMut<WordTextures>,
+    (mut textures, mut pools): (ResMut<WordTextures>, ResMut<Pools>),
     (device, queue, limits): (Res<RenderDevice>, Res<RenderQueue>, Res<DeviceLimits>),
     transmissive: Res<ViewSortedRenderPhases<Transmissive3d>>,
     views: Query<(Entity, &ExtractedView, &ExtractedCamera, Has<HasWords>)>,
@@ -176,6 +206,7 @@ pub(crate) fn give_words(
         if textures.words.is_some() {
             *textures = WordTextures { version: textures.version, ..Default::default() };
         }
+        pools.take_writes(|_, _, _| ());
         for (entity, view, _, has_words) in &views {
             // Where something is transmissive, Bevy has put its own texture there for this frame.
             if has_words {
@@ -188,10 +219,10 @@ pub(crate) fn give_words(
         }
         return;
     }
-    let size = size(&files.files);
     if textures.version != files.version {
-        textures.take(&device, &queue, files.version, &files.files);
+        textures.take((&device, &queue), (files.version, &files.files), &pools);
     }
+    textures.take_writes(&queue, &mut pools);
     let mut used = Vec::new();
     for (entity, view, camera, _) in &views {
         let Some(phase) = transmissive.get(&view.retained_view_entity) else { continue };
@@ -203,7 +234,7 @@ pub(crate) fn give_words(
             used.push(key);
             let known = textures.below.get(&key).cloned();
             known.or_else(|| {
-                let words = below_a_picture(&device, &queue, *limits, &files.files, size, key)?;
+                let words = below_a_picture(&device, &queue, *limits, (&files.files, &pools), key)?;
                 textures.below.insert(key, words.clone());
                 Some(words)
             })
@@ -226,17 +257,17 @@ fn below_a_picture(
     device: &RenderDevice,
     queue: &RenderQueue,
     limits: DeviceLimits,
-    files: &[FileInUse],
-    size: UVec2,
+    (files, pools): (&[FileInUse], &Pools),
     (picture, format): (UVec2, TextureFormat),
 ) -> Option<WordTexture> {
-    let bytes = encoded(&rows(files), format)?;
+    encoded(&[], format)?;
+    let size = size(files);
     let whole = UVec2::new(picture.x.max(size.x), picture.y + size.y);
     if whole.max_element() > limits.max_texture_side {
         return None;
     }
     let words = word_texture(device, whole, format);
-    write(queue, &words.texture, UVec2::new(0, picture.y), size, &bytes);
+    write_all(queue, &words.texture, picture.y, files, pools);
     Some(words)
 }
 
@@ -261,38 +292,26 @@ fn word_texture(device: &RenderDevice, size: UVec2, format: TextureFormat) -> Wo
     WordTexture { texture, view, sampler }
 }
 
-fn write(queue: &RenderQueue, texture: &Texture, at: UVec2, size: UVec2, bytes: &[u8]) {
-    let to = TexelCopyTextureInfo {
-        texture,
-        mip_level: 0,
-        origin: Origin3d { x: at.x, y: at.y, z: 0 },
-        aspect: TextureAspect::All,
-    };
-    let texel_bytes = texture.format().pixel_size().unwrap_or(4) as u32;
-    let layout =
-        TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(texel_bytes * size.x), rows_per_image: None };
-    queue.write_texture(to, bytes, layout, extent(size));
+/// Writes texels of a file, which begins in a row of a texture and has a width, in the texture's format.
+fn write(queue: &RenderQueue, texture: &Texture, row: u32, width: u32, first: u32, bytes: &[u8]) {
+    // A texture without a format for words is not made.
+    let Some(bytes) = encoded(bytes, texture.format()) else { return };
+    let texel_bytes = texture.format().pixel_size().unwrap_or(4);
+    let mut offset = 0;
+    for (at, size) in rectangles(first, (bytes.len() / texel_bytes) as u32, width) {
+        let to = TexelCopyTextureInfo {
+            texture,
+            mip_level: 0,
+            origin: Origin3d { x: at.x, y: row + at.y, z: 0 },
+            aspect: TextureAspect::All,
+        };
+        let bytes_per_row = Some(texel_bytes as u32 * size.x);
+        let layout = TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None };
+        queue.write_texture(to, &bytes, layout, extent(size));
+        offset += u64::from(size.x * size.y) * texel_bytes as u64;
+    }
 }
 
 fn extent(size: UVec2) -> Extent3d {
     Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn bytes_are_halves_exactly() {
-        assert_eq!([0, 1, 2, 5, 255].map(half), [0, 0x3c00, 0x4000, 0x4500, 0x5bf8]);
-    }
-
-    #[test]
-    fn bytes_keep_their_place_in_every_format() {
-        let bytes = [1, 2, 3, 255];
-        assert_eq!(encoded(&bytes, TextureFormat::Rgba8UnormSrgb), Some(bytes.to_vec()));
-        assert_eq!(encoded(&bytes, TextureFormat::Bgra8Unorm), Some(vec![3, 2, 1, 255]));
-        assert_eq!(encoded(&bytes, TextureFormat::Rgba16Float).map(|b| b.len()), Some(8));
-        assert_eq!(encoded(&bytes, TextureFormat::R8Unorm), None);
-    }
 }

@@ -26,12 +26,14 @@
 //! | [`prelude`] | what most apps need |
 //! | `file` | the asset and its loader |
 //! | `shaders`, `patch` | the WGSL of look-ups, and the places in Bevy's shaders that call it |
-//! | `lights` | which files are in use |
+//! | `in_use`, `lights` | which files are in use |
+//! | `source`, `stream` | files that are streamed: where from, and what is resident of them |
 //! | `status`, `error` | what a light's shadows come from, and why not from its files |
 //! | `systems` | where the plugin's systems run |
+//! | `moving` | the keys of a sun that moves |
 //! | `limits` | what the device allows |
 //! | `statics` | which meshes are in the files, and how they leave the cascades |
-//! | `gpu` | the texture with the files' words |
+//! | `texels`, `pools`, `encode`, `gpu` | the texture with the files' words |
 //! | `gltf` | lights of glTF files that name their file (feature `gltf`) |
 //! | `bake` | baking while the app runs (feature `bake`) |
 //! | `processor` | baking as an asset step (feature `processor`) |
@@ -41,21 +43,28 @@
 #[cfg(feature = "bake")]
 mod bake;
 mod components;
+mod encode;
 mod error;
 mod file;
 #[cfg(feature = "gltf")]
 mod gltf;
 mod gpu;
+mod in_use;
 mod lights;
 mod limits;
+mod moving;
 mod patch;
+mod pools;
 pub mod prelude;
 #[cfg(feature = "processor")]
 mod processor;
 mod shaders;
+mod source;
 mod statics;
 mod status;
+mod stream;
 mod systems;
+mod texels;
 #[cfg(any(feature = "bake", feature = "processor"))]
 mod threads;
 
@@ -72,10 +81,13 @@ pub use components::{BakedShadow, BakedStatic, InBake, NotBaked, ShadowBias, Sha
 pub use error::{BakedShadowError, SharedError};
 pub use file::{BakedShadowFile, ShadowFileError, ShadowFileLoader, ShadowFileSettings};
 pub use limits::DeviceLimits;
+pub use moving::SunKeys;
 #[cfg(feature = "processor")]
 pub use processor::{ShadowBake, ShadowBakeError, ShadowBakeLoader, ShadowFileSaver};
+pub use source::StreamSource;
 pub use statics::CascadeCasters;
 pub use status::{BakedShadowChanged, BakedShadowStatus};
+pub use stream::{ShadowStreams, StreamBudget, StreamDiagnostics};
 pub use systems::AdumbraSystems;
 
 /// Registers what an app finds in its world. Bevy registers types by itself only with its feature `reflect_auto_register`.
@@ -88,6 +100,8 @@ fn register_types(app: &mut App) {
         .register_type::<InBake>()
         .register_type::<StaticCasters>()
         .register_type::<CascadeCasters>()
+        .register_type::<StreamSource>()
+        .register_type::<StreamBudget>()
         .register_type::<DeviceLimits>();
     #[cfg(feature = "bake")]
     app.register_type::<BakeShadow>().register_type::<BakeProgress>();
@@ -110,7 +124,11 @@ impl Plugin for AdumbraPlugin {
         app.init_resource::<DeviceLimits>()
             .init_resource::<StaticCasters>()
             .init_resource::<CascadeCasters>()
-            .init_resource::<lights::FilesInUse>();
+            .init_resource::<in_use::FilesInUse>()
+            .init_resource::<StreamBudget>()
+            .init_resource::<ShadowStreams>()
+            .init_resource::<stream::PoolUploads>();
+        StreamDiagnostics::register(app);
         let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
             bevy::log::error!(
                 "AdumbraPlugin draws nothing, because there is no renderer; add it after DefaultPlugins"
@@ -126,6 +144,7 @@ impl Plugin for AdumbraPlugin {
                 (
                     lights::align_lights.in_set(AdumbraSystems::AlignLights),
                     statics::mark_meshes.in_set(AdumbraSystems::MarkStatics),
+                    (stream::drive_streams, moving::write_keys).chain().in_set(AdumbraSystems::Stream),
                     (
                         lights::find_files_in_use,
                         lights::add_ways,
@@ -142,14 +161,20 @@ impl Plugin for AdumbraPlugin {
         #[cfg(feature = "bake")]
         app.init_resource::<bake::StaticKeys>().add_systems(
             PostUpdate,
-            (bake::find_meshes, bake::bake_shadows, bake::mark_changes).chain().in_set(AdumbraSystems::Bake),
+            (bake::find_meshes, bake::bake_shadows, bake::follow_suns, bake::mark_changes)
+                .chain()
+                .in_set(AdumbraSystems::Bake),
         );
         let Some(render) = app.get_sub_app_mut(RenderApp) else { return };
         render
             .init_resource::<DeviceLimits>()
             .init_resource::<gpu::ExtractedFiles>()
             .init_resource::<gpu::WordTextures>()
-            .add_systems(ExtractSchedule, gpu::extract_files.in_set(AdumbraSystems::Upload))
+            .init_resource::<pools::Pools>()
+            .add_systems(
+                ExtractSchedule,
+                (gpu::extract_files, pools::extract_pools).in_set(AdumbraSystems::Upload),
+            )
             // After Bevy's own transmission textures, and before bind groups.
             .add_systems(
                 Render,

@@ -6,5 +6,8 @@ pub use crate::bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeSha
 pub use crate::components::{BakedShadow, BakedStatic, NotBaked, ShadowBias, ShadowFilter};
 pub use crate::error::BakedShadowError;
 pub use crate::file::BakedShadowFile;
+pub use crate::moving::SunKeys;
+pub use crate::source::StreamSource;
 pub use crate::status::{BakedShadowChanged, BakedShadowStatus};
+pub use crate::stream::{ShadowStreams, StreamBudget};
 pub use crate::systems::AdumbraSystems;

@@ -18,10 +18,12 @@ pub(crate) enum Way {
     Filtered,
     /// With penumbrae.
     Soft,
+    /// By a march through two keys of a sun that moves.
+    March,
 }
 
 impl Way {
-    pub(crate) const ALL: [Self; 2] = [Self::Filtered, Self::Soft];
+    pub(crate) const ALL: [Self; 3] = [Self::Filtered, Self::Soft, Self::March];
 
     /// Returns the number that stands for it in the directory.
     pub(crate) fn code(self) -> u32 {
@@ -33,6 +35,7 @@ impl Way {
         match self {
             Self::Filtered => "filtered",
             Self::Soft => "soft",
+            Self::March => "march",
         }
     }
 
@@ -42,17 +45,20 @@ impl Way {
         // The texels come from `adumbra::words`, not from a binding of their own.
         let files = files.into_iter().filter(|path| *path != "access/texture_rgba8unorm.wgsl");
         let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
-        if self == Self::Soft {
-            texts.extend([source::DISC, source::DEPTHS_SOFT]);
-        }
-        texts.push(Source {
-            name: "bevy_adumbra/selected_file.wgsl",
-            text: include_str!("wgsl/selected_file.wgsl"),
-        });
-        texts.push(match self {
-            Self::Filtered => Source { name: "bevy_adumbra/taps.wgsl", text: include_str!("wgsl/taps.wgsl") },
+        let of_plugin = |name, text| Source { name, text };
+        texts.push(of_plugin("bevy_adumbra/selected_file.wgsl", include_str!("wgsl/selected_file.wgsl")));
+        let levels = of_plugin("bevy_adumbra/levels.wgsl", include_str!("wgsl/levels.wgsl"));
+        texts.extend(match self {
+            Self::Filtered => {
+                vec![levels, of_plugin("bevy_adumbra/taps.wgsl", include_str!("wgsl/taps.wgsl"))]
+            }
             Self::Soft => {
-                Source { name: "bevy_adumbra/penumbrae.wgsl", text: include_str!("wgsl/penumbrae.wgsl") }
+                let penumbrae = of_plugin("bevy_adumbra/penumbrae.wgsl", include_str!("wgsl/penumbrae.wgsl"));
+                vec![source::DISC, source::DEPTHS_SOFT, levels, penumbrae]
+            }
+            Self::March => {
+                let march = of_plugin("bevy_adumbra/march.wgsl", include_str!("wgsl/march.wgsl"));
+                vec![source::DEPTHS_MARCH, march]
             }
         });
         format!("#define_import_path adumbra::{}\n#import adumbra::words\n{}", self.name(), assemble(&texts))

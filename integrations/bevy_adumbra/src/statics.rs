@@ -14,6 +14,7 @@ use bevy::reflect::prelude::*;
 use crate::BakedShadowFile;
 use crate::components::{BakedShadow, BakedStatic, InBake, NotBaked, StaticCasters};
 use crate::status::BakedShadowStatus;
+use crate::stream::ShadowStreams;
 
 /// Whether an entity is moved by an animation.
 #[cfg(feature = "animation")]
@@ -126,7 +127,7 @@ pub(crate) fn rest_cascades(
 pub(crate) fn warn_of_movers(
     mut done: Local<bool>,
     lights: Query<(Entity, &BakedShadow, &BakedShadowStatus)>,
-    files: Res<Assets<BakedShadowFile>>,
+    (files, streams): (Res<Assets<BakedShadowFile>>, Res<ShadowStreams>),
     in_bake: Query<(), With<InBake>>,
     movers: Query<(), (With<Mesh3d>, Without<NotShadowReceiver>, Without<InBake>)>,
 ) {
@@ -134,8 +135,10 @@ pub(crate) fn warn_of_movers(
         return;
     }
     for (entity, shadow, status) in &lights {
-        let is_static = |file: &BakedShadowFile| file.file().settings.receivers == Receivers::Static;
-        if status.is_active() && shadow.files.iter().filter_map(|file| files.get(file)).any(is_static) {
+        let whole = shadow.files.iter().filter_map(|file| files.get(file)).map(BakedShadowFile::receivers);
+        let streamed = shadow.streams.iter().filter_map(|source| streams.open_file(source)?.receivers());
+        let is_static = whole.chain(streamed).any(|receivers| receivers == Receivers::Static);
+        if status.is_active() && is_static {
             warn!(
                 "a file of light {entity} was baked with --receivers static, so what moves has wrong shadows in 1 to 3 % \
                  of its points; bake it without that option"

@@ -21,11 +21,20 @@ pub enum BakedShadowStatus {
         /// How many of the light's files are.
         files: usize,
     },
+    /// Files are in use, and a part of a streamed one could not be had. A coarser level of it answers there.
+    Incomplete {
+        /// How many of the light's files are in use.
+        files: usize,
+        /// What is missing.
+        fault: BakedShadowError,
+    },
     /// The light points away from the sun of every loaded file. Shadows come from the light's cascades.
     Misaligned {
         /// Angle to the nearest of these suns.
         degrees: f32,
     },
+    /// The light is followed, and points upwards as a sun does below the horizon. Shadows come from the light's cascades.
+    Night,
     /// Nothing can be used. Shadows come from the light's cascades.
     Unusable(BakedShadowError),
 }
@@ -33,7 +42,7 @@ pub enum BakedShadowStatus {
 impl BakedShadowStatus {
     /// Returns whether files are in use.
     pub fn is_active(&self) -> bool {
-        matches!(self, Self::Active { .. })
+        matches!(self, Self::Active { .. } | Self::Incomplete { .. })
     }
 }
 
@@ -44,11 +53,15 @@ impl fmt::Display for BakedShadowStatus {
             Self::Waiting => f.write_str("loading"),
             Self::Active { files: 1 } => f.write_str("in use"),
             Self::Active { files } => write!(f, "in use, with {files} files"),
+            Self::Incomplete { fault, .. } => {
+                write!(f, "in use, but not complete: {fault}. A coarser level answers there")
+            }
             Self::Misaligned { degrees } => write!(
                 f,
                 "not in use: the light is {degrees:.2} degrees off the file's sun; set BakedShadow::align, or turn the \
                  light"
             ),
+            Self::Night => f.write_str("not in use: the sun is below the horizon"),
             Self::Unusable(error) => write!(f, "not in use: {error}"),
         }
     }
@@ -66,15 +79,27 @@ pub struct BakedShadowChanged {
 
 #[cfg(test)]
 mod tests {
+    use adumbra::stream::{SourceError, StreamFault};
+
     use super::*;
 
     #[test]
     fn a_status_is_said_with_what_to_do() {
+        let fault = StreamFault {
+            part: "bundle 7 of level 0".to_owned(),
+            error: SourceError::Changed.into(),
+            retry_in: None,
+        };
+        let fault = BakedShadowError::Stream { file: "city.adumbra".to_owned(), fault: fault.into() };
         let rows = BakedShadowError::TooManyRows { rows: 9000, limit: 8192 };
         let all = [
             (BakedShadowStatus::Waiting, "loading"),
             (BakedShadowStatus::Active { files: 1 }, "in use"),
             (BakedShadowStatus::Active { files: 2 }, "2 files"),
+            (
+                BakedShadowStatus::Incomplete { files: 1, fault },
+                "city.adumbra: the bundle 7 of level 0 is missing",
+            ),
             (BakedShadowStatus::Misaligned { degrees: 1.234 }, "1.23 degrees"),
             (BakedShadowStatus::Misaligned { degrees: 1.0 }, "BakedShadow::align"),
             (BakedShadowStatus::Unusable(BakedShadowError::NoShadowMaps), "shadow_maps_enabled"),

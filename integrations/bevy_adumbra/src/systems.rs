@@ -1,6 +1,7 @@
 //! Where the plugin's systems run.
 
 use bevy::app::{App, PostUpdate};
+use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::prelude::*;
 use bevy::light::SimulationLightSystems;
 use bevy::transform::TransformSystems;
@@ -19,6 +20,9 @@ pub enum AdumbraSystems {
     /// Bakes begin, and the files of those that are done are put on their lights. In `PostUpdate`, after
     /// [`TransformSystems::Propagate`] and [`AdumbraSystems::MarkStatics`], with the feature `bake`.
     Bake,
+    /// Streamed files take what cameras see, and what has been read. In `PostUpdate`, after
+    /// [`VisibilitySystems::UpdateFrusta`] and before [`AdumbraSystems::ApplyFiles`].
+    Stream,
     /// Loaded files are applied to their lights. After that, [`BakedShadowStatus`](crate::BakedShadowStatus) is that of
     /// this frame. In `PostUpdate`, after [`AdumbraSystems::Bake`] and before
     /// [`SimulationLightSystems::UpdateDirectionalLightCascades`].
@@ -39,6 +43,7 @@ pub(crate) fn order(app: &mut App) {
             AdumbraSystems::AlignLights.before(TransformSystems::Propagate),
             (AdumbraSystems::MarkStatics, AdumbraSystems::Bake, AdumbraSystems::ApplyFiles).chain(),
             AdumbraSystems::Bake.after(TransformSystems::Propagate),
+            AdumbraSystems::Stream.after(VisibilitySystems::UpdateFrusta).before(AdumbraSystems::ApplyFiles),
             AdumbraSystems::ApplyFiles
                 .after(TransformSystems::Propagate)
                 .before(SimulationLightSystems::UpdateDirectionalLightCascades),

@@ -29,6 +29,7 @@ fn components_and_resources_are_registered() {
     assert!(has::<StaticCasters, ReflectResource>(&registry));
     assert!(has::<CascadeCasters, ReflectResource>(&registry));
     assert!(has::<DeviceLimits, ReflectResource>(&registry));
+    assert!(has::<StreamBudget, ReflectResource>(&registry));
     #[cfg(feature = "bake")]
     {
         assert!(has::<BakeShadow, ReflectComponent>(&registry));

@@ -1,13 +1,17 @@
-// Makes what the page shows: the city, its shadows, and the truth of one view by rays. The program `adumbra` does it
-// all, in seconds; `ADUMBRA_BIN` says where it is, if not in the path.
+// Makes what the pages show: the city, its shadows, and the truth of one view by rays; and the shadows of 2 × 2 km. The program
+// `adumbra` does it all. It takes seconds, but for the shadows of 2 × 2 km about half a minute: they are baked only where they are
+// not there, so remove `demo/public` to have them baked anew. `ADUMBRA_BIN` says where the program is, if not in the path.
 
 import { spawnSync } from 'node:child_process';
-import { mkdirSync, renameSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
+import { multiplied, places } from './metropolis-copies.mjs';
+
 const SUN = [0.5, 0.8, 0.35];
 const COLUMNS = 16384;
+const METROPOLIS_COLUMNS = 65536;
 const VIEW = { eye: [-150, 38, 175], target: [-75, 4, 75], fov: 45, width: 480, height: 270 };
 
 const folder = fileURLToPath(new URL('public', import.meta.url));
@@ -45,3 +49,12 @@ make(
   ...[`--eye=${eye.join(',')}`, `--target=${target.join(',')}`, '--fov', String(fov)],
 );
 writeFileSync(join(folder, 'truth.json'), JSON.stringify({ ...VIEW, sun: SUN }));
+
+writeFileSync(join(folder, 'metropolis.json'), JSON.stringify(places()));
+if (!existsSync(join(folder, 'metropolis.adumbra'))) {
+  const metropolis = join(folder, 'metropolis.glb');
+  writeFileSync(metropolis, multiplied(readFileSync(city)));
+  make('metropolis.adumbra', 'bake', metropolis, '--sun', sun, '--resolution', String(METROPOLIS_COLUMNS), '--progress', 'none');
+  // Pages put the copies together themselves.
+  rmSync(metropolis);
+}

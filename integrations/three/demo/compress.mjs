@@ -1,4 +1,5 @@
-// Puts a file `.br` beside each file of the built page that gets smaller, for servers that send these.
+// Puts a file `.br` beside each file of the built page that gets smaller, for servers that send these. Not beside the file that
+// is streamed, since ranges are of the bytes as they are stored.
 
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';
@@ -7,7 +8,7 @@ import { brotliCompressSync, constants } from 'node:zlib';
 
 const folder = fileURLToPath(new URL('dist', import.meta.url));
 for (const entry of readdirSync(folder, { recursive: true, withFileTypes: true })) {
-  if (!entry.isFile() || entry.name.endsWith('.br')) continue;
+  if (!entry.isFile() || entry.name.endsWith('.br') || entry.name === 'metropolis.adumbra') continue;
   const path = join(entry.parentPath, entry.name);
   const bytes = readFileSync(path);
   const compressed = brotliCompressSync(bytes, {

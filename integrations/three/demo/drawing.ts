@@ -3,6 +3,7 @@
 import type { Camera, PerspectiveCamera, Scene } from 'three';
 import type { BakedShadowFile, FilterWidth } from 'adumbra-three';
 import type { LookUp } from 'adumbra-three/look-ups';
+import type { StreamedShadowFile } from 'adumbra-three/stream';
 
 import type { Stage } from './scene.js';
 import type { Technique } from './stock-shadows.js';
@@ -33,7 +34,7 @@ export interface Drawing {
   /** Draws into floats, four per pixel, from the top left. */
   read(scene: Scene, camera: Camera, width: number, height: number): Promise<Float32Array>;
   /** Gives a stage a file's shadows. What moves casts in a shadow map. */
-  bake(stage: Stage, file: BakedShadowFile, lookUp: LookUp | undefined, settings: FileSettings): Shadows;
+  bake(stage: Stage, file: BakedShadowFile | StreamedShadowFile, lookUp: LookUp | undefined, settings: FileSettings): Shadows;
   /** Gives a stage three's own shadows. */
   stock(stage: Stage, technique: Technique, camera: PerspectiveCamera): Shadows;
   /** Calls back if the GPU is lost. */

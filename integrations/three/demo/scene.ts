@@ -9,10 +9,11 @@ import { clone } from 'three/addons/utils/SkeletonUtils.js';
 
 import { makeBus } from './bus.js';
 
-/** Meshes are merged within squares of the ground, this many along each side, so that those out of sight can be left out. */
+/** Meshes are merged within squares of the ground, by default this many along each side, so that those out of sight can be left out. */
 const SQUARES = 4;
 
-const SKY = new Color(0x9fb9d6);
+/** The colour of the sky. */
+export const SKY = new Color(0x9fb9d6);
 
 /** What a GLB holds. */
 export interface World {
@@ -36,10 +37,10 @@ export interface Stage {
   readonly box: Box3;
 }
 
-/** Loads the city that comes with the page. */
-export async function loadCity(): Promise<World> {
+/** Loads the city that comes with the page. Its meshes are merged within `squares` along each side. */
+export async function loadCity(squares = SQUARES): Promise<World> {
   const { scene } = await new GLTFLoader().loadAsync('city.glb');
-  return world('city.glb', scene, { isCity: true, isAnimated: false });
+  return world('city.glb', scene, { isCity: true, isAnimated: false }, squares);
 }
 
 /**
@@ -52,7 +53,7 @@ export async function readWorld(name: string, bytes: ArrayBuffer): Promise<World
   return world(name, scene, { isCity: false, isAnimated: animations.length > 0 });
 }
 
-function world(name: string, root: Object3D, kind: Pick<World, 'isCity' | 'isAnimated'>): World {
+function world(name: string, root: Object3D, kind: Pick<World, 'isCity' | 'isAnimated'>, squares = SQUARES): World {
   root.updateMatrixWorld(true);
   const box = new Box3().setFromObject(root);
   if (box.isEmpty()) throw new Error('it has no mesh');
@@ -61,7 +62,7 @@ function world(name: string, root: Object3D, kind: Pick<World, 'isCity' | 'isAni
     if ((object as Partial<Light>).isLight === true) lights.push(object);
   });
   for (const light of lights) light.removeFromParent();
-  merge(root, box);
+  merge(root, box, squares);
   return { name, root, box, ...kind };
 }
 
@@ -108,9 +109,9 @@ export function disposeWorld({ root }: World): void {
 }
 
 /** Merges static meshes of one material that are near each other. Meshes of other kinds stay as they are. */
-function merge(root: Object3D, box: Box3): void {
+function merge(root: Object3D, box: Box3, squares: number): void {
   const size = box.getSize(new Vector3());
-  const square = Math.max(size.x, size.z) / SQUARES;
+  const square = Math.max(size.x, size.z) / squares;
   const flat = new Map<BufferGeometry, BufferGeometry>();
   const heaps = new Map<string, { material: Material; geometries: BufferGeometry[] }>();
   const merged: Mesh[] = [];

@@ -1,4 +1,4 @@
-// The demo page as a folder of files that any static server can show, below any path.
+// The demo pages as a folder of files that any static server can show, below any path.
 
 import { fileURLToPath } from 'node:url';
 
@@ -9,7 +9,12 @@ const inFolder = (path: string): string => fileURLToPath(new URL(path, import.me
 export default defineConfig({
   root: inFolder('.'),
   base: './',
-  build: { target: 'es2022', chunkSizeWarningLimit: 1000 },
+  build: {
+    target: 'es2022',
+    chunkSizeWarningLimit: 1000,
+    rolldownOptions: { input: ['index.html', 'metropolis.html'].map(inFolder) },
+  },
+  worker: { format: 'es' },
   resolve: {
     alias: [
       { find: /^adumbra-three\/(.*)$/, replacement: `${inFolder('../src')}/$1/index.ts` },

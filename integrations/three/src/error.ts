@@ -4,8 +4,8 @@
 /**
  * What is wrong with a file.
  *
- * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU. All others are those of the
- * specification: the file is not valid.
+ * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU or the budget. `Changed`: it is another than
+ * when it was opened. All others are those of the specification: the file is not valid.
  */
 export type ShadowFileErrorKind =
   | 'Magic'
@@ -21,6 +21,7 @@ export type ShadowFileErrorKind =
   | 'Coded'
   | 'Depths'
   | 'TooLarge'
+  | 'Changed'
   | 'Io';
 
 /** A fault in the voxels, for the kind `Depths`. */

@@ -29,8 +29,18 @@ export interface FileSettings {
   readonly receivers: 'all' | 'static';
   /** How far behind its first surface a column may switch, voxels; 0 anywhere that no look-up from a surface reads. */
   readonly switchWithinVoxels: number;
+  /**
+   * For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to meet
+   * something. 0 = never.
+   */
+  readonly darkAfterVoxels: number;
   /** The box that was given for the bake, world space; `null` if none was. */
   readonly bounds: Bounds | null;
+  /**
+   * The region of a world that the file is of: its numbers along x and y of the grid, and its texels a side; `null` if it is of
+   * a whole world. Positions are relative to the region's origin, which the world's manifest has.
+   */
+  readonly region: { readonly x: number; readonly y: number; readonly texels: number } | null;
   /** The bias that the file was baked for. */
   readonly bias: Bias;
   /** Number of triangles that were baked, every instance counted; rounded above 2^53. */

@@ -1,17 +1,7 @@
-// The visibility of one light from its files. `adumbra_look_up` comes before this text.
+// The visibility of one light from its files. surface.wgsl and `adumbra_look_up` come before this text, main.wgsl after it.
 
 // A file whose grid holds a point at least this far inside is not better than another, texels.
 const ADUMBRA_FAR_INSIDE: i32 = 8;
-
-fn adumbra_surface_at(p_world: vec3f, normal: vec3f, pixel: vec2f) -> AdumbraSurface {
-    var s: AdumbraSurface;
-    s.p_relative = p_world - adumbra_texture_anchor();
-    s.normal = normal;
-    s.towards_sun = adumbra_texture_towards_sun();
-    s.view_depth = 0.0;
-    s.pixel = vec2u(max(pixel, vec2f(0.0)));
-    return s;
-}
 
 // Returns how far inside the selected file's grid a point is, texels; negative outside.
 fn adumbra_texels_inside(p_world: vec3f) -> i32 {
@@ -52,11 +42,15 @@ fn adumbra_visibility(p_world: vec3f, normal: vec3f, pixel: vec2f) -> f32 {
     } else {
         adumbra_select_best(count, p_world);
     }
-    return adumbra_look_up(adumbra_texture_params(), adumbra_surface_at(p_world, normal, pixel));
-}
-
-// Keeps the look-up in the generated text, which ends before this function.
-@fragment
-fn main(@location(0) p_world: vec3f, @location(1) normal: vec3f, @builtin(position) at: vec4f) -> @location(0) vec4f {
-    return vec4f(adumbra_visibility(p_world, normal, at.xy));
+    let s = adumbra_surface_at(p_world, normal, pixel);
+    // Where a page is not resident, a coarser level answers; while one comes or goes, a coarser level has a share.
+    var blend = vec2f(0.0, 1.0);
+    loop {
+        let v = adumbra_texture_params();
+        blend = adumbra_blend(blend, v, s, adumbra_look_up(v, s));
+        if (blend.y <= 0.0 || !adumbra_coarser_level()) {
+            break;
+        }
+    }
+    return blend.x;
 }

@@ -17,14 +17,18 @@ use rust::Modules;
 use typescript::add_imports;
 
 /// Crates in the order in which data flows. A crate depends only on earlier ones.
-const ORDER: [&str; 14] = [
+const ORDER: [&str; 18] = [
     "adumbra",
     "adumbra-files",
+    "adumbra-solar",
     "adumbra-scene",
     "adumbra-bake",
+    "adumbra-store",
     "adumbra-shaders",
     "adumbra-render",
     "adumbra-truth",
+    "adumbra-path",
+    "adumbra-sunlight",
     "adumbra-program",
     "adumbra-compare",
     "adumbra-view",
@@ -35,8 +39,13 @@ const ORDER: [&str; 14] = [
 ];
 
 /// Sources in Rust that are not below `crates/`.
-const OTHER_RUST: [&str; 4] =
-    ["integrations/bevy_adumbra/src", "integrations/three/generator/src", "xtask/src", "xtask/bakes/src"];
+const OTHER_RUST: [&str; 5] = [
+    "integrations/bevy_adumbra/src",
+    "integrations/three/generator/src",
+    "xtask/src",
+    "xtask/bakes/src",
+    "python/src",
+];
 /// Sources in TypeScript.
 const TYPESCRIPT: [&str; 2] = ["integrations/three/src", "integrations/three/demo"];
 

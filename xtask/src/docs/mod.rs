@@ -89,10 +89,11 @@ fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<d
     paths.into_iter().map(document).collect()
 }
 
-/// Builds the programs and the examples as the tests do.
+/// Arguments of cargo that build the programs and the examples as the tests do.
+pub(crate) const BUILD: [&str; 5] = ["build", "--release", "--workspace", "--bins", "--examples"];
+
 fn build(root: &Path) -> Result<(), Box<dyn Error>> {
-    let arguments = ["build", "--release", "--workspace", "--bins", "--examples"];
-    let status = Command::new("cargo").args(arguments).current_dir(root).status()?;
+    let status = crate::outside_cargo(&mut Command::new("cargo")).args(BUILD).current_dir(root).status()?;
     if status.success() { Ok(()) } else { Err("the program does not build".into()) }
 }
 

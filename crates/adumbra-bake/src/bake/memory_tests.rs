@@ -4,6 +4,7 @@
 use adumbra::layout::depths::DepthTree;
 use adumbra::{IoError, Sun};
 use adumbra_scene::{GeneratedKind, Scene, generate};
+use adumbra_testing::full;
 
 use crate::error::{Error, Result};
 use crate::options::{BakeOptions, Builder, FrameChoice, Size};
@@ -26,7 +27,7 @@ fn squeeze(options: &BakeOptions, bake: impl Fn(&BakeOptions) -> Result<(DepthTr
     assert_eq!(free.spilled_bytes, 0);
     let (mut too_little, mut enough) = (0, free.accounted_bytes * 5 / 4);
     let mut most_spilled = 0;
-    for step in 0..8 {
+    for step in 0..if full() { 8 } else { 5 } {
         let limit = (too_little + enough) / 2;
         let options = BakeOptions { max_memory_bytes: Some(limit), ..options.clone() };
         match on_threads(1 + step % 2, || bake(&options)) {
@@ -55,8 +56,9 @@ fn city() -> Scene {
 #[ignore = "slow: bakes again and again"]
 fn limited_bake_gives_the_depths_of_a_free_one() {
     let scene = city();
+    let fast = if full() { 8192 } else { 4096 };
     for (builder, resolution, merged) in
-        [(Builder::Fast, 8192, true), (Builder::Fast, 8192, false), (Builder::Plain, 1024, true)]
+        [(Builder::Fast, fast, true), (Builder::Fast, fast, false), (Builder::Plain, 512, true)]
     {
         let options = BakeOptions { builder, ..options(resolution) };
         let spilled = squeeze(&options, |o| bake_depths(&scene, o, merged));
@@ -70,11 +72,11 @@ fn limited_bake_gives_the_depths_of_a_free_one() {
 fn limited_bake_without_a_folder_to_spill_to_is_an_error() {
     let scene = city();
     let folder = std::path::PathBuf::from("/nonexistent/adumbra");
-    let options = options(8192);
+    let options = options(2048);
     let (_, free) = bake_depths(&scene, &options, true).unwrap();
     let mut failed = 0;
-    for step in 0..16 {
-        let limit = free.accounted_bytes * (24 - step) / 20;
+    for step in 0..8 {
+        let limit = free.accounted_bytes * (24 - 2 * step) / 20;
         let options = BakeOptions {
             max_memory_bytes: Some(limit),
             spill_folder: Some(folder.clone()),

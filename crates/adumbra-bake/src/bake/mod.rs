@@ -4,21 +4,21 @@
 mod level_tests;
 #[cfg(test)]
 mod memory_tests;
-mod run;
+pub(crate) mod run;
 
 use std::io::{self, ErrorKind, Seek, Write};
 use std::sync::Arc;
 use std::time::Instant;
 
-use adumbra::file::{CommonSection, FileWriter, StoredBundle};
-use adumbra::layout::depths::Ranges;
+use adumbra::file::{CommonSection, FileWriter, LEVEL_STEP, StoredBundle};
+use adumbra::layout::depths::SharedRanges;
 use adumbra::layout::depths::page::{BUNDLE_PAGES, Page, page_dims};
-use adumbra::{FileSettings, FormatError, LightGrid, ShadowFile};
+use adumbra::{AtRest, FileSettings, FormatError, LightGrid, Region, ShadowFile};
 use adumbra_scene::Scene;
 
 use crate::choose::{self, Choice};
 use crate::error::{Error, Result};
-use crate::inputs;
+use crate::inputs::SceneHashes;
 use crate::objects::{Keeper, Objects, Parts};
 use crate::options::BakeOptions;
 use crate::pages::Pages;
@@ -63,16 +63,41 @@ pub struct Written {
 /// Returns [`Error::Spill`] if data that does not fit into memory cannot be written to disk, and
 /// [`Error::Interrupted`] if the caller cancels.
 pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Bake> {
+    bake_in_memory(scene, options, None, watch)
+}
+
+/// Bakes `scene` into a file in memory as [`bake`] does, with what `objects` has of earlier bakes. See
+/// [`bake_with_objects`].
+///
+/// # Errors
+/// Returns the errors of [`bake`], and [`Error::Io`] with those of `objects`.
+pub fn bake_again(
+    scene: &Scene,
+    options: &BakeOptions,
+    objects: &Arc<dyn Objects>,
+    watch: Watch<'_>,
+) -> Result<Bake> {
+    bake_in_memory(scene, options, Some(objects), watch)
+}
+
+fn bake_in_memory(
+    scene: &Scene,
+    options: &BakeOptions,
+    objects: Option<&Arc<dyn Objects>>,
+    watch: Watch<'_>,
+) -> Result<Bake> {
+    let hashes = objects.map(|_| SceneHashes::new(scene));
+    let objects = objects.zip(hashes.as_ref());
     let choice = Choice::new(scene, options)?;
     let mut levels = Vec::with_capacity(choice.levels.len());
     let mut report = Report::default();
     let mut settings = None;
     for level in (0..choice.levels.len()).rev() {
         let plan = choice.plan(scene, options, level)?;
-        let built = build_level(&plan, options, &choice, level, None, watch)?;
+        let built = build_level(&plan, options, &choice, level, objects, watch)?;
         report = report.with(&built.report);
         settings = Some(built.settings);
-        levels.push((built.grid, built.made.tree()?));
+        levels.push((stored_grid(built.grid, options.region, level), built.made.tree()?));
     }
     match (levels.pop(), settings) {
         (Some((grid, tree)), Some(settings)) => {
@@ -125,29 +150,58 @@ fn bake_file(
     // Only the resolution differs from level to level.
     let settings = FileSettings { resolution: choice.levels[0].resolution, ..plan.settings };
     let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
-    let mut writer = FileWriter::new(out, settings, &grids, options.at_rest).map_err(Error::Output)?;
+    let mut writer = file_writer(out, settings, &grids, options.at_rest)?;
     let mut report = Report::default();
     let mut coarsest = Some(plan);
+    let hashes = objects.map(|_| SceneHashes::new(scene));
+    let objects = objects.zip(hashes.as_ref());
     for level in (0..grids.len()).rev() {
         let plan = coarsest.take().map_or_else(|| plan_of(level), Ok)?;
         let built = build_level(&plan, options, &choice, level, objects, watch)?;
         // Linking needs no triangles.
         drop(plan);
         report = report.with(&built.report);
-        let mut linked = built.made.link()?;
-        let (words, shapes) = linked.take_common();
-        let common = CommonSection::new(words, || shapes, options.at_rest).map_err(invalid)?;
-        writer.common(&common).map_err(Error::Output)?;
-        let dims = page_dims(grids[level].size);
-        let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| {
-            StoredBundle::new(at, dims, pages, &mut Ranges::new(common.words()), &common)
-        };
-        linked.for_each_bundle(stored, |_, bundle| {
-            writer.bundle(&bundle.map_err(invalid)?).map_err(Error::Output)
-        })?;
+        write_level(&mut writer, built.made, grids[level].size, options.at_rest)?;
     }
     let bytes = writer.finish().map_err(Error::Output)?;
     Ok(Written { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
+}
+
+/// Returns a level's grid as the file has it: that of a region is relative to the region's origin.
+pub(crate) fn stored_grid(grid: LightGrid, region: Option<Region>, level: usize) -> LightGrid {
+    region.map_or(grid, |region| region.relative(grid, LEVEL_STEP.pow(level as u32)))
+}
+
+/// Begins a file with grids that lie in the world, the finest first.
+pub(crate) fn file_writer<W: Write + Seek>(
+    out: W,
+    settings: FileSettings,
+    grids: &[LightGrid],
+    at_rest: AtRest,
+) -> Result<FileWriter<W>> {
+    let stored = |(level, grid): (usize, &LightGrid)| stored_grid(*grid, settings.region, level);
+    let stored: Vec<LightGrid> = grids.iter().enumerate().map(stored).collect();
+    FileWriter::new(out, settings, &stored, at_rest).map_err(Error::Output)
+}
+
+/// Links the pages of a level, and writes them.
+pub(crate) fn write_level(
+    writer: &mut FileWriter<impl Write + Seek>,
+    pages: Pages,
+    size: [u32; 3],
+    at_rest: AtRest,
+) -> Result<()> {
+    let mut linked = pages.link()?;
+    let (words, shapes) = linked.take_common();
+    let common = CommonSection::new(words, || shapes, at_rest).map_err(invalid)?;
+    writer.common(&common).map_err(Error::Output)?;
+    let dims = page_dims(size);
+    let ranges = SharedRanges::new(common.words());
+    let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| {
+        ranges.with(|ranges| StoredBundle::new(at, dims, pages, ranges, &common))
+    };
+    linked
+        .for_each_bundle(stored, |_, bundle| writer.bundle(&bundle.map_err(invalid)?).map_err(Error::Output))
 }
 
 /// Returns the error for pages that cannot be written.
@@ -161,7 +215,7 @@ fn build_level(
     options: &BakeOptions,
     choice: &Choice,
     level: usize,
-    objects: Option<&Arc<dyn Objects>>,
+    objects: Option<(&Arc<dyn Objects>, &SceneHashes)>,
     watch: Watch<'_>,
 ) -> Result<Built<Pages>> {
     let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
@@ -172,10 +226,11 @@ fn build_level(
     };
     let (size, root_level) = (plan.tiles.grid.size, plan.tiles.root_level);
     let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
-    if let Some(objects) = objects {
+    if let Some((objects, hashes)) = objects {
         let parts = Parts::new(size, root_level);
-        let keys = inputs::keys(plan, options.builder, &parts);
-        sink = sink.with_objects(Keeper::new(objects, parts, keys));
+        let numbers: Vec<usize> = (0..parts.count()).collect();
+        let keys = hashes.keys(plan, options.builder, &parts, &numbers);
+        sink = sink.with_objects(Keeper::new(objects, parts, numbers.into_iter().zip(keys)));
     }
     let reused_tiles = sink.found_tiles();
     let mut built = build_planned(plan, options, Watch::new(&progress, watch.cancel), |_| sink)?;
@@ -219,7 +274,8 @@ pub(crate) fn build_planned<S: Structure>(
     sink: impl FnOnce(&Plan<'_>) -> S,
 ) -> Result<Built<S::Made>> {
     let start = Instant::now();
-    let tally = Tally::new(plan, start, watch.progress);
+    let tiles: Vec<usize> = (0..plan.tiles.count()).collect();
+    let tally = Tally::new(plan, tiles.len(), start, watch.progress);
     let sink = sink(plan);
     let finished_tile = || {
         sink.check_room()?;
@@ -227,7 +283,7 @@ pub(crate) fn build_planned<S: Structure>(
         sink.make_room();
         tally.finished_tile(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
     };
-    let run = Run { plan, cancel: watch.cancel, finished_tile: &finished_tile };
+    let run = Run { plan, tiles: &tiles, cancel: watch.cancel, finished_tile: &finished_tile };
     let blocks = run.each_block(options.builder, &sink, &tally)?;
     let held_bytes = sink.memory_bytes() + sink.finish_bytes();
     plan.limit_pages(plan.scene_bytes + held_bytes);

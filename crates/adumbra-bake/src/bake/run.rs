@@ -15,6 +15,8 @@ use crate::tally::Tally;
 /// Root blocks, handed out to workers until none is left or one fails.
 pub(crate) struct Run<'a, 's> {
     pub(crate) plan: &'a Plan<'s>,
+    /// Numbers of the root blocks.
+    pub(crate) tiles: &'a [usize],
     pub(crate) cancel: &'a AtomicBool,
     pub(crate) finished_tile: &'a (dyn Fn() -> Result<()> + Sync),
 }
@@ -53,13 +55,12 @@ impl Run<'_, '_> {
         }
     }
 
-    /// Returns the result of each tile, in order. Every worker has its own `W`.
+    /// Returns the result of each root block, in order. Every worker has its own `W`.
     fn each_tile<W: Default, T: Send>(
         &self,
         build: impl Fn(&mut W, usize) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
-        let tiles = self.plan.tiles.count();
-        let results: Vec<Mutex<Option<T>>> = (0..tiles).map(|_| Mutex::default()).collect();
+        let results: Vec<Mutex<Option<T>>> = self.tiles.iter().map(|_| Mutex::default()).collect();
         let next_tile = AtomicUsize::new(0);
         let failure = Mutex::new(None);
         rayon::scope(|scope| {
@@ -67,8 +68,10 @@ impl Run<'_, '_> {
                 scope.spawn(|_| {
                     let mut worker = W::default();
                     loop {
-                        let tile = next_tile.fetch_add(1, Ordering::Relaxed);
-                        let Some(slot) = results.get(tile) else { break };
+                        let next = next_tile.fetch_add(1, Ordering::Relaxed);
+                        let (Some(slot), Some(&tile)) = (results.get(next), self.tiles.get(next)) else {
+                            break;
+                        };
                         let outcome = if self.cancel.load(Ordering::Relaxed) {
                             Err(Error::Interrupted)
                         } else {
@@ -78,7 +81,7 @@ impl Run<'_, '_> {
                             })
                         };
                         if let Err(error) = outcome {
-                            next_tile.store(tiles, Ordering::Relaxed);
+                            next_tile.store(results.len(), Ordering::Relaxed);
                             lock(&failure).get_or_insert(error);
                             break;
                         }

@@ -1,4 +1,4 @@
-//! Objects in a folder: `ab/cdef….object` for the key `abcdef…`.
+//! Objects in a folder: `ab/cdef….object` for the key `abcdef…`, and `new/` for objects that are being written.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -7,11 +7,12 @@ use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use adumbra::IoError;
-use adumbra_files::replace_unsynced;
+use adumbra_files::{remove_abandoned, replace_unsynced};
 
 use super::{ObjectKey, Objects};
 
 const EXTENSION: &str = "object";
+const NEW: &str = "new";
 
 /// A folder with objects. Bakes on one machine or on many may share it.
 #[derive(Clone, Debug)]
@@ -35,7 +36,9 @@ impl FolderObjects {
     /// Returns [`IoError`] if the folder cannot be created.
     pub fn create(folder: impl Into<PathBuf>) -> Result<Self, IoError> {
         let folder = folder.into();
-        fs::create_dir_all(&folder).map_err(IoError::at("create", &folder))?;
+        let new = folder.join(NEW);
+        fs::create_dir_all(&new).map_err(IoError::at("create", &folder))?;
+        remove_abandoned(&new);
         Ok(Self { folder })
     }
 
@@ -46,6 +49,7 @@ impl FolderObjects {
     pub fn open(folder: impl Into<PathBuf>) -> Result<Self, IoError> {
         let folder = folder.into();
         fs::read_dir(&folder).map_err(IoError::at("read", &folder))?;
+        remove_abandoned(&folder.join(NEW));
         Ok(Self { folder })
     }
 
@@ -145,6 +149,6 @@ impl Objects for FolderObjects {
         let folder = path.parent().unwrap_or(&self.folder);
         fs::create_dir_all(folder).map_err(IoError::at("create", folder))?;
         // Not synced: what a power failure damages does not have its checksum, and is made again.
-        replace_unsynced(&path, |file| file.write_all(bytes))
+        replace_unsynced(&path, &self.folder.join(NEW), |file| file.write_all(bytes))
     }
 }

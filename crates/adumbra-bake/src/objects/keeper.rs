@@ -42,6 +42,12 @@ impl Parts {
         [part as u32 % across, part as u32 / across]
     }
 
+    /// Returns the first texel of a part along x and y, and the number of its texels inside the grid.
+    pub(crate) fn texels(&self, part: usize) -> [[u32; 2]; 2] {
+        let corner = self.place(part).map(|n| n << self.level());
+        [corner, [0, 1].map(|a| (1 << self.level()).min(self.size[a] - corner[a]))]
+    }
+
     /// Returns the part at a page.
     pub(super) fn at_page(&self, page: [u32; 2]) -> usize {
         let [x, y] = page.map(|n| n >> (self.level() - PAGE_LEVEL));
@@ -87,30 +93,42 @@ fn inside(place: [u32; 2], shift: u32, dims: [u32; 2]) -> impl Iterator<Item = [
 pub(crate) struct Keeper {
     objects: Arc<dyn Objects>,
     pub(crate) parts: Parts,
-    /// The key of each part.
-    keys: Vec<ObjectKey>,
+    /// The key of each part; `None` for parts that the bake leaves out.
+    keys: Vec<Option<ObjectKey>>,
     /// Whether the object of a part was there.
     found: Vec<AtomicBool>,
     failure: Mutex<Option<IoError>>,
 }
 
 impl Keeper {
-    /// `keys` are those of the parts, x fastest.
-    pub(crate) fn new(objects: &Arc<dyn Objects>, parts: Parts, keys: Vec<ObjectKey>) -> Self {
-        let found = keys.iter().map(|_| AtomicBool::new(false)).collect();
-        Self { objects: Arc::clone(objects), parts, keys, found, failure: Mutex::default() }
+    /// `keys` are those of some parts, each with its number.
+    pub(crate) fn new(
+        objects: &Arc<dyn Objects>,
+        parts: Parts,
+        keys: impl IntoIterator<Item = (usize, ObjectKey)>,
+    ) -> Self {
+        let found = (0..parts.count()).map(|_| AtomicBool::new(false)).collect();
+        let mut all = vec![None; parts.count()];
+        keys.into_iter().for_each(|(part, key)| all[part] = Some(key));
+        Self { objects: Arc::clone(objects), parts, keys: all, found, failure: Mutex::default() }
     }
 
     /// Reads all objects that are there, on all threads, and passes the pages of each to `take`, x fastest.
     pub(crate) fn find(&self, take: impl Fn(usize, Vec<PageObject>) + Sync) {
         (0..self.keys.len()).into_par_iter().for_each(|part| {
-            let key = &self.keys[part];
+            let Some(key) = &self.keys[part] else { return };
             match self.objects.get(key) {
                 Err(error) => self.fail(error),
                 Ok(None) => {}
                 // What is damaged is made again.
                 Ok(Some(bytes)) => {
-                    if let Some(pages) = object::from_bytes(key, &bytes, self.parts.page_dims(part)) {
+                    let dims = self.parts.page_dims(part);
+                    let pages = if self.objects.are_own() {
+                        object::from_own_bytes(&bytes, dims)
+                    } else {
+                        object::from_bytes(key, &bytes, dims)
+                    };
+                    if let Some(pages) = pages {
                         take(part, pages);
                         self.found[part].store(true, Ordering::Relaxed);
                     }
@@ -121,13 +139,18 @@ impl Keeper {
 
     /// Whether the object of a root block's part was there.
     pub(crate) fn has_tile(&self, tile: usize) -> bool {
-        self.found[self.parts.of_tile(tile)].load(Ordering::Relaxed)
+        self.has(self.parts.of_tile(tile))
+    }
+
+    /// Whether the object of a part was there.
+    pub(crate) fn has(&self, part: usize) -> bool {
+        self.found[part].load(Ordering::Relaxed)
     }
 
     /// Returns the number of root blocks whose objects were there.
     pub(crate) fn found_tiles(&self) -> usize {
-        let found = self.found.iter().enumerate().filter(|(_, found)| found.load(Ordering::Relaxed));
-        found.map(|(part, _)| self.parts.tiles(part).count()).sum()
+        let found = (0..self.parts.count()).filter(|&part| self.has(part));
+        found.map(|part| self.parts.tiles(part).count()).sum()
     }
 
     /// Returns the part at a page.
@@ -137,7 +160,7 @@ impl Keeper {
 
     /// Keeps the pages of a part: root, base and words of each, x fastest.
     pub(crate) fn keep<'p>(&self, part: usize, pages: impl Iterator<Item = (u32, u32, &'p [u32])> + Clone) {
-        let key = &self.keys[part];
+        let Some(key) = &self.keys[part] else { return };
         if let Err(error) = self.objects.put(key, &object::to_bytes(key, pages)) {
             self.fail(error);
         }

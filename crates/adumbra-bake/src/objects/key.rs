@@ -1,6 +1,7 @@
 //! The name of an object.
 
 use std::fmt;
+use std::str::FromStr;
 
 /// Names an object: a BLAKE3 hash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,6 +16,25 @@ impl ObjectKey {
     /// Returns the bytes.
     pub fn as_bytes(&self) -> &[u8; 32] {
         &self.0
+    }
+}
+
+impl FromStr for ObjectKey {
+    type Err = ();
+
+    /// Reads 64 lower-case hexadecimal digits.
+    fn from_str(text: &str) -> Result<Self, ()> {
+        let digit = |c: u8| match c {
+            b'0'..=b'9' => Ok(c - b'0'),
+            b'a'..=b'f' => Ok(c - b'a' + 10),
+            _ => Err(()),
+        };
+        let (pairs, []) = text.as_bytes().as_chunks::<2>() else { return Err(()) };
+        let bytes: Vec<u8> = pairs
+            .iter()
+            .map(|&[high, low]| Ok(digit(high)? << 4 | digit(low)?))
+            .collect::<Result<_, ()>>()?;
+        bytes.try_into().map(Self).map_err(drop)
     }
 }
 

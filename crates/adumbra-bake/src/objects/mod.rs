@@ -9,6 +9,7 @@
 //! | `key.rs` | the name of an object; `inputs.rs` of this crate makes it |
 //! | `object.rs` | the bytes of an object |
 //! | `folder.rs` | objects in a folder |
+//! | `memory.rs` | objects in memory |
 //! | `keeper.rs` | which parts of a bake are there, and what becomes of the others |
 //!
 //! Source: build systems that keep results by what they were made from, such as Bazel (Google, 2015).
@@ -16,6 +17,7 @@
 mod folder;
 mod keeper;
 mod key;
+mod memory;
 mod object;
 #[cfg(test)]
 mod tests;
@@ -27,6 +29,7 @@ use adumbra::IoError;
 pub use folder::{FolderContents, FolderObjects};
 pub(crate) use keeper::{Keeper, Parts};
 pub use key::ObjectKey;
+pub use memory::MemoryObjects;
 pub(crate) use object::PageObject;
 
 /// Keeps objects. Several bakes may use one at the same time, on one machine or many: whoever writes an object last writes
@@ -43,4 +46,9 @@ pub trait Objects: fmt::Debug + Send + Sync {
     /// # Errors
     /// Returns [`IoError`] if it cannot be written.
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError>;
+
+    /// Whether every object is one that this process has put there, so that none needs a check.
+    fn are_own(&self) -> bool {
+        false
+    }
 }

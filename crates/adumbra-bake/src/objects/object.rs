@@ -52,6 +52,11 @@ pub(super) fn from_bytes(key: &ObjectKey, bytes: &[u8], dims: [u32; 2]) -> Optio
     if &bytes[..8] != MAGIC || checksum(key, bytes) != *found {
         return None;
     }
+    from_own_bytes(bytes, dims).filter(|pages| is_valid(pages, dims))
+}
+
+/// Returns the pages of an object that this process has made.
+pub(super) fn from_own_bytes(bytes: &[u8], dims: [u32; 2]) -> Option<Vec<PageObject>> {
     let count = (dims[0] * dims[1]) as usize;
     let heads = bytes.get(HEAD..HEAD + PAGE_HEAD * count)?;
     let (words, []) = bytes[HEAD + PAGE_HEAD * count..].as_chunks::<4>() else { return None };
@@ -66,7 +71,7 @@ pub(super) fn from_bytes(key: &ObjectKey, bytes: &[u8], dims: [u32; 2]) -> Optio
             PageObject { root: number(0), base: number(4), words }
         })
         .collect();
-    (words.next().is_none() && is_valid(&pages, dims)).then_some(pages)
+    words.next().is_none().then_some(pages)
 }
 
 fn checksum(key: &ObjectKey, bytes: &[u8]) -> [u8; 32] {

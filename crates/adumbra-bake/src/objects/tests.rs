@@ -81,7 +81,7 @@ fn forged_objects_are_refused_or_can_be_read() {
             Some(pages) => {
                 let mut reader = crate::pages::Reader::default();
                 for page in pages.iter().filter(|page| page.root != UNIFORM) {
-                    reader.read(&page.words, page.root, true);
+                    reader.read(&page.words, page.root);
                 }
             }
         }

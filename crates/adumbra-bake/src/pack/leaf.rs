@@ -10,7 +10,7 @@ use adumbra::layout::depths::code::{LEAF_NEVER, LEAF_SLANTED, LEAF_WIDTH};
 use adumbra::layout::depths::slant::Slant;
 
 /// A leaf whose depths are still intervals.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Leaf {
     /// How all of its depths change from column to column.
     slant: Slant,

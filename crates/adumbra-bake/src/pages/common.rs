@@ -38,18 +38,23 @@ impl Common {
     /// # Errors
     /// Returns [`OutOfReach`] if the section is too large.
     pub(super) fn of(store: &PageStore, numbers: &[u32]) -> Result<Self, OutOfReach> {
-        let for_each_page = |visit: &(dyn Fn(&Reader) + Sync)| {
+        let for_each_page = |visit: &(dyn Fn(&mut Reader, &[u32], u32) + Sync)| {
             numbers.par_iter().for_each_init(Reader::default, |reader, &number| {
                 if let Some((words, root)) = store.get(number) {
-                    reader.read(&words, root, true);
-                    visit(reader);
+                    visit(reader, &words, root);
                 }
             });
         };
         let sketch = Sketch::new(shapes_about(store));
-        for_each_page(&|reader| reader.hashes.iter().for_each(|&hash| sketch.count(hash)));
+        for_each_page(&|reader, words, root| {
+            reader.read_hashes(words, root);
+            reader.hashes.iter().for_each(|&hash| sketch.count(hash));
+        });
         let found = Candidates::new(sketch);
-        for_each_page(&|reader| found.visit(reader));
+        for_each_page(&|reader, words, root| {
+            reader.read(words, root);
+            found.visit(reader);
+        });
         found.lay_out()
     }
 

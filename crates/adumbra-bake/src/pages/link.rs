@@ -122,7 +122,7 @@ impl Linked {
         let Some((words, root)) = self.pages.store.get(number) else { return Ok(uniform(base)) };
         self.pages.store.forget(number);
         let Scratch { reader, places } = scratch;
-        reader.read(&words, root, self.pages.merged);
+        reader.read(&words, root);
         let address = |index: usize| self.common.address(reader.hashes[index]);
         let words = reader.shapes().write(address, places)?;
         let (root, words) = match places.last() {

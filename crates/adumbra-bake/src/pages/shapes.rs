@@ -205,7 +205,7 @@ fn hash_of_node(children: &Children, level: u32) -> u64 {
 /// Reads the shapes of pages, and hashes them: equal shapes have equal hashes in every page.
 #[derive(Debug, Default)]
 pub(crate) struct Reader {
-    draft: Draft,
+    shapes: Shapes,
     /// The hash of each shape of the list, from its level and all that is below it.
     pub(super) hashes: Vec<u128>,
     /// For each half-word of the page, one more than the index of the shape that begins there.
@@ -214,26 +214,35 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
-    /// Reads a page without a common section, from its words and the address of its root. `merged`: equal shapes are
+    /// Reads a page without a common section, from its words and the address of its root. A shape that is stored once is
     /// listed once.
-    pub(crate) fn read(&mut self, words: &[u32], root: u32, merged: bool) {
-        self.draft.clear();
+    pub(crate) fn read(&mut self, words: &[u32], root: u32) {
+        self.shapes.clear();
+        self.walk::<true>(words, root);
+    }
+
+    /// Hashes the shapes of a page as [`Reader::read`] does, and lists nothing else.
+    pub(super) fn read_hashes(&mut self, words: &[u32], root: u32) {
+        self.walk::<false>(words, root);
+    }
+
+    fn walk<const LISTS: bool>(&mut self, words: &[u32], root: u32) {
         self.hashes.clear();
         self.places.clear();
         self.places.resize(2 * words.len(), 0);
-        self.shape(Code { words }, root, PAGE_LEVEL, merged);
+        self.shape::<LISTS>(Code { words }, root, PAGE_LEVEL);
     }
 
     pub(super) fn shapes(&self) -> &Shapes {
-        &self.draft.shapes
+        &self.shapes
     }
 
-    fn shape(&mut self, code: Code<'_>, at: u32, level: u32, merged: bool) -> u32 {
+    fn shape<const LISTS: bool>(&mut self, code: Code<'_>, at: u32, level: u32) -> u32 {
         if let Some(known) = self.places[at as usize].checked_sub(1) {
             return known;
         }
-        let index = if level == LEAF_LEVEL {
-            self.leaf(code, at, merged)
+        if level == LEAF_LEVEL {
+            self.leaf::<LISTS>(code, at);
         } else {
             let mut children = [Child::Never; 16];
             for (child, decoded) in children.iter_mut().zip(code.children(at)) {
@@ -241,49 +250,52 @@ impl Reader {
                     code::Child::Never => Child::Never,
                     code::Child::Uniform(delta) => Child::Uniform(delta),
                     code::Child::Shape { at, delta, .. } => {
-                        Child::Shape { delta, index: self.shape(code, at, level - NODE_LEVELS, merged) }
+                        Child::Shape { delta, index: self.shape::<LISTS>(code, at, level - NODE_LEVELS) }
                     }
                 };
             }
-            self.node(&children, level, merged)
-        };
-        self.places[at as usize] = index + 1;
-        index
-    }
-
-    fn leaf(&mut self, code: Code<'_>, at: u32, merged: bool) -> u32 {
-        let length = LeafHead::new(code.half(at)).length();
-        let halves: Vec<u16> = (at..at + length).map(|at| code.half(at) as u16).collect();
-        let index = self.draft.leaf(&halves, merged);
-        if index as usize == self.hashes.len() {
-            self.hashed.clear();
-            self.hashed.extend(halves.iter().flat_map(|half| half.to_le_bytes()));
-            self.add_hash(LEAF_LEVEL);
+            self.node::<LISTS>(&children, level);
         }
-        index
+        let count = self.hashes.len() as u32;
+        self.places[at as usize] = count;
+        count - 1
     }
 
-    fn node(&mut self, children: &Children, level: u32, merged: bool) -> u32 {
-        let index = self.draft.node(children, level, merged);
-        if index as usize == self.hashes.len() {
-            self.hashed.clear();
-            for child in children {
-                match *child {
-                    Child::Never => self.hashed.push(0),
-                    Child::Uniform(delta) => {
-                        self.hashed.push(1);
-                        self.hashed.extend(delta.to_le_bytes());
-                    }
-                    Child::Shape { delta, index } => {
-                        self.hashed.push(2);
-                        self.hashed.extend(delta.to_le_bytes());
-                        self.hashed.extend(self.hashes[index as usize].to_le_bytes());
-                    }
+    fn leaf<const LISTS: bool>(&mut self, code: Code<'_>, at: u32) {
+        let length = LeafHead::new(code.half(at)).length();
+        self.hashed.clear();
+        let halves = (at..at + length).map(|at| code.half(at) as u16);
+        let hashed = &mut self.hashed;
+        let halves = halves.inspect(|half| hashed.extend_from_slice(&half.to_le_bytes()));
+        if LISTS {
+            self.shapes.push_leaf(halves);
+        } else {
+            halves.for_each(drop);
+        }
+        self.add_hash(LEAF_LEVEL);
+    }
+
+    fn node<const LISTS: bool>(&mut self, children: &Children, level: u32) {
+        let hashed = &mut self.hashed;
+        hashed.clear();
+        for child in children {
+            match *child {
+                Child::Never => hashed.push(0),
+                Child::Uniform(delta) => {
+                    hashed.push(1);
+                    hashed.extend_from_slice(&delta.to_le_bytes());
+                }
+                Child::Shape { delta, index } => {
+                    hashed.push(2);
+                    hashed.extend_from_slice(&delta.to_le_bytes());
+                    hashed.extend_from_slice(&self.hashes[index as usize].to_le_bytes());
                 }
             }
-            self.add_hash(level);
         }
-        index
+        self.add_hash(level);
+        if LISTS {
+            self.shapes.push_node(*children, level);
+        }
     }
 
     fn add_hash(&mut self, level: u32) {

@@ -17,6 +17,7 @@ use crate::objects::{Keeper, PageObject};
 use crate::pack::choose::{holds_any, intersection, most_shared};
 use crate::pack::leaf::{Leaf, sort_columns};
 use crate::pages::{Child, Children, Draft, PageStore, Pages, Spill};
+use crate::sink::recent::RecentOfLevel;
 use crate::sink::{BlockSink, HELD_LEAF_BYTES, Structure};
 use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
 use adumbra::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
@@ -45,6 +46,10 @@ pub struct DepthsSink {
     drafts: Mutex<Vec<Draft>>,
     /// The objects of the bake.
     keeper: Option<Keeper>,
+    /// Whether pages are needed after their objects have been written.
+    links: bool,
+    /// The root blocks of earlier bakes, where they are smaller than pages.
+    recent: Option<RecentOfLevel<DepthsBlock>>,
 }
 
 /// The root blocks of a page that are done.
@@ -56,8 +61,10 @@ struct Waiting {
 }
 
 /// A finished block.
+#[derive(Clone)]
 pub struct DepthsBlock(Parts);
 
+#[derive(Clone)]
 enum Parts {
     /// The whole block, at a level that nodes have, or uniform at any level.
     One(Undecided),
@@ -70,11 +77,13 @@ enum Parts {
 }
 
 /// A block whose base may still be any depth in an interval.
+#[derive(Clone)]
 struct Undecided {
     base: [u32; 2],
     shape: Shape,
 }
 
+#[derive(Clone)]
 enum Shape {
     Uniform,
     Leaf(Box<Leaf>),
@@ -172,6 +181,8 @@ impl DepthsSink {
             is_too_large: AtomicBool::new(false),
             drafts: Mutex::default(),
             keeper: None,
+            links: true,
+            recent: None,
         }
     }
 
@@ -185,6 +196,24 @@ impl DepthsSink {
         });
         self.keeper = Some(keeper);
         self
+    }
+
+    /// Writes objects that are missing, and makes nothing else.
+    pub(crate) fn for_objects_alone(mut self, keeper: Keeper) -> Self {
+        keeper.find(|_, _| {});
+        (self.keeper, self.links) = (Some(keeper), false);
+        self
+    }
+
+    /// Takes the root blocks that earlier bakes have built from the same, and keeps those that this one builds.
+    pub(crate) fn with_recent(mut self, recent: RecentOfLevel<DepthsBlock>) -> Self {
+        self.recent = Some(recent);
+        self
+    }
+
+    /// Whether the object of a part was there.
+    pub(crate) fn has_part(&self, part: usize) -> bool {
+        self.keeper.as_ref().is_some_and(|keeper| keeper.has(part))
     }
 
     /// Returns the number of root blocks whose objects were there.
@@ -213,6 +242,9 @@ impl DepthsSink {
             .collect();
         if let Some(contents) = contents {
             keeper.keep(part, contents.iter().map(|(root, base, words)| (*root, *base, &**words)));
+        }
+        if !self.links {
+            pages.iter().filter(|page| page[0] != UNIFORM).for_each(|page| self.store.forget(page[0]));
         }
     }
 
@@ -318,6 +350,12 @@ impl DepthsSink {
         self.join(level, quarters)
     }
 
+    /// Returns the place of a root block in the grid, in root blocks.
+    fn place(&self, number: usize) -> [u32; 2] {
+        let across = self.size[0].div_ceil(1 << self.level);
+        [number as u32 % across, number as u32 / across]
+    }
+
     fn put(&self, [x, y]: [u32; 2], page: [u32; 2]) {
         let dims = page_dims(self.size);
         if x < dims[0] && y < dims[1] {
@@ -371,17 +409,23 @@ impl BlockSink for DepthsSink {
     }
 
     fn known(&self, number: usize) -> Option<DepthsBlock> {
-        let keeper = self.keeper.as_ref()?;
-        keeper.has_tile(number).then_some(DepthsBlock(Parts::Taken))
+        if self.keeper.as_ref().is_some_and(|keeper| keeper.has_tile(number)) {
+            return Some(DepthsBlock(Parts::Taken));
+        }
+        let block = self.recent.as_ref()?.get(number)?;
+        self.take_small(self.place(number), block);
+        Some(DepthsBlock(Parts::Taken))
     }
 
     fn taken(&self, block: usize, made: DepthsBlock) -> DepthsBlock {
         if matches!(made.0, Parts::Taken) {
             return made;
         }
-        let across = self.size[0].div_ceil(1 << self.level);
-        let place = [block as u32 % across, block as u32 / across];
+        let place = self.place(block);
         if self.level < PAGE_LEVEL {
+            if let Some(recent) = &self.recent {
+                recent.put(block, &made);
+            }
             self.take_small(place, made);
         } else {
             let side = self.level - PAGE_LEVEL;

@@ -10,6 +10,7 @@ pub(crate) mod depths;
 mod depths_tests;
 pub(crate) mod from_columns;
 pub(crate) mod limit;
+pub(crate) mod recent;
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 

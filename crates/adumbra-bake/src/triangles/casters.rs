@@ -8,7 +8,8 @@ use crate::triangles::cluster::ClusterTriangle;
 use crate::triangles::opacity::OpacityTables;
 use adumbra::grid::LightGrid;
 use adumbra_scene::topology::Topology;
-use adumbra_scene::{Mesh, Scene, topology};
+use adumbra_scene::{Instance, Mesh, Scene, topology};
+use rayon::prelude::*;
 
 /// Largest number of triangles in a cluster.
 const CLUSTER_TRIANGLES: usize = 128;
@@ -47,6 +48,11 @@ pub(crate) struct Placed {
 pub(crate) struct Casters<'s> {
     pub(crate) scene: &'s Scene,
     pub(crate) clusters: Arc<SceneClusters>,
+    pub(crate) bins: Arc<Bins>,
+}
+
+/// The placed clusters that may touch each tile.
+pub(crate) struct Bins {
     tile_start: Vec<u32>,
     placed: Vec<Placed>,
 }
@@ -74,6 +80,22 @@ pub(crate) fn sorting_bytes(scene: &Scene, options: CasterOptions) -> u64 {
     all + most
 }
 
+impl Cluster {
+    /// Returns the least and the largest coordinates of the cluster's box in a grid.
+    fn extent_in(&self, grid: &LightGrid, instance: &Instance) -> [[f64; 3]; 2] {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        for corner in 0..8_usize {
+            let pick = |a: usize| if corner >> a & 1 == 0 { self.min[a] } else { self.max[a] };
+            let p = grid.to_grid(instance.to_world([pick(0), pick(1), pick(2)]));
+            for a in 0..3 {
+                low[a] = low[a].min(p[a]);
+                high[a] = high[a].max(p[a]);
+            }
+        }
+        [low, high]
+    }
+}
+
 impl SceneClusters {
     /// Clusters every mesh of the scene.
     pub(crate) fn new(scene: &Scene, options: CasterOptions) -> Arc<Self> {
@@ -81,6 +103,77 @@ impl SceneClusters {
         let has_holes = options.outlines && !options.ignore_alpha;
         let opacity = if has_holes { OpacityTables::new(scene) } else { OpacityTables::default() };
         Arc::new(Self { meshes, opacity })
+    }
+
+    /// Calls `f` with each placed cluster of casting instances: the least and the largest coordinates of its box in a grid,
+    /// and its number of triangles.
+    pub(crate) fn for_each_extent(
+        &self,
+        scene: &Scene,
+        grid: &LightGrid,
+        mut f: impl FnMut([[f64; 3]; 2], u64),
+    ) {
+        for instance in scene.instances.iter().filter(|instance| instance.casts) {
+            let mut start = 0;
+            for cluster in &self.meshes[instance.mesh as usize].clusters {
+                f(cluster.extent_in(grid, instance), u64::from(cluster.end - start));
+                start = cluster.end;
+            }
+        }
+    }
+}
+
+impl Bins {
+    fn new(
+        scene: &Scene,
+        clusters: &SceneClusters,
+        grid: &LightGrid,
+        tile_side: u32,
+        tiles: [u32; 2],
+        reach_texels: f64,
+    ) -> Self {
+        let side = f64::from(tile_side);
+        // The tiles that each placed cluster may touch, in order: from the first to before the last, along x and y.
+        let touched: Vec<(Placed, [[u32; 2]; 2])> = scene
+            .instances
+            .par_iter()
+            .enumerate()
+            .flat_map_iter(|(i, instance)| {
+                let own = &clusters.meshes[instance.mesh as usize].clusters;
+                (0_u32..).zip(own).filter_map(move |(c, cluster)| {
+                    let [low, high] = cluster.extent_in(grid, instance);
+                    let first = [0, 1].map(|a| ((low[a] - reach_texels) / side).floor().max(0.0) as u32);
+                    let end = [0, 1].map(|a| {
+                        (((high[a] + reach_texels) / side).floor() + 1.0).clamp(0.0, f64::from(tiles[a]))
+                            as u32
+                    });
+                    let is_in_grid = first[0] < end[0] && first[1] < end[1];
+                    is_in_grid.then_some((Placed { instance: i as u32, cluster: c }, [first, end]))
+                })
+            })
+            .collect();
+        let in_tiles = |[first, end]: [[u32; 2]; 2]| {
+            (first[1]..end[1]).flat_map(move |y| (first[0]..end[0]).map(move |x| (y * tiles[0] + x) as usize))
+        };
+        let mut tile_start = vec![0_u32; (tiles[0] * tiles[1]) as usize + 1];
+        for tile in touched.iter().flat_map(|&(_, range)| in_tiles(range)) {
+            tile_start[tile] += 1;
+        }
+        let mut sum = 0;
+        for start in &mut tile_start {
+            sum += std::mem::replace(start, sum);
+        }
+        let mut placed = vec![Placed { instance: 0, cluster: 0 }; sum as usize];
+        for (cluster, range) in touched {
+            for tile in in_tiles(range) {
+                placed[tile_start[tile] as usize] = cluster;
+                tile_start[tile] += 1;
+            }
+        }
+        // After filling, each start has moved to the end of its tile.
+        tile_start.rotate_right(1);
+        tile_start[0] = 0;
+        Self { tile_start, placed }
     }
 }
 
@@ -95,55 +188,19 @@ impl<'s> Casters<'s> {
         tiles: [u32; 2],
         reach_texels: f64,
     ) -> Self {
-        let mut starts = vec![0_u32; (tiles[0] * tiles[1]) as usize + 1];
-        let mut placed = Vec::new();
-        for fill in [false, true] {
-            for (i, instance) in scene.instances.iter().enumerate() {
-                for (c, cluster) in clusters.meshes[instance.mesh as usize].clusters.iter().enumerate() {
-                    let mut low = [f64::INFINITY; 2];
-                    let mut high = [f64::NEG_INFINITY; 2];
-                    for corner in 0..8_usize {
-                        let pick =
-                            |a: usize| if corner >> a & 1 == 0 { cluster.min[a] } else { cluster.max[a] };
-                        let p = grid.to_grid(instance.to_world([pick(0), pick(1), pick(2)]));
-                        for a in 0..2 {
-                            low[a] = low[a].min(p[a] - reach_texels);
-                            high[a] = high[a].max(p[a] + reach_texels);
-                        }
-                    }
-                    let side = f64::from(tile_side);
-                    let first = [0, 1].map(|a| (low[a] / side).floor().max(0.0) as u32);
-                    let end = [0, 1]
-                        .map(|a| ((high[a] / side).floor() + 1.0).clamp(0.0, f64::from(tiles[a])) as u32);
-                    for ty in first[1]..end[1] {
-                        for tx in first[0]..end[0] {
-                            let tile = (ty * tiles[0] + tx) as usize;
-                            if fill {
-                                placed[starts[tile] as usize] =
-                                    Placed { instance: i as u32, cluster: c as u32 };
-                            }
-                            starts[tile] += 1;
-                        }
-                    }
-                }
-            }
-            if !fill {
-                let mut sum = 0;
-                for s in &mut starts {
-                    sum += std::mem::replace(s, sum);
-                }
-                placed = vec![Placed { instance: 0, cluster: 0 }; sum as usize];
-            }
-        }
-        // After filling, each start has moved to the end of its tile.
-        starts.rotate_right(1);
-        starts[0] = 0;
-        Self { scene, clusters, tile_start: starts, placed }
+        let bins = Bins::new(scene, &clusters, grid, tile_side, tiles, reach_texels);
+        Self::binned(scene, clusters, Arc::new(bins))
+    }
+
+    /// Takes casters that were binned before.
+    pub(crate) fn binned(scene: &'s Scene, clusters: Arc<SceneClusters>, bins: Arc<Bins>) -> Self {
+        Self { scene, clusters, bins }
     }
 
     /// Returns the placed clusters that may touch `tile`.
     pub(crate) fn in_tile(&self, tile: usize) -> &[Placed] {
-        &self.placed[self.tile_start[tile] as usize..self.tile_start[tile + 1] as usize]
+        let Bins { tile_start, placed } = &*self.bins;
+        &placed[tile_start[tile] as usize..tile_start[tile + 1] as usize]
     }
 
     /// Returns the triangles of a placed cluster.
@@ -190,7 +247,9 @@ impl<'s> Casters<'s> {
             })
             .sum();
         self.clusters.opacity.memory_bytes()
-            + (meshes + self.placed.capacity() * size_of::<Placed>() + self.tile_start.capacity() * 4) as u64
+            + (meshes
+                + self.bins.placed.capacity() * size_of::<Placed>()
+                + self.bins.tile_start.capacity() * 4) as u64
     }
 }
 

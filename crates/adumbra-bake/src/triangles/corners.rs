@@ -6,7 +6,13 @@ use adumbra_scene::{Instance, Mesh, Scene};
 use rayon::prelude::*;
 
 /// The corners of each mesh of a scene.
-pub(crate) struct Corners(Vec<Vec<Corner>>);
+pub(crate) struct Corners(Vec<MeshCorners>);
+
+struct MeshCorners {
+    corners: Vec<Corner>,
+    /// The least and the largest coordinates.
+    extent: [[f32; 3]; 2],
+}
 
 /// A vertex that is a corner.
 #[derive(Clone, Copy)]
@@ -24,11 +30,17 @@ impl Corners {
 
     /// Returns the corners of an instance's mesh, in the order in which the mesh has them.
     pub(crate) fn of(&self, instance: &Instance) -> &[Corner] {
-        &self.0[instance.mesh as usize]
+        &self.0[instance.mesh as usize].corners
+    }
+
+    /// Returns the corners of a box around an instance in the world.
+    pub(crate) fn box_of(&self, instance: &Instance) -> [[f64; 3]; 8] {
+        let extent = self.0[instance.mesh as usize].extent;
+        std::array::from_fn(|i| instance.to_world(std::array::from_fn(|a| extent[i >> a & 1][a])))
     }
 }
 
-fn of_mesh(mesh: &Mesh) -> Vec<Corner> {
+fn of_mesh(mesh: &Mesh) -> MeshCorners {
     let mut corners: Vec<Corner> = Vec::new();
     let mut places = HashMap::new();
     for &vertex in mesh.triangles.as_flattened() {
@@ -41,7 +53,14 @@ fn of_mesh(mesh: &Mesh) -> Vec<Corner> {
         }
         corners[place].count += 1;
     }
-    corners
+    let mut extent = [[f32::INFINITY; 3], [f32::NEG_INFINITY; 3]];
+    for Corner { position, .. } in &corners {
+        for a in 0..3 {
+            extent[0][a] = extent[0][a].min(position[a]);
+            extent[1][a] = extent[1][a].max(position[a]);
+        }
+    }
+    MeshCorners { corners, extent }
 }
 
 #[cfg(test)]
@@ -58,7 +77,7 @@ mod tests {
             triangles: vec![[2, 1, 0], [2, 3, 1]],
             triangle_materials: vec![0, 0],
         };
-        let found: Vec<_> = of_mesh(&mesh).iter().map(|c| (c.position[0], c.count)).collect();
+        let found: Vec<_> = of_mesh(&mesh).corners.iter().map(|c| (c.position[0], c.count)).collect();
         assert_eq!(found, [(2.0, 2), (1.0, 3), (0.0, 1)]);
     }
 }

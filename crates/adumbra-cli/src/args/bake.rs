@@ -4,10 +4,13 @@ use std::path::PathBuf;
 
 use adumbra::{AtRest, Bounds, Receivers, Sun};
 use adumbra_bake::{BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
-use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds};
+use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_program::progress::Style;
 use clap::ValueEnum;
+
+use super::path::PathArgs;
+use super::shard::Shard;
 
 #[derive(Clone, Copy, ValueEnum)]
 pub(crate) enum PresetArg {
@@ -185,7 +188,7 @@ pub(crate) struct Bake {
     pub(crate) settings: BakeSettings,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
-    /// The shadow file to write [default: the scene's path with the extension .adumbra]
+    /// The shadow file to write [default: the scene's path with the extension .adumbra; with --regions: .regions.json]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// Also write the shadow file's name into this .glb or .gltf
@@ -194,12 +197,44 @@ pub(crate) struct Bake {
     /// three.js load it from there.
     #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
     pub(crate) into: Option<PathBuf>,
-    /// Folder with what earlier bakes have made; it is created if it is not there
+    /// Folder, or URL of a store, with what earlier bakes have made
     ///
-    /// A bake takes from it what is still right, and keeps there what it makes. After an edit of the scene, that is all but
-    /// the parts that the edit touches. The file is the same as without it. Any number of bakes may share a folder.
-    #[arg(long, value_name = "DIR", conflicts_with = "dry_run")]
+    /// A folder is created if it is not there. A bake takes from it what is still right, and keeps there what it makes. After an edit of the scene, that is all but
+    /// the parts that the edit touches. The file is the same as without it. Any number of bakes may share a place. URLs are
+    /// s3://bucket/prefix, gs://, az:// or https://, with the usual variables of the environment, such as
+    /// AWS_ACCESS_KEY_ID.
+    #[arg(long, value_name = "DIR|URL", conflicts_with = "dry_run")]
     pub(crate) cache: Option<PathBuf>,
+    /// Follow the scene's files, and bake again whenever they change
+    ///
+    /// Only what an edit touches is baked again. The frame is chosen once: the file is that of a fresh bake with the same
+    /// frame. Ctrl-C ends it.
+    #[arg(long, conflicts_with_all = ["dry_run", "into"])]
+    pub(crate) watch: bool,
+    /// Where the first pages are baked with --watch
+    #[arg(long, value_name = "X,Y,Z", requires = "watch", allow_hyphen_values = true, value_parser = parse_triple)]
+    pub(crate) focus: Option<[f64; 3]>,
+    /// Cut the world into regions of N texels a side, or of 131072, with a file each
+    ///
+    /// For worlds that are wider than a file can be: voxels may have any size. The output is a manifest, FILE.json, that names the
+    /// regions' files in the folder FILE.regions. query, verify and info take it in place of a file. N is a power of two from
+    /// 1024 to 131072.
+    #[arg(
+        long,
+        value_name = "N",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "131072",
+        conflicts_with_all = ["dry_run", "into", "watch", "bounds"]
+    )]
+    pub(crate) regions: Option<u32>,
+    /// Bake one of N shares of the regions, from 0/N to N-1/N
+    ///
+    /// So that N machines can bake a world, each with its own I. All write the same manifest.
+    #[arg(long, value_name = "I/N", requires = "regions")]
+    pub(crate) shard: Option<Shard>,
+    #[command(flatten)]
+    pub(crate) path: PathArgs,
     /// Forecast what the bake would take, and write nothing
     ///
     /// The forecast is made of a few tiles that are drawn.

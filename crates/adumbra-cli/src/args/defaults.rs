@@ -40,7 +40,7 @@ fn empty<T>(values: &[T], words: &str) -> String {
 
 fn load(args: &SceneArgs) -> Used {
     let none = empty(&args.words(), "");
-    vec![("--only", none.clone()), ("--exclude", none)]
+    vec![("--only", none.clone()), ("--exclude", none.clone()), ("--edit", none)]
 }
 
 fn run(args: &RunArgs) -> Used {
@@ -112,9 +112,9 @@ fn lookup(args: &LookupArgs) -> Used {
     ]
 }
 
-fn bake(args: &Bake) -> Used {
+fn settings(args: &bake::BakeSettings) -> Used {
     let up = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
-    let options = args.settings.options(up, false);
+    let options = args.options(up, false);
     let of = |more: &[&str]| {
         let words = ["adumbra", "bake", "a.glb"].iter().chain(more);
         let Verb::Bake(args) = Args::try_parse_from(words).unwrap().verb else { panic!("it is bake") };
@@ -135,14 +135,58 @@ fn bake(args: &Bake) -> Used {
         ("--levels", options.levels.to_string()),
         ("--receivers", lower(format!("{:?}", options.receivers))),
         ("--bounds", absent(options.bounds.as_ref(), "")),
-        ("--frame", name(&args.settings.frame)),
+        ("--frame", name(&args.frame)),
         ("--yaw", "along most of the scene's edges".to_owned()),
-        ("--output", absent(args.output.as_ref(), "the scene's path with the extension .adumbra")),
+    ];
+    [own, sun(&args.sun)].concat()
+}
+
+fn bake(args: &Bake) -> Used {
+    let words = ["adumbra", "bake", "a.glb", "--regions"];
+    let Verb::Bake(cut) = Args::try_parse_from(words).unwrap().verb else { panic!("it is bake") };
+    assert_eq!((args.regions, cut.regions), (None, Some(adumbra_bake::DEFAULT_REGION_TEXELS)));
+    let own = vec![
+        (
+            "--output",
+            absent(
+                args.output.as_ref(),
+                "the scene's path with the extension .adumbra; with --regions: .regions.json",
+            ),
+        ),
         ("--into", absent(args.into.as_ref(), "")),
         ("--cache", absent(args.cache.as_ref(), "")),
+        ("--focus", absent(args.focus.as_ref(), "")),
+        ("--regions", absent(args.regions.as_ref(), "")),
+        ("--shard", absent(args.shard.as_ref(), "")),
+        ("--sun-path", absent(args.path.sun_path.as_ref(), "")),
+        ("--suns", absent(args.path.suns.as_ref(), "")),
+        ("--path-error", args.path.path_error.to_string()),
+        ("--lowest-sun", args.path.lowest_sun.to_string()),
         ("--progress", name(&args.progress)),
     ];
-    [own, sun(&args.settings.sun), load(&args.load), run(&args.run)].concat()
+    [own, settings(&args.settings), load(&args.load), run(&args.run)].concat()
+}
+
+fn plan(args: &Plan) -> Used {
+    let own = vec![
+        ("--output", absent(args.output.as_ref(), "the scene's path with the extension .plan.json")),
+        ("--export", absent(args.export.as_ref(), "")),
+        ("--shards", args.shards.to_string()),
+        ("--cache", absent(args.cache.as_ref(), "the plan's path with the extension .cache")),
+        ("--shadow-file", absent(args.shadow_file.as_ref(), "the scene's path with the extension .adumbra")),
+    ];
+    [own, settings(&args.settings), load(&args.load), run(&args.run)].concat()
+}
+
+fn tile(args: &Tile) -> Used {
+    let own = vec![
+        ("--shard", absent(args.shard.as_ref(), "")),
+        ("--ids", absent(args.ids.as_ref(), "")),
+        ("--cache", absent(args.cache.as_ref(), "the plan's path with the extension .cache")),
+        ("--scene", absent(args.scene.as_ref(), "")),
+        ("--progress", name(&args.progress)),
+    ];
+    [own, run(&args.run)].concat()
 }
 
 fn render(args: &Render) -> Used {
@@ -152,6 +196,7 @@ fn render(args: &Render) -> Used {
             "--shadow-file",
             absent(args.shadow_file.as_ref(), "if a technique of --shadow needs one, it is baked"),
         ),
+        ("--sun-time", absent(args.sun_time.as_ref(), "")),
         ("--ao", args.ao.clone()),
         ("--layer", name(&args.layer)),
         ("--move", empty(&args.movers, "")),
@@ -181,6 +226,8 @@ fn compare(args: &Compare) -> Used {
         ("--reference", name(&args.reference)),
         ("--shadow-file", empty(&args.shadow_file, "baked as needed")),
         ("--path", absent(args.path.as_ref(), "")),
+        ("--sun-sweep", absent(args.sun_sweep.as_ref(), "")),
+        ("--sweep-steps", args.sweep_steps.to_string()),
         ("--path-frames", absent(args.path_frames.as_ref(), &format!("the file's, or {PATH_FRAMES}"))),
     ];
     let groups = [
@@ -209,6 +256,12 @@ fn view(args: &View) -> Used {
         ("--move", absent(args.mover.as_ref(), "")),
         ("--time", args.time.to_string()),
         ("--resolution", args.resolution.to_string()),
+        ("--budget", args.budget.to_string()),
+        ("--day", absent(args.day.as_ref(), "")),
+        ("--day-length", args.day_length.to_string()),
+        ("--day-near", absent(args.day_near.as_ref(), "")),
+        ("--hour", absent(args.hour.as_ref(), "at its first sun")),
+        ("--fade", args.fade.to_string()),
         ("--max-memory", absent(args.max_memory.as_ref(), memory)),
         ("--script", absent(args.script.as_ref(), "")),
     ];
@@ -226,6 +279,36 @@ fn verify(args: &Verify) -> Used {
     [own, lookup(&args.lookup), load(&args.load), run(&args.run)].concat()
 }
 
+fn points(args: &PointArgs) -> Used {
+    vec![
+        ("--points", absent(args.places.points.as_ref(), "")),
+        // One of the three must be given, and the test gives this one.
+        ("--grid", String::new()),
+        ("--surfaces", absent(args.places.surfaces.as_ref(), "")),
+        ("--lift", args.lift.to_string()),
+    ]
+}
+
+fn sun_hours(args: &SunHours) -> Used {
+    let day = args.day.day().unwrap();
+    assert_eq!(day.zone().name(), "+01:00");
+    let zone = "the nautical zone, the whole hour nearest to the longitude";
+    let own = vec![
+        ("--tz", absent(args.day.tz.as_ref(), zone)),
+        ("--step", day.step_seconds.to_string()),
+        ("--compare", absent(args.compare.as_ref(), "")),
+        ("--epsg", absent(args.epsg.as_ref(), "")),
+        ("--origin", args.origin.map(|c| c.to_string()).join(",")),
+        ("--progress", name(&args.progress)),
+    ];
+    [own, points(&args.points), load(&args.load), run(&args.run)].concat()
+}
+
+fn sky(args: &Sky) -> Used {
+    let own = vec![("--patches", name(&args.patches)), ("--progress", name(&args.progress))];
+    [own, points(&args.points), load(&args.load), run(&args.run)].concat()
+}
+
 fn level(args: &LevelArg) -> Used {
     vec![("--level", args.level.to_string())]
 }
@@ -235,17 +318,33 @@ fn used(verb: &Verb) -> Used {
         Verb::Generate(args) => [vec![("--seed", args.seed.to_string())], run(&args.run)].concat(),
         Verb::Inspect(args) => [load(&args.load), run(&args.run)].concat(),
         Verb::Bake(args) => bake(args),
+        Verb::Plan(args) => plan(args),
+        Verb::Tile(args) => tile(args),
+        Verb::Link(args) => {
+            let cache = absent(args.cache.as_ref(), "the plan's path with the extension .cache");
+            [vec![("--cache", cache)], run(&args.run)].concat()
+        }
         Verb::Info(args) => vec![("--picture", String::new()), ("--level", args.level.to_string())],
         Verb::Schema(_) => vec![("words", String::new())],
-        Verb::Verify(args) => [verify(&args.verify), level(&args.level)].concat(),
-        Verb::Query(QueryFile { query: args, level: of_level }) => {
+        Verb::Verify(args) => {
             let own = vec![
+                ("--every", args.path.every.to_string()),
+                ("--max-excess", args.path.max_excess.to_string()),
+                ("--plot", absent(args.path.plot.as_ref(), "")),
+            ];
+            [own, verify(&args.verify), level(&args.level)].concat()
+        }
+        Verb::Query(QueryFile { query: args, level: of_level, time }) => {
+            let own = vec![
+                ("--time", absent(time.as_ref(), "")),
                 ("--points", String::new()),
                 ("--points-f64", absent(args.points_f64.as_ref(), "")),
                 ("--normals", absent(args.normals.as_ref(), "")),
             ];
             [own, level(of_level), lookup(&args.lookup), run(&args.run)].concat()
         }
+        Verb::SunHours(args) => sun_hours(args),
+        Verb::Sky(args) => sky(args),
         Verb::Cache(_) => Vec::new(),
         Verb::Export(args) => run(&args.run),
         Verb::Pack(args) | Verb::Unpack(args) => {
@@ -272,8 +371,28 @@ fn required(verb: &str) -> &'static [&'static str] {
         "verify" => &["a.adumbra", "--scene", "a.glb"],
         "query" => &["a.adumbra", "--points", "p.f32", "-o", "v.f32"],
         "export" => &["a.adumbra", "--web", "web.adumbra"],
+        "sun-hours" => &[
+            "a.glb",
+            "--grid",
+            "1",
+            "--lat",
+            "48",
+            "--lon",
+            "11.6",
+            "--date",
+            "2026-06-21",
+            "--from",
+            "7",
+            "--to",
+            "19",
+            "-o",
+            "a.csv",
+        ],
+        "sky" => &["a.glb", "--grid", "1", "-o", "a.csv"],
         "render" => &["a.glb", "-o", "a.png"],
         "compare" => &["a.glb", "--shadow", "csm", "-o", "OUT"],
+        "tile" => &["--plan", "a.plan.json"],
+        "link" => &["--plan", "a.plan.json", "-o", "a.adumbra"],
         "cache prune" => &["DIR", "--keep", "1GB"],
         "demo" => &[],
         _ => &["a.glb"],

@@ -18,10 +18,15 @@ pub(super) const AFTER_HELP: &str = "Drop a scene, a shadow file or a camera on 
 pub(crate) struct View {
     /// Scene: .glb, .gltf, .obj or .ply
     pub(crate) scene: PathBuf,
-    /// The file whose shadows to show; a bake begins when the sun moves [default: baked in the background, coarse to
+    /// The file whose shadows to show, or a path file, whose day is played; a bake begins when the sun moves [default: baked in the background, coarse to
     /// fine]
     #[arg(long, value_name = "FILE")]
     pub(crate) shadow_file: Option<PathBuf>,
+    /// Follow the files of the scene and the shadow file, and show what they become
+    ///
+    /// After an edit of the scene, only what it touches is baked again.
+    #[arg(long)]
+    pub(crate) watch: bool,
     /// A technique, as for render; the second one given is for the other side [default: voxel, and csm]
     #[arg(long, value_name = "NAME[:KEY=VALUE...]")]
     pub(crate) shadow: Vec<String>,
@@ -53,9 +58,21 @@ pub(crate) struct View {
     /// Time in seconds since the ball and the scene's animations began
     #[arg(long, value_name = "SECONDS", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(crate) time: f64,
-    /// Let time run
+    /// Let time run: that of the day, the ball and the animations
     #[arg(long)]
     pub(crate) play: bool,
+    /// A day to play, as for bake --sun-path; its shadows are baked ahead of its sun
+    #[arg(long, value_name = "DAY", conflicts_with_all = ["sun", "azimuth", "elevation", "shadow_file"])]
+    pub(crate) day: Option<String>,
+    /// Day, or path file: seconds that 24 hours take, from 48 to real time, 86400
+    #[arg(long, value_name = "SECONDS", default_value_t = 2880.0)]
+    pub(crate) day_length: f64,
+    /// Day: bake only what is so near to the camera, along x and z; a large world is not baked in time otherwise
+    #[arg(long, value_name = "WORLD", requires = "day")]
+    pub(crate) day_near: Option<f64>,
+    /// Day, or path file: hour by the local clock at which it begins [default: at its first sun]
+    #[arg(long, value_name = "HOUR")]
+    pub(crate) hour: Option<f64>,
     /// Show the space that the shadow file covers, as lines
     #[arg(long = "box")]
     pub(crate) show_box: bool,
@@ -68,6 +85,12 @@ pub(crate) struct View {
     /// Finest resolution of a bake in the background: texels on the longest side
     #[arg(long, value_name = "N", default_value_t = 8192)]
     pub(crate) resolution: u64,
+    /// Budget of shadow files: one whose words need more MiB is streamed
+    #[arg(long, value_name = "MIB", default_value_t = 64)]
+    pub(crate) budget: u64,
+    /// Frames over which pages of a streamed file come and go; 0 changes them at once
+    #[arg(long, value_name = "FRAMES", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=600))]
+    pub(crate) fade: u32,
     /// Memory that a bake in the background, or loading a scene, may hold, such as 2GiB [default: no limit for bakes;
     /// for loading 2 GiB plus 64 bytes for each byte of the scene's files]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]

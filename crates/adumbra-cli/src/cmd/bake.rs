@@ -1,20 +1,14 @@
 //! `adumbra bake`: bakes a scene into a shadow file.
 
-use std::io;
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Frame;
-use adumbra_bake::{
-    BakeOptions, Error, Estimate, FolderObjects, Objects, Watch, Written, bake_to, bake_with_objects,
-    estimate,
-};
+use adumbra_bake::{BakeOptions, Estimate, Written, estimate};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
-use adumbra_program::memory::Guard;
 use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
-use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{ChosenSun, SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
@@ -23,7 +17,11 @@ use adumbra_scene::{Scene, write_shadow_name};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::bits_per_texel;
+use super::bake_path::{self, BakedSunPath};
+use super::bake_regions::{self, BakedRegions};
+use super::staged::Baking;
+use super::store::objects;
+use super::{bake_watch, bits_per_texel};
 use crate::args::Bake;
 
 /// What is printed with `--json`.
@@ -32,6 +30,10 @@ use crate::args::Bake;
 pub(super) enum Printed {
     /// Of a bake.
     Baked(Baked),
+    /// With `--regions`.
+    Regions(BakedRegions),
+    /// With `--sun-path` or `--suns`.
+    SunPath(BakedSunPath),
     /// With `--dry-run`.
     Forecast(Forecast),
 }
@@ -116,6 +118,20 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     } else {
         signals::install()
     };
+    if let Some(texels) = args.regions {
+        let baked = bake_regions::run(args, texels, &cancel)?;
+        if args.run.json {
+            print_json(&Printed::Regions(baked))?;
+        }
+        return Ok(Code::Fine);
+    }
+    if let Some(baked) = bake_path::run(args, &cancel) {
+        let baked = baked?;
+        if args.run.json {
+            print_json(&Printed::SunPath(baked))?;
+        }
+        return Ok(Code::Fine);
+    }
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
@@ -127,6 +143,9 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         files::check_output(&output)?;
     }
     let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output)).transpose()?;
+    if args.watch {
+        return bake_watch::run(args, &output, cancel);
+    }
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
@@ -149,38 +168,11 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
             return dry_run(args, (&scene, &sun), (&options, &forecast), empty_bounds);
         }
-        let cache = args.cache.as_ref().map(FolderObjects::create).transpose()?;
-        let cache = cache.map(|folder| Arc::new(folder) as Arc<dyn Objects>);
-        let guard = Guard::new(limit, &cancel);
-        let reporter = Reporter::new(args.progress, Units::TEXELS);
-        let progress = |p| {
-            guard.look();
-            reporter.update(p);
-        };
-        let mut stopped = None;
-        let mut written = None;
-        let staged = StagedFile::new(&output, |out| {
-            let watch = Watch::new(&progress, &cancel);
-            let done = match &cache {
-                Some(cache) => bake_with_objects(&scene, &options, cache, watch, out),
-                None => bake_to(&scene, &options, watch, out),
-            };
-            match done {
-                Ok(done) => Ok(written.insert(done).bytes),
-                Err(Error::Output(error)) => Err(error),
-                Err(error) => {
-                    stopped = Some(error);
-                    Err(io::Error::other("the bake was not finished"))
-                }
-            }
-        });
-        // What stopped the bake says more than that its file is not complete.
-        let staged = stopped.map_or_else(|| staged.map_err(Failure::from), |error| Err(error.into()));
-        let staged = guard.end("the bake", &share, staged)?;
+        let cache = args.cache.as_deref().map(objects).transpose()?;
+        let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel: &cancel };
+        let (staged, written) = baking.file(&options, &output)?;
         StagedFile::place([staged])?;
-        let Some(Written { grid, settings, levels, bytes: file_bytes, report }) = written else {
-            unreachable!("a file that is staged has been written")
-        };
+        let Written { grid, settings, levels, bytes: file_bytes, report } = written;
         if let Some((gltf, name)) = args.into.as_ref().zip(shadow_name.as_ref()) {
             write_shadow_name(gltf, name, grid.sun)?;
         }

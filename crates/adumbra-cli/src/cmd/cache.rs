@@ -1,15 +1,16 @@
-//! `adumbra cache`: looks after a folder of `bake --cache`.
+//! `adumbra cache`: looks after what `bake --cache` keeps.
 
-use adumbra_bake::{FolderContents, FolderObjects};
+use adumbra_bake::FolderContents;
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::store::Store;
 use crate::args::{Cache, CacheInfo, CachePrune};
 
-/// What a folder of objects has.
+/// What a folder or store of objects has.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct CacheContents {
     /// Number of objects.
@@ -24,7 +25,7 @@ impl From<FolderContents> for CacheContents {
     }
 }
 
-/// What was removed from a folder of objects, and what is left.
+/// What was removed from a folder or store of objects, and what is left.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct Pruned {
     /// What was removed.
@@ -41,24 +42,24 @@ pub(crate) fn run(args: &Cache) -> Outcome {
 }
 
 fn info(args: &CacheInfo) -> Outcome {
-    let contents = FolderObjects::open(&args.folder)?.contents()?;
+    let contents = Store::open(&args.place)?.contents()?;
     if args.json {
         print_json(&CacheContents::from(contents))?;
     } else {
-        say!("{}: {} objects, {}", args.folder.display(), contents.objects, format_bytes(contents.bytes));
+        say!("{}: {} objects, {}", args.place.display(), contents.objects, format_bytes(contents.bytes));
     }
     Ok(Code::Fine)
 }
 
 fn prune(args: &CachePrune) -> Outcome {
-    let folder = FolderObjects::open(&args.folder)?;
-    let removed = folder.prune(args.keep)?;
-    let left = folder.contents()?;
+    let store = Store::open(&args.place)?;
+    let removed = store.prune(args.keep)?;
+    let left = store.contents()?;
     if args.json {
         print_json(&Pruned { removed: removed.into(), left: left.into() })?;
     } else {
         let said = |FolderContents { objects, bytes }| format!("{objects} objects, {}", format_bytes(bytes));
-        say!("{}: removed {}; left {}", args.folder.display(), said(removed), said(left));
+        say!("{}: removed {}; left {}", args.place.display(), said(removed), said(left));
     }
     Ok(Code::Fine)
 }

@@ -1,16 +1,26 @@
 //! One file per verb.
 
 mod bake;
+mod bake_path;
+mod bake_regions;
+mod bake_watch;
 mod cache;
 mod convert;
 #[cfg(feature = "render")]
 mod demo;
 mod export;
+mod farm;
 mod generate;
 mod info;
 mod inspect;
+mod path;
 mod query;
+mod regions;
+mod scale;
 mod schema;
+mod staged;
+mod store;
+mod sunlight;
 mod verify;
 #[cfg(feature = "view")]
 mod view;
@@ -31,7 +41,12 @@ pub(crate) fn run(verb: Verb) -> Outcome {
         Verb::Verify(a) => verify::run(&a),
         Verb::Query(a) => query::run(&a),
         Verb::Cache(a) => cache::run(&a),
+        Verb::Plan(a) => farm::plan(&a),
+        Verb::Tile(a) => farm::tile(&a),
+        Verb::Link(a) => farm::link(&a),
         Verb::Export(a) => export::run(&a),
+        Verb::SunHours(a) => sunlight::hours(&a),
+        Verb::Sky(a) => sunlight::sky(&a),
         Verb::Pack(a) => convert::run(&a, AtRest::Coded),
         Verb::Unpack(a) => convert::run(&a, AtRest::Raw),
         #[cfg(feature = "render")]

@@ -1,12 +1,26 @@
 //! `adumbra query`: points in, visibilities out.
 
 use adumbra::ShadowFile;
-use adumbra_program::exit::Outcome;
+use adumbra_program::exit::{Failure, Outcome};
+use adumbra_program::moment;
 
+use super::{path, regions};
 use crate::args::QueryFile;
 
-pub(crate) fn run(QueryFile { query: args, level }: &QueryFile) -> Outcome {
+pub(crate) fn run(QueryFile { query: args, level, time }: &QueryFile) -> Outcome {
     args.check_outputs(None)?;
+    if let Some(sun_path) = moment::sun_path(&args.file)? {
+        return path::query(args, &sun_path, *time, level.level);
+    }
+    if time.is_some() {
+        let file = args.file.display();
+        return Err(Failure::Usage(format!("--time: {file} is the file of one sun; give a sun path")));
+    }
+    if let Some(regions) = regions::manifest(&args.file)? {
+        let points = args.read(regions::file_bytes(&regions, &args.file))?;
+        let sampler = regions::sampler(&regions, &args.file, &args.lookup, level.level)?;
+        return args.answer(&points, &sampler, None);
+    }
     let file = level.of(&ShadowFile::read(&args.file)?, &args.file)?;
     let points = args.read(file.encoded_len())?;
     args.answer(&points, &args.lookup.sampler(&file)?, None)

@@ -9,25 +9,38 @@ use adumbra_compare::verbs::render;
 use adumbra_program::exit::Outcome;
 use adumbra_program::schemas::{Described, SchemaArgs};
 use adumbra_program::{progress, query};
-use adumbra_truth::verify::Verification;
 
 #[cfg(feature = "render")]
 use super::demo;
-use super::{bake, cache, convert, export, generate, info, inspect};
+use super::{bake, bake_watch, cache, convert, export, farm, generate, info, inspect, sunlight, verify};
 
 const DESCRIBED: &[Described] = &[
     Described::of::<generate::Generated>("generate", "the scene that was written"),
     Described::of::<inspect::Inspected>("inspect", "what a scene contains"),
-    Described::of::<bake::Printed>("bake", "the bake, or with --dry-run its forecast"),
+    Described::of::<bake::Printed>(
+        "bake",
+        "the bake, with --regions those of all regions, with --sun-path or --suns the path, or with --dry-run the forecast",
+    ),
+    Described::of::<bake_watch::BakedAgain>("bake watch", "a line of bake --watch"),
     Described::of::<progress::Line>("progress", "a line of bake --progress json, on stderr"),
-    Described::of::<info::FileInfo>("info", "what a shadow file contains"),
-    Described::of::<Verification>("verify", "the comparison with rays"),
+    Described::of::<info::Printed>(
+        "info",
+        "what a shadow file contains, a manifest of regions, or a sun path",
+    ),
+    Described::of::<verify::Printed>("verify", "the comparison with rays"),
     Described::of::<query::Answered>("query", "the look-ups"),
     Described::of::<export::WebExported>("export", "the file that was written"),
-    Described::of::<cache::CacheContents>("cache info", "what a folder of bake --cache has"),
-    Described::of::<cache::Pruned>("cache prune", "what was removed from a folder of bake --cache"),
+    Described::of::<cache::CacheContents>("cache info", "what bake --cache keeps"),
+    Described::of::<cache::Pruned>("cache prune", "what was removed of what bake --cache keeps"),
+    Described::of::<farm::Planned>("plan", "the plan that was written"),
+    Described::of::<farm::Tiled>("tile", "the parts that were baked"),
+    Described::of::<farm::Linked>("link", "the shadow file that was written"),
     Described::of::<convert::Converted>("pack", "the coded file that was written"),
     Described::of::<convert::Converted>("unpack", "the raw file that was written"),
+    Described::of::<sunlight::SunHoursFound>("sun-hours", "the hours of the points in short"),
+    Described::of::<sunlight::HoursFile>("sun-hours file", "a .json of sun-hours"),
+    Described::of::<sunlight::SkyFound>("sky", "the skies of the points in short"),
+    Described::of::<sunlight::SkyFile>("sky file", "a .json of sky"),
     #[cfg(feature = "render")]
     Described::of::<render::Printed>("render", "the picture, or the list of several"),
     #[cfg(feature = "render")]

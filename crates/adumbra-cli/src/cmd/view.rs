@@ -4,9 +4,11 @@ use adumbra_compare::Result;
 use adumbra_compare::args::DeviceArg;
 use adumbra_compare::camera_file::CameraFile;
 use adumbra_program::exit::{Code, Failure};
+use adumbra_program::moment::suns_of_day;
 use adumbra_render::RenderError;
 use adumbra_scene::{LoadOptions, Projection};
-use adumbra_view::{OptionField, Script, Shown, ViewError, ViewOptions};
+use adumbra_solar::Day;
+use adumbra_view::{DayOptions, OptionField, Script, Shown, ViewError, ViewOptions};
 use clap::ValueEnum;
 
 use crate::args::View;
@@ -53,6 +55,7 @@ fn options(args: &View) -> Result<ViewOptions> {
         scene: args.scene.clone(),
         load: LoadOptions { max_memory_bytes: args.max_memory, ..args.load.load_options()? },
         shadow_file: args.shadow_file.clone(),
+        watch: args.watch,
         shadows: [shadow(0)?, shadow(1)?],
         ambient: args.ao.parse()?,
         layer,
@@ -72,11 +75,48 @@ fn options(args: &View) -> Result<ViewOptions> {
         show_panel: !args.no_panel,
         continuous: args.continuous,
         resolution: args.resolution,
+        budget_mib: args.budget,
+        fade_frames: args.fade,
         max_memory_bytes: args.max_memory,
+        day: day(args)?,
         gpu: args.device.gpu_options(),
         inputs: args.script.iter().chain(&args.camera).cloned().collect(),
         script: args.script.as_deref().map(Script::read).transpose().map_err(failure)?,
     })
+}
+
+/// Returns the day to play. Of a path file only length and hour are asked for.
+fn day(args: &View) -> Result<Option<DayOptions>> {
+    if args.day.is_none() && args.shadow_file.is_none() {
+        return Ok(None);
+    }
+    if !(48.0..=86_400.0).contains(&args.day_length) {
+        return Err(Failure::Usage(format!("--day-length {}: give 48 to 86400", args.day_length)).into());
+    }
+    if args.hour.is_some_and(|hour| !hour.is_finite()) {
+        return Err(Failure::Usage("--hour: give a number".to_owned()).into());
+    }
+    let usage = |error: adumbra_solar::Error| Failure::Usage(format!("--day: {error}"));
+    let (steps, utc_offset_seconds) = match &args.day {
+        Some(text) => {
+            let day: Day = text.parse().map_err(usage)?;
+            let (steps, offset) = suns_of_day(&day).map_err(usage)?;
+            (steps, Some(offset))
+        }
+        None => (Vec::new(), None),
+    };
+    if args.day_near.is_some_and(|near| !(near > 0.0 && near.is_finite())) {
+        return Err(Failure::Usage("--day-near: give a distance above 0".to_owned()).into());
+    }
+    let (length_seconds, hour, near_world) = (args.day_length, args.hour, args.day_near);
+    Ok(Some(DayOptions {
+        steps,
+        utc_offset_seconds,
+        length_seconds,
+        text: args.day.clone(),
+        near_world,
+        hour,
+    }))
 }
 
 fn failure(error: ViewError) -> adumbra_compare::Error {
@@ -105,6 +145,8 @@ fn options_of(field: OptionField) -> Option<&'static str> {
         OptionField::Seconds => "--time",
         OptionField::Antialias => "--antialias",
         OptionField::Resolution => "--resolution",
+        OptionField::Budget => "--budget",
+        OptionField::Day => "--day",
         _ => return None,
     })
 }

@@ -1,5 +1,6 @@
 //! Tests of the program, as a user runs it.
 
+mod bake_watch;
 mod cache;
 mod compare;
 mod compressed;
@@ -8,13 +9,18 @@ mod device;
 #[cfg(feature = "view")]
 mod display;
 mod export;
+mod farm;
 mod levels;
 mod memory;
 mod movers;
 mod nothing_lost;
 mod occlusion;
 mod options;
+mod path;
 mod program;
+mod regions;
 mod scenes;
+mod sunlight;
 mod suns;
+mod sweep;
 mod view;

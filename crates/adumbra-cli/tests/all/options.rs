@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-use adumbra_testing::{Folder, adumbra, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, full, json, program, stderr};
 
 #[test]
 fn values_out_of_range_are_wrong_calls() {
@@ -25,11 +25,11 @@ fn values_out_of_range_are_wrong_calls() {
 }
 
 #[test]
-#[ignore = "slow: runs every long verb"]
+#[ignore = "slow: runs every long verb; the whole demo with ADUMBRA_FULL alone"]
 fn threads_memory_and_json_go_with_every_long_verb() {
     let folder = Folder::new();
     let (scene, file, picture) = (folder.path("city.glb"), folder.path("a.adumbra"), folder.path("a.png"));
-    let (web, out) = (folder.path("web.adumbra"), folder.path("out"));
+    let (web, out, hours) = (folder.path("web.adumbra"), folder.path("out"), folder.path("hours.csv"));
     let (points, answers) = (folder.write_f32("p.f32", &[0.0, 500.0, 0.0]), folder.path("v.f32"));
     let calls: &[(&[&str], &str)] = &[
         (&["generate", "city", "-o", &scene], "triangles"),
@@ -38,6 +38,28 @@ fn threads_memory_and_json_go_with_every_long_verb() {
         (&["verify", &file, "--scene", &scene, "--samples", "10000", "--min-interior", "0"], "agreement"),
         (&["query", &file, "--points", &points, "-o", &answers], "points"),
         (&["export", &file, "--web", &web], "web_bytes"),
+        (
+            &[
+                "sun-hours",
+                &scene,
+                "--grid",
+                "20",
+                "--lat",
+                "48",
+                "--lon",
+                "11",
+                "--date",
+                "2026-06-21",
+                "--from",
+                "7",
+                "--to",
+                "9",
+                "-o",
+                &hours,
+            ],
+            "mean_hours",
+        ),
+        (&["sky", &scene, "--grid", "20", "-o", &hours], "mean_sky_view_factor"),
         (&["render", &scene, "--shadow-file", &file, "--size", "32x32", "-o", &picture], "width"),
         (
             &["compare", &scene, "--shadow", "none", "--size", "32x32", "--frames", "1", "-o", &out],
@@ -45,7 +67,7 @@ fn threads_memory_and_json_go_with_every_long_verb() {
         ),
         (&["demo", "--resolution", "512", "--out", &out], "interior_agreement"),
     ];
-    for (call, field) in calls {
+    for (call, field) in calls.iter().filter(|(call, _)| call[0] != "demo" || full()) {
         let said = json(&[*call, &["--threads", "2", "--max-memory", "2GiB", "--json"]].concat());
         assert!(said[field].is_number(), "{call:?}: {said}");
     }

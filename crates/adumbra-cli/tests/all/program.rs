@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use adumbra_testing::{Folder, adumbra, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, full_alone, json, program, stderr};
 use serde_json::Value;
 
 #[test]
@@ -372,6 +372,9 @@ fn every_verb_shows_an_example() {
 #[test]
 #[ignore = "slow: the whole demo"]
 fn demo_leaves_the_file_pictures_and_a_report() {
+    if !full_alone() {
+        return;
+    }
     let folder = Folder::new();
     let out = folder.path("demo");
     let (code, error) = adumbra(&["demo", "--resolution", "1024", "--out", &out]);

@@ -94,6 +94,59 @@ fn view_shows_what_render_draws() {
 }
 
 #[test]
+#[ignore = "slow: draws in a window"]
+fn view_streams_a_file_that_needs_more_than_the_budget() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.generate("city");
+    let file = folder.path("city.adumbra");
+    let bake = ["bake", &scene, "--resolution", "16384", "--levels", "4", "-o", &file];
+    let (code, error) = adumbra(&bake);
+    assert_eq!(code, 0, "{error}");
+    let camera = ["--eye", "-150,38,175", "--target", "-75,4,75", "--size", "480x300"];
+    let [streamed, levels, whole, missing] =
+        ["streamed.png", "levels.png", "whole.png", "missing.png"].map(|name| folder.path(name));
+    let steps = json!([
+        {"wait": "streamed"},
+        {"screenshot": streamed},
+        {"layer": "level"},
+        {"wait": {"frames": 1}},
+        {"screenshot": levels},
+        {"layer": "color"},
+        {"budget": 512},
+        {"wait": "loaded"},
+        {"wait": {"frames": 1}},
+        {"screenshot": whole},
+        {"layer": "level"},
+        {"wait": {"frames": 1}},
+        {"screenshot": missing},
+        "quit",
+    ]);
+    let head = [scene.as_str(), "--shadow-file", &file, "--budget", "1", "--fade", "5"];
+    let arguments = [&head[..], &camera].concat();
+    let (code, said) = display.play(&folder, &arguments, &steps);
+    assert_eq!(code, 0, "{said}");
+    let drawn = folder.path("render.png");
+    let head = ["render", &scene, "--shadow-file", &file, "--antialias", "1", "-o", &drawn];
+    let (code, error) = adumbra(&[&head[..], &camera].concat());
+    assert_eq!(code, 0, "{error}");
+    let (flip, off) = apart(&whole, &drawn);
+    assert!(flip <= 0.001 && off <= 0.002, "whole: FLIP {flip}, {off} off");
+    // Pixels far away have a coarser level, whose texels are no larger than they are.
+    let (flip, _) = apart(&streamed, &drawn);
+    assert!(flip > 0.0 && flip <= MAX_FLIP, "streamed: FLIP {flip}");
+    // The finest level is red, the next one orange; a whole file has no such layer, and the picture is shown in its place.
+    let colors = |path: &str| {
+        let Picture { rgb, .. } = picture(path);
+        let tinted = |is: &dyn Fn(&[u8]) -> bool| rgb.chunks(3).filter(|p| is(p)).count();
+        [tinted(&|p| p[0] > p[1] + 60 && p[0] > p[2] + 60), rgb.len() / 3]
+    };
+    let [red, pixels] = colors(&levels);
+    assert!(red * 20 > pixels, "{red} of {pixels} pixels have the finest levels");
+    assert_eq!(apart(&missing, &whole), (0.0, 0.0));
+}
+
+#[test]
 #[ignore = "slow: opens windows"]
 fn view_takes_keys_sizes_and_broken_files_and_closes() {
     let Some(display) = display() else { return };
@@ -388,4 +441,96 @@ fn view_keeps_its_script_and_what_its_scene_names() {
         assert!(code != 0 && said.contains("give another path"), "{name}: {said}");
         assert_eq!(std::fs::read(folder.path(name)).unwrap(), expected, "{name}");
     }
+}
+
+#[test]
+#[ignore = "slow: draws in a window"]
+fn view_follows_its_scene() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let (scene, next) = (folder.generate("primitives"), folder.path("next.glb"));
+    let (code, error) = adumbra(&["generate", "primitives", "--seed", "9", "-o", &next]);
+    assert_eq!(code, 0, "{error}");
+    let [first, second, fresh] = ["first.png", "second.png", "fresh.png"].map(|name| folder.path(name));
+    let steps = json!([
+        {"wait": "baked"}, {"screenshot": first},
+        {"wait": {"message": "has changed"}}, {"wait": "loaded"}, {"wait": "baked"}, {"screenshot": second}, "quit"
+    ]);
+    let script = folder.write("script.json", steps.to_string().as_bytes());
+    let arguments =
+        [&[&*scene, "--watch", "--resolution", "1024", "--script", &script][..], &CAMERA].concat();
+    let view = display.begin(&arguments);
+    let begun = Instant::now();
+    while !std::path::Path::new(&first).exists() {
+        assert!(begun.elapsed() < TIMEOUT, "no first picture");
+        std::thread::sleep(Duration::from_millis(100));
+    }
+    std::fs::rename(&next, &scene).unwrap();
+    let (code, said) = finish(view);
+    assert_eq!(code, 0, "{said}");
+    let steps = json!([{"wait": "baked"}, {"screenshot": fresh}, "quit"]);
+    let arguments = [&[&*scene, "--resolution", "1024"][..], &CAMERA].concat();
+    let (code, said) = display.play(&folder, &arguments, &steps);
+    assert_eq!(code, 0, "{said}");
+    assert!(apart(&second, &fresh).1 == 0.0, "{:?}", apart(&second, &fresh));
+    assert!(apart(&first, &second).1 > 0.01, "{:?}", apart(&first, &second));
+}
+
+#[test]
+#[ignore = "slow: draws in a window"]
+fn view_plays_a_day_as_render_draws_it() {
+    let Some(display) = display() else { return };
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let day = "lat=48,lon=11,date=2026-06-21,from=9,to=15,tz=+02:00";
+    let file = folder.path("day.adumbra");
+    let bake = ["bake", &scene, "--resolution", "1024", "--sun-path", day, "-o", &file];
+    let (code, error) = adumbra(&bake);
+    assert_eq!(code, 0, "{error}");
+    let shots = ["baked.png", "later.png", "read.png", "render.png"].map(|name| folder.path(name));
+    let steps = json!([
+        {"wait": "loaded"},
+        {"wait": "baked"},
+        {"hour": 12.25},
+        {"wait": {"seconds": 0.5}},
+        {"wait": "baked"},
+        {"wait": {"frames": 8}},
+        {"screenshot": shots[0]},
+        {"play": true},
+        {"wait": {"seconds": 2}},
+        {"play": false},
+        {"wait": {"frames": 2}},
+        {"screenshot": shots[1]},
+        "say_line",
+        "quit"
+    ]);
+    let length = ["--day-length", "100", "--resolution", "1024"];
+    let arguments = [&[scene.as_str(), "--day", day], &length[..], &CAMERA].concat();
+    let (code, said) = display.play(&folder, &arguments, &steps);
+    assert_eq!(code, 0, "{said}");
+    let (_, hour) = said.split_once("--day-length 100 --hour ").expect(&said);
+    let hour: f64 = hour.split_whitespace().next().and_then(|hour| hour.parse().ok()).expect(&said);
+    // It plays 0.48 hours in two seconds; how much later it stops depends on the machine.
+    assert!((12.7..=15.0).contains(&hour) && !said.contains("--azimuth"), "{said}");
+    let steps = json!([
+        {"wait": "loaded"},
+        {"wait": "baked"},
+        {"wait": {"frames": 8}},
+        {"screenshot": shots[2]},
+        "quit"
+    ]);
+    let arguments = [&[scene.as_str(), "--shadow-file", &file, "--hour", "12.25"], &CAMERA[..]].concat();
+    let (code, said) = display.play(&folder, &arguments, &steps);
+    assert_eq!(code, 0, "{said}");
+    let of_render = ["--sun-time", "12:15", "--antialias", "1", "-o", &shots[3]];
+    let render = ["render", &scene, "--shadow-file", &file];
+    let (code, error) = adumbra(&[&render[..], &CAMERA, &of_render].concat());
+    assert_eq!(code, 0, "{error}");
+    let (flip, off) = apart(&shots[2], &shots[3]);
+    assert!(flip <= MAX_FLIP && off <= 0.002, "read: FLIP {flip}, {off} off");
+    // The keys that are baked at run time are others.
+    let (flip, off) = apart(&shots[0], &shots[3]);
+    assert!(flip <= MAX_FLIP && off <= 0.02, "baked: FLIP {flip}, {off} off");
+    let (_, off) = apart(&shots[0], &shots[1]);
+    assert!(off > 0.005, "two seconds are half an hour: the sun has moved, {off} off");
 }

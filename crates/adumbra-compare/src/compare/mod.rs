@@ -3,6 +3,7 @@
 mod boundary;
 mod clear;
 mod near_edges;
+mod sweep;
 mod timing;
 mod walk;
 
@@ -15,6 +16,7 @@ pub use boundary::{BoundaryGain, boundary_gain};
 pub use clear::CLEAR_TEXELS;
 pub(crate) use clear::clear_errors;
 pub use near_edges::{errors_off_edges, near_edges};
+pub use sweep::{Swept, sweep};
 pub use timing::{interleaved, median_ratio, median_time, ratio_range, take_turns};
 pub use walk::walk;
 

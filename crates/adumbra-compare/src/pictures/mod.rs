@@ -1,7 +1,6 @@
 //! Pictures of a comparison: difference pictures, enlarged details, and contact sheets.
 
 mod sheet;
-mod text;
 
 use adumbra_truth::picture::Picture;
 use image::ImageEncoder;
@@ -50,6 +49,24 @@ pub(crate) fn difference_picture(
         wrong.map(|c| grey + off * (c - grey))
     };
     let rgb = factors.iter().zip(truth).enumerate().flat_map(|p| pixel(p).map(byte)).collect();
+    Ok(Picture { width, height, rgb, difference_share: None })
+}
+
+/// Returns a picture that shows which pixels change more often (red) or less often (blue) than they should, by `beyond`: the
+/// number of changes more, or less below 0. Four changes give the full colour. Pixels that were not compared are nearly
+/// black.
+///
+/// # Errors
+/// Returns [`Error::Sizes`] if the sizes do not match.
+pub(crate) fn changes_picture([width, height]: [u32; 2], beyond: &[Option<i64>]) -> Result<Picture> {
+    Error::check_sizes("changes and pixels", beyond.len(), width as usize * height as usize)?;
+    let pixel = |beyond: &Option<i64>| {
+        let Some(beyond) = *beyond else { return [SKIPPED_GREY; 3] };
+        let wrong = if beyond > 0 { WRONG_SHADOWED } else { WRONG_LIT };
+        let share = beyond.unsigned_abs().min(4) as f32 / 4.0;
+        wrong.map(|c| LIT_GREY + share * (c - LIT_GREY))
+    };
+    let rgb = beyond.iter().flat_map(|beyond| pixel(beyond).map(byte)).collect();
     Ok(Picture { width, height, rgb, difference_share: None })
 }
 
@@ -105,6 +122,18 @@ mod tests {
         assert!(p[4][0] < p[3][0], "what does not count is dark");
         assert!(p[5][0] > p[5][2], "a little too dark is a little red");
         assert!(difference_picture([2, 2], &factors, &truth, |_| true).is_err());
+    }
+
+    #[test]
+    fn changes_picture_marks_pixels_that_change_too_often_or_too_seldom() {
+        let beyond = [Some(4), Some(1), Some(0), Some(-4), None, Some(99)];
+        let picture = changes_picture([3, 2], &beyond).unwrap();
+        let p = picture.rgb.as_chunks::<3>().0;
+        assert!(p[0][0] > 200 && p[0][2] < 60 && p[5] == p[0], "too often is red");
+        assert!(p[1][0] > p[1][2] && p[1][2] > p[0][2], "once too often is a little red");
+        assert!(p[2][0] == p[2][2] && p[4][0] < p[2][0], "as often is grey, and what does not count is dark");
+        assert!(p[3][2] > 200 && p[3][0] < 60, "too seldom is blue");
+        assert!(changes_picture([2, 2], &beyond).is_err());
     }
 
     #[test]

@@ -1,8 +1,7 @@
 //! Contact sheets: pictures in a grid, each above its caption.
 
+use adumbra_program::text;
 use adumbra_truth::picture::Picture;
-
-use super::text;
 
 const PAPER: [u8; 3] = [248, 248, 246];
 const INK: [u8; 3] = [24, 24, 28];

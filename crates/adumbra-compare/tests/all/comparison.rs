@@ -233,6 +233,7 @@ fn report_keeps_its_form() {
         missing_features: Vec::new(),
         techniques: comparison.compared.iter().map(|c| c.row.clone()).collect(),
         path: None,
+        sweep: None,
     };
     let value = serde_json::to_value(&report).unwrap();
     let row = value["techniques"][0].as_object().unwrap();
@@ -266,7 +267,7 @@ fn cascades_and_voxels(
     camera: &Camera,
 ) -> [f64; 2] {
     let mut renderer = renderer(scene);
-    let baked = Baked { light: Some(file), ..Baked::default() };
+    let baked = Baked::of(file);
     // By default there are 4 cascades of 2048², with a practical split at 0.5, as far as the scene is in view.
     let mut contenders: Vec<Contender> = ["csm:filter=5", "voxel:filter=5"]
         .iter()

@@ -6,7 +6,7 @@ use adumbra_compare::truth::{
 };
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, LoadOptions, Scene, load};
-use adumbra_testing::shared;
+use adumbra_testing::{full_alone, shared};
 use rayon::prelude::*;
 
 /// Points within this distance of an edge of the true shadow, in the technique's texels, are not compared.
@@ -134,12 +134,18 @@ fn check(file: &str, street: bool) {
 #[test]
 #[ignore = "slow: real scenes"]
 fn shared_zdm2_is_right_away_from_edges() {
+    if !full_alone() {
+        return;
+    }
     check("zdm2.glb", false);
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
+#[ignore = "slow: a real scene, both ways"]
 fn shared_kaykit_city_is_right_away_from_edges() {
+    if !full_alone() {
+        return;
+    }
     check("kaykit_city_21.glb", false);
     check("kaykit_city_21.glb", true);
 }
@@ -151,8 +157,11 @@ fn shared_alpine_is_right_away_from_edges() {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
+#[ignore = "slow: a real scene, both ways"]
 fn shared_auster_is_right_away_from_edges() {
+    if !full_alone() {
+        return;
+    }
     check("auster.obj", false);
     check("auster.obj", true);
 }

@@ -5,11 +5,11 @@ use adumbra_compare::truth::{StreetOptions, SunShape, TruthTracer, street_camera
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build};
 use adumbra_scene::{Camera, LoadOptions, load};
 use adumbra_testing::bake_file;
-use adumbra_testing::{scene_file, shared};
+use adumbra_testing::{full, scene_file, shared};
 
 /// Compares RMSE over the pixels that face the sun, at street level, under a sun of two degrees.
 #[test]
-#[ignore = "slow: real scenes"]
+#[ignore = "slow: a real scene; in pictures of full size with ADUMBRA_FULL"]
 fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let (Some(scenes), Some(truths)) = (shared("scenes"), shared("truth")) else { return };
     let name = "kaykit_city_21";
@@ -22,7 +22,8 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let gpu = Gpu::request(&GpuOptions::default()).unwrap();
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     for (view, camera) in [("afar", camera), ("street", street)] {
-        let camera = Camera { width: 480, height: 270, ..camera };
+        let [width, height] = if full() { [480, 270] } else { [240, 135] };
+        let camera = Camera { width, height, ..camera };
         let surfaces = truth.surfaces(&camera);
         let disc = SunShape::Disc { angle_degrees: 2.0, samples: 64 };
         let expected = truth.factors(&surfaces, sun.towards(), disc);

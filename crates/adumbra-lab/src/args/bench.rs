@@ -54,6 +54,12 @@ pub enum BenchVerb {
     /// pictures
     #[command(after_help = "Example: adumbra-lab bench ao --scenes scenes --truth truth -o docs/bench")]
     Ao(BenchAo),
+    /// A flight through a streamed file: what the first picture takes, which pixels are coarser than wanted, and what is
+    /// wrong at rest; writes stream-SCENE.md, stream-SCENE.json and a plot
+    #[command(
+        after_help = "Example: adumbra-lab bench stream --scene city.glb --file city.adumbra -o docs/bench"
+    )]
+    Stream(BenchStream),
 }
 
 /// The measurements of `bench bake`.
@@ -378,4 +384,36 @@ fn start(text: &str) -> Result<u32, String> {
 
 fn frames(text: &str) -> Result<u32, String> {
     text.parse().ok().filter(|n| (1..=99).contains(n)).ok_or_else(|| "give a number from 1 to 99".to_owned())
+}
+
+/// Options of `bench stream`.
+#[derive(clap::Args)]
+pub struct BenchStream {
+    /// The scene
+    #[arg(long, value_name = "SCENE")]
+    pub(crate) scene: PathBuf,
+    /// Its shadow file, with several levels
+    #[arg(long, value_name = "FILE")]
+    pub(crate) file: PathBuf,
+    /// Size of the pool in MiB
+    #[arg(long, value_name = "MIB", default_value_t = 32, value_parser = clap::value_parser!(u64).range(1..=8192))]
+    pub(crate) budget: u64,
+    /// KiB that a frame may upload
+    #[arg(long, value_name = "KIB", default_value_t = 1024)]
+    pub(crate) upload: usize,
+    /// Milliseconds before a request is answered
+    #[arg(long, value_name = "MS", default_value_t = 50)]
+    pub(crate) latency: u64,
+    /// Frames of the flight, at 60 per second
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(2..=100_000))]
+    pub(crate) frames: u32,
+    /// World units per second
+    #[arg(long, value_name = "N", default_value_t = 20.0)]
+    pub(crate) speed: f64,
+    /// Size of the picture in pixels
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = parse_size)]
+    pub(crate) size: [u32; 2],
+    /// Folder for the tables
+    #[arg(short, long, value_name = "DIR")]
+    pub(crate) output: PathBuf,
 }

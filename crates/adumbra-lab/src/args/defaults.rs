@@ -243,6 +243,14 @@ fn used(verb: &Verb) -> Used {
             ];
             [own, truth_bench(&args.common)].concat()
         }
+        BenchVerb::Stream(args) => vec![
+            ("--budget", args.budget.to_string()),
+            ("--upload", args.upload.to_string()),
+            ("--latency", args.latency.to_string()),
+            ("--frames", args.frames.to_string()),
+            ("--speed", args.speed.to_string()),
+            ("--size", size(args.size)),
+        ],
         BenchVerb::Gpu(args) => {
             let own = vec![
                 ("--size", size(args.size)),
@@ -291,6 +299,7 @@ fn required(verb: &str) -> &'static [&'static str] {
         "bench shadows" | "bench lookup" | "bench peers" => {
             &["--scenes", "SCENES", "--truth", "TRUTH", "-o", "OUT"]
         }
+        "bench stream" => &["--scene", "SCENE", "--file", "FILE", "-o", "OUT"],
         "schema" => &[],
         _ => &["--scenes", "SCENES", "-o", "OUT"],
     }

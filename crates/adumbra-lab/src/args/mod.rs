@@ -12,8 +12,8 @@ mod tune;
 use adumbra_compare::verbs::render::after_help;
 use adumbra_program::schemas::SchemaArgs;
 pub use bench::{
-    BenchAo, BenchBake, BenchBlur, BenchGpu, BenchHrsm, BenchLookup, BenchPeers, BenchShadows, BenchTree,
-    BenchVerb, BenchVerify, SuiteArg,
+    BenchAo, BenchBake, BenchBlur, BenchGpu, BenchHrsm, BenchLookup, BenchPeers, BenchShadows, BenchStream,
+    BenchTree, BenchVerb, BenchVerify, SuiteArg,
 };
 use clap::Subcommand;
 pub use compare::{Compare, CubeArgs, Render};

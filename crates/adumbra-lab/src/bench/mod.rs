@@ -12,6 +12,7 @@ pub(crate) mod hrsm;
 pub(crate) mod lookup;
 pub(crate) mod peers;
 mod shadows;
+pub(crate) mod stream;
 pub(crate) mod tree;
 pub(crate) mod verify;
 
@@ -48,6 +49,7 @@ pub fn run(what: &BenchVerb) -> Result<Code> {
         BenchVerb::Gpu(a) => gpu::run(a),
         BenchVerb::Peers(a) => peers::run(a),
         BenchVerb::Shadows(a) => shadows::run(a),
+        BenchVerb::Stream(a) => stream::run(a),
     }
 }
 

@@ -122,7 +122,7 @@ impl<'a, 's> Stage<'a, 's> {
             max_memory_bytes: None,
         };
         files.complete(specs, &how)?;
-        let contenders = contenders(&renderer, specs, &files, ReferenceArg::Technique)?;
+        let contenders = contenders(&renderer, specs, files.baked(), ReferenceArg::Technique)?;
         let (cache, key) = (args.cache.cache(&args.common.output), scene_key(scene, false));
         Ok(Self { args, name, renderer, truth, sun, files, cache, key, contenders })
     }
@@ -156,6 +156,7 @@ impl<'a, 's> Stage<'a, 's> {
             missing_features: renderer.gpu().missing_features().into_iter().map(str::to_owned).collect(),
             techniques: comparison.compared.into_iter().map(|c| c.row).collect(),
             path,
+            sweep: None,
         })
     }
 }

@@ -20,6 +20,7 @@ use adumbra_papers::dag::build::{DagOptions, bake as bake_graph};
 use adumbra_papers::techniques::PaperFiles;
 use adumbra_papers::tree::{TreeOptions, bake_tree};
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
+use adumbra_render::voxel::LightFile;
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
 use adumbra_testing::bake_file;
@@ -171,7 +172,7 @@ fn every_technique_draws_its_golden_picture() {
     let graph = bake_graph(&scene, &options, Watch::none()).unwrap().file;
     let tree = bake_tree(&scene, &TreeOptions::new(sun, Size::Resolution(512)), Watch::none()).unwrap();
     let papers = PaperFiles { graph: Some(graph), tree: Some(tree.into()), ..PaperFiles::default() };
-    let baked = Baked { light: Some(&light), ..papers.baked() };
+    let baked = Baked { light: Some(LightFile::Whole(&light)), ..papers.baked() };
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();

@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use adumbra_testing::{Folder, lab, lab_program};
+use adumbra_testing::{Folder, full_alone, lab, lab_program};
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
@@ -127,6 +127,9 @@ fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record(
 #[test]
 #[ignore = "slow: a report"]
 fn report_says_that_its_page_is_too_large() {
+    if !full_alone() {
+        return;
+    }
     let folder = Folder::new();
     earlier(&folder, &[("bake", "measured")]);
     let text = format!("# Bakes\n\n{}\n", "many words ".repeat(2_500_000));
@@ -176,6 +179,9 @@ fn start_report(out: &str, options: &[&str]) -> Child {
 #[test]
 #[ignore = "slow: a report"]
 fn report_leaves_what_there_is_when_interrupted() {
+    if !full_alone() {
+        return;
+    }
     let folder = Folder::new();
     let mut child = start_report(&folder.path("r"), &["--only", "verify,tree"]);
     let start = Instant::now();
@@ -273,6 +279,9 @@ fn report_interrupted_ends_what_its_command_started() {
 #[test]
 #[ignore = "slow: a report in a browser"]
 fn report_browser_sees_a_page_that_stands_alone() {
+    if !full_alone() {
+        return;
+    }
     let Some(mut browser) = Browser::start() else { return };
     let folder = Folder::new();
     let out = folder.path("r");

@@ -3,7 +3,7 @@
 
 #![cfg(target_os = "linux")]
 
-use adumbra_testing::{Folder, assert_keeps_to_limits, full, lab_program, scene_file, shared};
+use adumbra_testing::{Folder, assert_keeps_to_limits, full_alone, lab_program, scene_file, shared};
 
 fn assert_tree_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str) {
     let (lab, file) = (lab_program(), folder.path("a.adumtree"));
@@ -26,8 +26,7 @@ fn memory_of_trees_keeps_to_every_limit() {
 #[ignore = "slow: bakes again and again"]
 fn memory_of_trees_of_real_scenes_keeps_to_every_limit() {
     let Some(scenes) = shared("scenes") else { return };
-    if !full() {
-        eprintln!("SKIPPED: takes minutes; set ADUMBRA_FULL");
+    if !full_alone() {
         return;
     }
     let folder = Folder::new();

@@ -7,7 +7,7 @@ use adumbra_compare::truth::{
 };
 use adumbra_lab::occlusion::{SCENES, occlusion_errors};
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
-use adumbra_testing::{add_quad, cuboid, scene_file, scene_of, shared};
+use adumbra_testing::{add_quad, cuboid, full, scene_file, scene_of, shared};
 
 /// Minimum share of sun-facing pixels that agree with the other renderer.
 const SUN_AGREEMENT: f64 = 0.995;
@@ -368,11 +368,12 @@ fn street_camera_is_refused_where_there_is_no_street() {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
-fn shared_street_camera_stands_in_every_scene_of_the_tables() {
+#[ignore = "slow: two real scenes; four with ADUMBRA_FULL"]
+fn shared_street_camera_stands_in_the_scenes_of_the_tables() {
     let Some(scenes) = shared("scenes") else { return };
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    for name in ["zdm2", "kaykit_city_21", "alpine-2", "auster"] {
+    let all = ["kaykit_city_21", "auster", "zdm2", "alpine-2"];
+    for name in &all[..if full() { 4 } else { 2 }] {
         let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).unwrap();
         eprintln!("{name}: {:?}", scene.bounds());
         check_street(name, &scene, sun);

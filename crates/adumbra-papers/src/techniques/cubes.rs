@@ -194,7 +194,7 @@ impl Technique for Cubes {
         let pass = match answer {
             Answer::Visibility => &[shaders::CUBES_PASS][..],
             Answer::Voxel => &[shaders::CUBES_LEVEL, shaders::CUBES_LEVEL_PASS],
-            Answer::Cascade | Answer::Level => return None,
+            Answer::Cascade | Answer::Level | Answer::Resident => return None,
         };
         Some([&self.look_up()[..], pass].concat())
     }

@@ -97,7 +97,7 @@ impl Graph {
     /// # Errors
     /// Returns any error that the device reports.
     pub fn lit_taps(&self, gpu: &Gpu, receivers: &[FixedReceiver]) -> Result<Vec<u32>> {
-        let passes = vec![source::VOXEL_PASS, source::VOXEL_FIXED];
+        let passes = vec![source::VOXEL_PARAMS, source::VOXEL_FIXED];
         let files = [vec![source::SURFACE], self.look_up(), passes].concat();
         let answers = fixed::answer::<_, 4>(gpu, &self.bindings, &files, &queries(receivers))?;
         Ok(answers.into_iter().map(u32::from_le_bytes).collect())
@@ -156,9 +156,9 @@ impl Technique for Graph {
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         let pass = match answer {
-            Answer::Visibility => vec![source::VOXEL_PASS],
-            Answer::Voxel => vec![shaders::GRAPH_LEVEL, source::VOXEL_LEVEL_PASS],
-            Answer::Cascade | Answer::Level => return None,
+            Answer::Visibility => vec![source::VOXEL_PARAMS, source::VOXEL_PASS],
+            Answer::Voxel => vec![source::VOXEL_PARAMS, shaders::GRAPH_LEVEL, source::VOXEL_LEVEL_PASS],
+            Answer::Cascade | Answer::Level | Answer::Resident => return None,
         };
         Some([self.look_up(), pass].concat())
     }

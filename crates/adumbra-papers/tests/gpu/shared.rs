@@ -3,7 +3,7 @@
 use adumbra_papers::techniques::CubesStore;
 use adumbra_papers::tree::query::{KERNEL_SIDES, Weights};
 use adumbra_scene::{LoadOptions, load};
-use adumbra_testing::shared;
+use adumbra_testing::{full, shared};
 
 use crate::baked_tree::{BakedTree, exact_cubes, float_cubes};
 use crate::kit::gpu;
@@ -33,10 +33,10 @@ fn shared_tree_counts_are_the_cpu_s() {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
+#[ignore = "slow: a real scene; four with ADUMBRA_FULL"]
 fn shared_tree_from_f32_positions_differs_only_on_faces() {
     let gpu = gpu();
-    for file in SCENES {
+    for file in SCENES.into_iter().take(if full() { SCENES.len() } else { 1 }) {
         let Some(baked) = baked(file, 1024) else { return };
         eprintln!("{file}");
         for side in KERNEL_SIDES {

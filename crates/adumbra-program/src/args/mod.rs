@@ -2,10 +2,10 @@
 
 mod values;
 
-use std::path::Path;
+use std::path::{Path, PathBuf, absolute};
 
-use adumbra::Sun;
-use adumbra_scene::{LoadOptions, MoverPolicy, NameFilter, Scene};
+use adumbra::{IoError, Sun};
+use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, Scene};
 pub use values::{numbers, parse_bounds, parse_bytes, parse_size, parse_triple};
 
 use crate::exit::Failure;
@@ -66,7 +66,8 @@ impl SunArgs {
 }
 
 /// Options that choose what is loaded from a scene.
-#[derive(clap::Args)]
+#[derive(Clone, Debug, PartialEq, Eq, clap::Args, serde::Deserialize, serde::Serialize)]
+#[serde(deny_unknown_fields)]
 pub struct SceneArgs {
     /// Load only triangles of nodes, meshes or materials of this name
     ///
@@ -92,6 +93,12 @@ pub struct SceneArgs {
     /// Buffers, images and material libraries. Only for scenes that you trust.
     #[arg(long)]
     allow_outside: bool,
+    /// Move, add and remove instances of the scene first
+    ///
+    /// A JSON file, such as {"moved": [{"instance": "tree_7", "world_from_mesh": [[1,0,0,12], [0,1,0,0], [0,0,1,-3]]}],
+    /// "added": [{"like": "tree_7", "world_from_mesh": ...}], "removed": ["bench", 41]}. Instances have names or numbers.
+    #[arg(long, value_name = "FILE")]
+    edit: Option<PathBuf>,
     /// Refuse a scene that holds anything the loader leaves out
     ///
     /// Such as lines, or extensions that it does not know.
@@ -103,7 +110,7 @@ impl SceneArgs {
     /// Returns the options that were given, as words of a command line.
     pub fn words(&self) -> Vec<String> {
         let named = |name: &str, list: &[String]| -> Vec<String> {
-            list.iter().map(|glob| format!("{name} '{}'", glob.replace('\'', "'\\''"))).collect()
+            list.iter().map(|glob| format!("{name} {}", quoted(glob))).collect()
         };
         let mut words = [named("--only", &self.only), named("--exclude", &self.exclude)].concat();
         let switches = [
@@ -112,15 +119,31 @@ impl SceneArgs {
             (self.allow_outside, "--allow-outside"),
             (self.strict, "--strict"),
         ];
+        words.extend(self.edit.iter().map(|path| format!("--edit {}", quoted(&path.to_string_lossy()))));
         words.extend(switches.iter().filter(|(on, _)| *on).map(|(_, name)| (*name).to_owned()));
         words
+    }
+
+    /// Returns the file of edits.
+    pub fn edit(&self) -> Option<&PathBuf> {
+        self.edit.as_ref()
+    }
+
+    /// Returns options that mean the same in any folder.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure::Io`] if the current folder cannot be found.
+    pub fn anywhere(&self) -> Result<Self, Failure> {
+        let whole = |path: &PathBuf| absolute(path).map_err(IoError::at("find", path));
+        Ok(Self { edit: self.edit.as_ref().map(whole).transpose()?, ..self.clone() })
     }
 
     /// Returns the options of the loader, without a limit on its memory.
     ///
     /// # Errors
     ///
-    /// Returns [`Failure::Scene`] if a pattern is not a valid glob.
+    /// Returns [`Failure::Scene`] if a pattern is not a valid glob, or if the edits cannot be read.
     pub fn load_options(&self) -> Result<LoadOptions, Failure> {
         Ok(LoadOptions {
             filter: NameFilter::new(&self.only, &self.exclude)?,
@@ -129,9 +152,15 @@ impl SceneArgs {
             movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
             allow_outside: self.allow_outside,
             max_memory_bytes: None,
+            edits: self.edit.as_deref().map_or_else(|| Ok(Edits::default()), Edits::read)?,
             strict: self.strict,
         })
     }
+}
+
+/// Quotes a word for a shell.
+pub fn quoted(word: &str) -> String {
+    format!("'{}'", word.replace('\'', "'\\''"))
 }
 
 /// Options of a run: its threads, its memory and the form of what it prints.

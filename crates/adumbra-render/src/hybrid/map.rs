@@ -287,7 +287,7 @@ impl Technique for HybridMap {
         let mut files =
             vec![source::MAP_LAYER, source::MAPS, self.settings.test.leaf(), access, source::HYBRID];
         match (answer, &self.settings.filter) {
-            (Answer::Cascade | Answer::Voxel, _) => return None,
+            (Answer::Cascade | Answer::Voxel | Answer::Resident, _) => return None,
             (Answer::Level, _) => files.push(source::HYBRID_LEVELS),
             (Answer::Visibility, MapFilter::Nearest) => {
                 files.extend([source::HYBRID_NEAREST, source::HYBRID_MAP]);

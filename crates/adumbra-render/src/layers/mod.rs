@@ -35,6 +35,8 @@ pub enum Layer {
     HybridLevels,
     /// The picture, tinted by the size of the block of a baked file in which the look-up ends.
     VoxelSize,
+    /// The picture, tinted by the level of detail of a streamed file that answers.
+    ResidentLevel,
 }
 
 /// Colours of cascades, linear, nearest first.
@@ -49,13 +51,13 @@ pub const CASCADE_COLORS: [[f32; 3]; 8] = [
     [0.60, 0.60, 0.60],
 ];
 
-/// Colours of a hybrid map's levels, linear, finest first.
+/// Colours of the levels of a hybrid map or of a file, linear, finest first. Levels beyond the last have its colour.
 pub const LEVEL_COLORS: [[f32; 3]; 4] =
     [[0.90, 0.22, 0.18], [0.95, 0.65, 0.15], [0.40, 0.75, 0.20], [0.20, 0.40, 0.90]];
 
 impl Layer {
     /// Every layer.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Color,
         Self::Shadow,
         Self::Ambient,
@@ -64,6 +66,7 @@ impl Layer {
         Self::Cascades,
         Self::HybridLevels,
         Self::VoxelSize,
+        Self::ResidentLevel,
     ];
 
     /// The layer's name, as used by `adumbra render --layer`.
@@ -77,6 +80,7 @@ impl Layer {
             Self::Cascades => "cascades",
             Self::HybridLevels => "hrsm-levels",
             Self::VoxelSize => "voxel-size",
+            Self::ResidentLevel => "level",
         }
     }
 
@@ -87,6 +91,7 @@ impl Layer {
             Self::Cascades => Some((Answer::Cascade, &CASCADE_COLORS)),
             Self::HybridLevels => Some((Answer::Level, &LEVEL_COLORS)),
             Self::VoxelSize => Some((Answer::Voxel, &VOXEL_LEVEL_COLORS)),
+            Self::ResidentLevel => Some((Answer::Resident, &LEVEL_COLORS)),
             _ => None,
         }
     }

@@ -191,7 +191,7 @@ fn params(size: [u32; 2], samples: u32, layer: Layer) -> LayerParams {
         Layer::Shadow | Layer::Ambient => LAYER_VALUE,
         Layer::Depth => LAYER_DEPTH,
         Layer::Normal => LAYER_NORMAL,
-        Layer::Cascades | Layer::HybridLevels | Layer::VoxelSize => LAYER_TINT,
+        Layer::Cascades | Layer::HybridLevels | Layer::VoxelSize | Layer::ResidentLevel => LAYER_TINT,
     };
     let mut palette = [[0.0; 3]; MAX_TINTS as usize];
     let colors = layer.tint().map_or(&[][..], |(_, colors)| colors);

@@ -187,7 +187,7 @@ impl Technique for ShadowMap {
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         Some(match answer {
             Answer::Cascade => vec![source::MAP_CASCADE],
-            Answer::Level | Answer::Voxel => return None,
+            Answer::Level | Answer::Voxel | Answer::Resident => return None,
             Answer::Visibility => self.visibility_sources().into_iter().chain([source::MAP_ONLY]).collect(),
         })
     }

@@ -63,6 +63,9 @@ pub enum Answer {
     /// entirely lit or entirely shadowed. The value is log2 of its edge in voxels ([`Technique::voxel_world`]): 0 = a
     /// single voxel or column, up to the root; -1 outside the file and for the background.
     Voxel,
+    /// The level of detail of a streamed file that answers: 0 = the finest in use; -1 outside the file and for the
+    /// background.
+    Resident,
 }
 
 /// A shadow technique on one device.

@@ -28,6 +28,7 @@ pub struct Lookup {
     cascades: Option<wgpu::ComputePipeline>,
     levels: Option<wgpu::ComputePipeline>,
     voxels: Option<wgpu::ComputePipeline>,
+    residents: Option<wgpu::ComputePipeline>,
     points: Option<wgpu::ComputePipeline>,
 }
 
@@ -38,6 +39,7 @@ impl Lookup {
             Answer::Cascade => self.cascades.as_ref(),
             Answer::Level => self.levels.as_ref(),
             Answer::Voxel => self.voxels.as_ref(),
+            Answer::Resident => self.residents.as_ref(),
         }
     }
 
@@ -76,6 +78,7 @@ impl Resolver {
             cascades: pipeline(&self.pixels, Answer::Cascade, source::RESOLVE, "resolve_all"),
             levels: pipeline(&self.pixels, Answer::Level, source::RESOLVE, "resolve_all"),
             voxels: pipeline(&self.pixels, Answer::Voxel, source::RESOLVE, "resolve_all"),
+            residents: pipeline(&self.pixels, Answer::Resident, source::RESOLVE, "resolve_all"),
             points: pipeline(&self.points, Answer::Visibility, source::POINTS, "answer_points"),
         }
     }

@@ -1,6 +1,6 @@
 //! Techniques as text: `NAME[:key=value…]`, such as `csm:cascades=4:size=2048:filter=5`. Two sizes without a key, such
 //! as `4096-1024` in `hrsm:4096-1024`, are short for `sizes=4096-1024`; `soft` in `voxel:soft` is short for
-//! `shade=soft`.
+//! `shade=soft`, and `path` in `voxel:path` for `shade=path`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -29,7 +29,7 @@ impl FromStr for SpecText {
         let mut values = BTreeMap::new();
         for part in parts {
             let short = || match part.trim() {
-                "soft" => Some(("shade", part)),
+                shade if is_shade(shade) => Some(("shade", part)),
                 _ => is_sizes(part).then_some(("sizes", part)),
             };
             let pair = part.split_once('=').or_else(short);
@@ -42,6 +42,11 @@ impl FromStr for SpecText {
         }
         Ok(Self { name, values, text: text.to_owned() })
     }
+}
+
+/// Whether a word stands without its key, `shade`.
+fn is_shade(word: &str) -> bool {
+    ["soft", "path"].contains(&word)
 }
 
 fn is_sizes(part: &str) -> bool {
@@ -84,7 +89,7 @@ impl SpecText {
         };
         let pair = |(key, value): (&String, &String)| match key.as_str() {
             "sizes" if is_sizes(value) => format!(":{value}"),
-            "shade" if value == "soft" => ":soft".to_owned(),
+            "shade" if is_shade(value) => format!(":{value}"),
             _ => format!(":{key}={value}"),
         };
         let text = self.name.clone() + &values.iter().map(pair).collect::<String>();
@@ -140,6 +145,7 @@ mod tests {
             ("voxel", "shade", Some("soft"), "voxel:soft"),
             ("voxel:soft", "angle", Some("2"), "voxel:angle=2:soft"),
             ("voxel:soft", "shade", None, "voxel"),
+            ("voxel:path:filter=3", "filter", Some("1"), "voxel:filter=1:path"),
         ] {
             let changed = text.parse::<SpecText>().unwrap().with(key, value);
             assert_eq!(changed.to_string(), expected);

@@ -4,11 +4,13 @@ use std::any::Any;
 
 use adumbra::ShadowFile;
 
+use crate::voxel::LightFile;
+
 /// The baked files available to techniques.
 #[derive(Clone, Copy, Default)]
 pub struct Baked<'a> {
     /// A light-aligned file, for `voxel`.
-    pub light: Option<&'a ShadowFile>,
+    pub light: Option<LightFile<'a>>,
     /// Files of other kinds, for techniques of a crate above, which knows the type.
     pub other: Option<&'a (dyn Any + Send + Sync)>,
 }
@@ -16,6 +18,6 @@ pub struct Baked<'a> {
 impl<'a> Baked<'a> {
     /// Creates files of one light-aligned file.
     pub fn of(file: &'a ShadowFile) -> Self {
-        Self { light: Some(file), other: None }
+        Self { light: Some(LightFile::Whole(file)), other: None }
     }
 }

@@ -63,7 +63,7 @@ pub const TECHNIQUES: &[TechniqueEntry] = &[
     ),
     entry(
         "voxel",
-        "a light-aligned file, filtered over texels; voxel:soft, penumbrae",
+        "a light-aligned file, filtered over texels; voxel:soft, penumbrae; voxel:path, a sun path",
         Role::Shadows,
         &LightFile,
     ),

@@ -55,6 +55,7 @@ fn registry_knows_what_is_read() {
         ("voxel", Reads::LightFile),
         ("voxel:shade=hard", Reads::LightFile),
         ("voxel:soft", Reads::LightFile),
+        ("voxel:path:filter=1", Reads::LightFile),
         ("voxel+csm:csm=cascades=2", Reads::LightFile),
         ("blur:base=voxel/soft", Reads::LightFile),
         ("blur-dilate:base=voxel/filter=5", Reads::LightFile),
@@ -121,7 +122,8 @@ fn keys(text: &str) -> Vec<&'static str> {
 #[test]
 fn describe_gives_what_applies() {
     assert!(keys("none").is_empty() && keys("truth").is_empty());
-    assert_eq!(keys("voxel"), ["shade", "filter", "bias", "slope", "normal"]);
+    assert_eq!(keys("voxel"), ["shade", "filter", "march", "bias", "slope", "normal"]);
+    assert_eq!(keys("voxel:path"), keys("voxel"));
     assert_eq!(keys("voxel:soft"), ["shade", "angle", "radius", "bias", "slope", "normal"]);
     assert_eq!(keys("voxel+csm"), ["filter", "csm"]);
     assert!(keys("csm:filter=poisson").contains(&"radius") && !keys("csm").contains(&"radius"));

@@ -2,7 +2,8 @@
 //!
 //! A file's words → [`WordBuffers`] → [`VoxelBindings`] (group 1) → [`BakedLight`]. The words are the file's unchanged
 //! sections. An engine binds a
-//! uniform at binding 0, then one storage buffer, or six if the words exceed one binding. The CPU twin is
+//! uniform at binding 0, then one storage buffer, or six if the words exceed one binding. Of a [`StreamedFile`] the words are a pool
+//! that changes from frame to frame, and the uniform has the parameters of each level. The CPU twin is
 //! `adumbra::Sampler`; receivers in fixed point get equal counts from the GPU and the CPU.
 
 mod bindings;
@@ -10,10 +11,14 @@ mod depths;
 pub mod fixed;
 mod grid;
 mod light;
+mod moving;
 mod palette;
+mod path_disc;
 mod reads;
 mod settings;
 mod soft;
+mod source;
+mod streamed;
 mod technique;
 mod words;
 
@@ -21,10 +26,14 @@ pub use bindings::VoxelBindings;
 pub use depths::DepthsAnswer;
 pub use grid::grid_transform;
 pub use light::{BakedLight, queries};
+pub use moving::MovingLight;
 pub use palette::{VOXEL_LEVEL_COLORS, voxel_level_color};
+pub use path_disc::PathDiscTwin;
 pub use reads::{Reads, reads};
 pub use settings::{VoxelSettings, read_bias, read_filter};
 pub use soft::SoftTwin;
+pub use source::LightFile;
+pub use streamed::{StreamedFile, view_of};
 pub(crate) use technique::NO_FILE;
 pub use technique::Voxel;
 pub use words::{MAX_WORD_BINDINGS, WordBuffers};

@@ -2,11 +2,12 @@
 
 use adumbra::query::FixedReceiver;
 use adumbra_shaders::constants::MAX_READS;
+use adumbra_shaders::layout::PointQuery;
 use adumbra_shaders::{Source, source};
 
 use super::VoxelBindings;
-use super::fixed;
 use super::light::{BakedLight, LOOK_UP, queries};
+use super::{fixed, moving};
 use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 
@@ -36,7 +37,7 @@ pub fn reads(
     look_up: &[Source],
     receivers: &[FixedReceiver],
 ) -> Result<Vec<Reads>> {
-    let passes = [source::WORDS_LOGGED, source::VOXEL_PASS, source::VOXEL_READS];
+    let passes = [source::WORDS_LOGGED, source::VOXEL_PARAMS, source::VOXEL_READS];
     let files = [&[source::SURFACE], look_up, &passes].concat();
     let mut all = Vec::with_capacity(receivers.len());
     for batch in receivers.chunks(BATCH) {
@@ -58,6 +59,25 @@ pub fn reads(
 }
 
 impl BakedLight {
+    /// Looks up points between the keys of a sun path, relative to the anchor. Returns the visibility and the number of words
+    /// that were read for each.
+    ///
+    /// # Errors
+    /// Returns any error that the device reports.
+    pub fn path_reads(&self, gpu: &Gpu, points: &[PointQuery]) -> Result<Vec<(f32, u32)>> {
+        let files =
+            [&[source::SURFACE], LOOK_UP, &[source::WORDS_LOGGED], moving::FILTER, &[source::PATH_READS]];
+        let mut all = Vec::with_capacity(points.len());
+        for batch in points.chunks(BATCH) {
+            for answer in fixed::answer::<_, ANSWER_BYTES>(gpu, self.bindings(), &files.concat(), batch)? {
+                let mut words = answer.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes));
+                let visibility = f32::from_bits(words.next().unwrap_or_default());
+                all.push((visibility, words.next().unwrap_or_default()));
+            }
+        }
+        Ok(all)
+    }
+
     /// Looks up receivers in fixed point and returns what was read for each.
     ///
     /// # Errors

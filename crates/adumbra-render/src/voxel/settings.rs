@@ -2,7 +2,9 @@
 //! of a bake.
 
 use adumbra::gpu::{LookUp, PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Penumbra};
-use adumbra::{Bias, Filter, ShadowFile};
+use adumbra::{Bias, Filter};
+
+use super::LightFile;
 
 use crate::error::Result;
 use crate::maps::help;
@@ -13,20 +15,24 @@ use crate::technique::{SpecReader, SpecText};
 pub struct VoxelSettings {
     /// Filter or penumbrae, and bias. Without a bias the file's applies.
     pub look_up: LookUp,
+    /// Of a sun path: whether rays are marched only where the keys' own answers differ, as
+    /// [`PathSampler::quick`](adumbra::PathSampler::quick) does.
+    pub quick: bool,
 }
 
 impl VoxelSettings {
     /// Settings for a filter.
     pub fn taps(filter: Filter, bias: Bias) -> Self {
-        Self { look_up: LookUp { filter, bias: Some(bias), penumbra: None } }
+        Self { look_up: LookUp { filter, bias: Some(bias), penumbra: None }, quick: false }
     }
 
-    /// Parses `voxel[:filter=K]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with
-    /// `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias.
+    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with
+    /// `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias. Between the keys of
+    /// a sun path, a filter may have `:march=quick`, and penumbrae have no largest radius.
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a parameter is unknown or out of range.
-    pub fn from_spec(spec: &SpecText, file: Option<&ShadowFile>) -> Result<Self> {
+    pub fn from_spec(spec: &SpecText, file: Option<LightFile<'_>>) -> Result<Self> {
         spec.read(|reader| Self::from_reader(reader, file))
     }
 
@@ -35,11 +41,20 @@ impl VoxelSettings {
         spec.value("shade") == Some("soft")
     }
 
-    pub(crate) fn from_reader(reader: &mut SpecReader<'_>, file: Option<&ShadowFile>) -> Result<Self> {
+    /// Whether a technique's text insists on a sun path.
+    pub(crate) fn needs_path(spec: &SpecText) -> bool {
+        spec.value("shade") == Some("path")
+    }
+
+    pub(crate) fn from_reader(reader: &mut SpecReader<'_>, file: Option<LightFile<'_>>) -> Result<Self> {
         let usual = Penumbra::default();
-        let soft = "soft: penumbrae of the sun's disc";
+        let what = "soft: penumbrae of the sun's disc; path: a moment of a sun path";
+        // A path is offered where there is no file yet, or one of a path.
+        let has_path = file.is_none_or(LightFile::is_path) || Self::needs_path(reader.spec());
+        let shades: &[&str] = if has_path { &["hard", "soft", "path"] } else { &["hard", "soft"] };
         let mut look_up = LookUp::default();
-        if reader.choice("shade", soft, &["hard", "soft"])? == "soft" {
+        let mut quick = false;
+        if reader.choice("shade", what, shades)? == "soft" {
             look_up.penumbra = Some(Penumbra {
                 sun_degrees: reader.number(
                     "angle",
@@ -56,10 +71,14 @@ impl VoxelSettings {
             });
         } else {
             look_up.filter = read_filter(reader)?;
+            if has_path {
+                let march = "between keys of a sun path; quick: only where their own answers differ";
+                quick = reader.choice("march", march, &["full", "quick"])? == "quick";
+            }
         }
-        let bias = file.map_or_else(Bias::default, |f| f.settings.bias);
+        let bias = file.map_or_else(Bias::default, LightFile::bias);
         look_up.bias = Some(read_bias(reader, bias)?);
-        Ok(Self { look_up })
+        Ok(Self { look_up, quick })
     }
 }
 

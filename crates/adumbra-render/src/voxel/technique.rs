@@ -1,9 +1,9 @@
-//! The techniques `voxel` (K × K texels) and `voxel:soft` (penumbrae), which use only a light-aligned file.
+//! The techniques `voxel` (K × K texels), `voxel:path` (the same of a sun path) and `voxel:soft` (penumbrae), which use only a
+//! light-aligned file.
 
-use adumbra::ShadowFile;
 use adumbra_shaders::Source;
 
-use super::{BakedLight, VoxelSettings};
+use super::{BakedLight, LightFile, VoxelSettings};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::technique::{Answer, FrameInput, SpecText, Technique};
@@ -23,12 +23,15 @@ impl Voxel {
     /// Creates the technique `voxel` with the settings of [`VoxelSettings::from_spec`].
     ///
     /// # Errors
-    /// Returns the errors of [`BakedLight::from_file`], and [`crate::RenderError::Technique`] if a parameter is unknown
+    /// Returns the errors of [`BakedLight::new`], and [`crate::RenderError::Technique`] if a parameter is unknown
     /// or there is no file.
-    pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<&ShadowFile>) -> Result<Self> {
+    pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<LightFile<'_>>) -> Result<Self> {
         let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
         let settings = VoxelSettings::from_spec(spec, Some(file))?;
-        Ok(Self::new(spec.to_string(), BakedLight::from_file(gpu, file, settings)?))
+        if VoxelSettings::needs_path(spec) && !file.is_path() {
+            return Err(spec.wrong("it needs a moment of a sun path, and the file is of one sun".to_owned()));
+        }
+        Ok(Self::new(spec.to_string(), BakedLight::new(gpu, file, settings)?))
     }
 
     /// The uploaded file.
@@ -46,13 +49,14 @@ impl Technique for Voxel {
     }
 
     fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
-        self.light.set_anchor(input.gpu, input.anchor_world)
+        self.light.prepare(input)
     }
 
     fn sources(&self, answer: Answer) -> Option<Vec<Source>> {
         match answer {
             Answer::Visibility => Some(self.light.visibility_sources()),
-            Answer::Voxel => Some(self.light.level_sources()),
+            Answer::Voxel => self.light.level_sources(),
+            Answer::Resident => self.light.resident_sources(),
             Answer::Cascade | Answer::Level => None,
         }
     }

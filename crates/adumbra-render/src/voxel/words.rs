@@ -27,19 +27,23 @@ impl WordBuffers {
         let found = Self::empty(gpu, label, words)?;
         let mut at = 0_u64;
         for part in parts {
-            let mut rest = *part;
-            while !rest.is_empty() {
-                let capacity = found.buffers[0].size() / 4;
-                let (index, within) = (at / capacity, at % capacity);
-                let (now, later) = rest.split_at(rest.len().min((capacity - within) as usize));
-                let buffer = &found.buffers[index as usize];
-                gpu.queue.write_buffer(buffer, within * 4, bytemuck::cast_slice(now));
-                at += now.len() as u64;
-                rest = later;
-            }
+            found.write(gpu, at, part);
+            at += part.len() as u64;
         }
         gpu.check()?;
         Ok(found)
+    }
+
+    /// Writes words from the one with index `at` on.
+    pub(super) fn write(&self, gpu: &Gpu, mut at: u64, mut words: &[u32]) {
+        let capacity = self.buffers[0].size() / 4;
+        while !words.is_empty() {
+            let (index, within) = (at / capacity, at % capacity);
+            let (now, later) = words.split_at(words.len().min((capacity - within) as usize));
+            gpu.queue.write_buffer(&self.buffers[index as usize], within * 4, bytemuck::cast_slice(now));
+            at += now.len() as u64;
+            words = later;
+        }
     }
 
     /// Creates buffers for `words` words, all zero.

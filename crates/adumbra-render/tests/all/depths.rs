@@ -16,7 +16,7 @@ use crate::voxel_points::BakedScene;
 const PENUMBRA: PenumbraSettings = PenumbraSettings { sun_degrees: 2.0, max_radius_texels: 32.0 };
 
 fn soft(penumbra: PenumbraSettings) -> VoxelSettings {
-    VoxelSettings { look_up: LookUp { penumbra: Some(penumbra), ..LookUp::default() } }
+    VoxelSettings { look_up: LookUp { penumbra: Some(penumbra), ..LookUp::default() }, quick: false }
 }
 
 fn receivers(baked: &BakedScene, count: usize) -> Vec<FixedReceiver> {

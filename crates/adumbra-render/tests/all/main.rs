@@ -23,8 +23,10 @@ mod occlusion_filter;
 mod occlusion_frame;
 mod occlusion_reuse;
 mod octahedral;
+mod path;
 #[path = "../../examples/look_up_texture/shade.rs"]
 mod shade;
+mod streamed;
 mod voxel;
 mod voxel_levels;
 mod voxel_points;

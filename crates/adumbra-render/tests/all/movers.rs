@@ -168,7 +168,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(4096));
     let file = bake_file(&still, &options).unwrap();
-    let baked = Baked { light: Some(&file), ..Baked::default() };
+    let baked = Baked::of(&file);
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();
     let [mut voxel, mut both] =

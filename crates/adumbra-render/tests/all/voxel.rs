@@ -72,6 +72,12 @@ fn constants_of_shaders_are_those_of_the_library() {
         (shaders::DEPTHS_UNIFORM, shaders::DEPTHS_NEVER),
         (adumbra::layout::depths::UNIFORM, adumbra::layout::depths::NEVER)
     );
+    assert_eq!(
+        (shaders::DEPTHS_ABSENT, shaders::MAX_LEVELS),
+        (adumbra::layout::depths::ABSENT, adumbra::file::MAX_LEVELS)
+    );
+    assert_eq!(shaders::MARCH_EDGE_VOXELS, query::EDGE_VOXELS);
+    assert_eq!(shaders::PAGE_LEVEL, adumbra::layout::depths::page::PAGE_LEVEL);
 }
 
 #[test]

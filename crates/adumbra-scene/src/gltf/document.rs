@@ -197,13 +197,26 @@ impl Lists<'_> {
                 Ok(read) => out.push(read),
                 Err(what) => {
                     self.faults.add(self.budget, kind, index, &what)?;
-                    let empty = serde_json::from_str(empty).map_err(|e| bad(self.path, e.to_string()))?;
-                    out.push(empty);
+                    let empty = with_the_name_of(text, empty);
+                    out.push(empty.map_err(|e| bad(self.path, e.to_string()))?);
                 }
             }
         }
         Ok(out)
     }
+}
+
+/// The element `empty` with the name of the one in `text`, by which messages call it.
+fn with_the_name_of<T: DeserializeOwned>(text: &str, empty: &str) -> serde_json::Result<T> {
+    #[derive(serde::Deserialize)]
+    struct Named {
+        name: String,
+    }
+    let mut empty: Value = serde_json::from_str(empty)?;
+    if let (Value::Object(members), Ok(Named { name })) = (&mut empty, serde_json::from_str(text)) {
+        members.insert("name".to_owned(), name.into());
+    }
+    serde_json::from_str(&empty.to_string())
 }
 
 /// Reads an element that is not written as the definition asks, without what does not matter. The error is a clause.

@@ -61,7 +61,8 @@ gpu_struct! {
         pub root_level: u32,
         /// Bias applied to the receiver.
         pub bias: ReceiverBias,
-        /// Zero for a quadtree. Other structures with the same filters keep offsets here.
+        /// For a quadtree: offset of the table of blocks, number of coarser levels that follow, and 1 if pages may be
+        /// absent, 2 if they fade besides; zeros unless it is streamed. Other structures with the same filters keep offsets here.
         pub extra: [u32; 3],
         /// Offset of the code.
         pub code_offset: u32,

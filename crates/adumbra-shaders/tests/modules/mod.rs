@@ -27,8 +27,8 @@ const LOOK_UPS: &[(&str, &str)] = &[
     ),
     (
         "voxel levels",
-        "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/depths_level \
-         passes/voxel_level",
+        "core/grid core/voxel core/depths core/depths_leaf access/words_1 access/voxel_params \
+         core/depths_level passes/voxel_level",
     ),
     (
         "hybrid levels",
@@ -53,21 +53,53 @@ const LOOK_UPS: &[(&str, &str)] = &[
         "core/map_layer core/maps core/hybrid_mean access/hybrid_compact core/hybrid passes/hybrid_levels",
     ),
     ("none", "passes/none"),
-    ("voxel", "core/grid core/voxel core/depths core/depths_leaf access/words_1 passes/voxel"),
+    (
+        "voxel",
+        "core/grid core/voxel core/depths core/depths_leaf access/words_1 access/voxel_params passes/voxel",
+    ),
+    (
+        "voxel, streamed",
+        "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/depths_blend access/voxel_levels passes/voxel",
+    ),
+    (
+        "voxel:soft, streamed",
+        "core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft access/words_6 \
+         core/depths_blend access/voxel_levels passes/voxel_levels_soft",
+    ),
+    (
+        "voxel levels, streamed",
+        "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/depths_blend access/voxel_levels \
+         core/depths_level passes/voxel_levels_block",
+    ),
+    (
+        "resident levels",
+        "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/depths_blend access/voxel_levels \
+         passes/voxel_levels_resident",
+    ),
+    (
+        "voxel, sun path",
+        "core/grid core/voxel core/depths core/depths_leaf core/depths_march access/words_6 access/voxel_path \
+         access/voxel_path_filter passes/voxel",
+    ),
+    (
+        "voxel, sun path, disc",
+        "core/grid core/voxel core/depths core/depths_leaf core/depths_march core/disc access/words_6 access/voxel_path \
+         access/voxel_path_disc passes/voxel",
+    ),
     (
         "voxel, R32Uint texture",
-        "core/grid core/voxel core/depths core/depths_leaf access/texture_r32uint access/look_up_texture \
+        "core/grid core/voxel core/depths core/depths_leaf core/depths_blend access/texture_r32uint access/look_up_texture \
          access/look_up_parameters passes/voxel_texture",
     ),
     (
         "voxel, Rgba8Unorm texture",
-        "core/grid core/voxel core/depths core/depths_leaf access/texture_rgba8unorm \
+        "core/grid core/voxel core/depths core/depths_leaf core/depths_blend access/texture_rgba8unorm \
          access/look_up_texture access/look_up_parameters passes/voxel_texture",
     ),
     (
         "voxel:soft",
         "core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft access/words_6 \
-         passes/voxel_soft",
+         access/voxel_params passes/voxel_soft",
     ),
     (
         "nearest",
@@ -119,7 +151,7 @@ const LOOK_UPS: &[(&str, &str)] = &[
     (
         "voxel+csm",
         "core/grid core/voxel core/depths core/depths_leaf access/words_1 core/map_layer core/maps core/disc \
-         core/pcf passes/map_pcf passes/map_lookup passes/voxel_csm",
+         core/pcf passes/map_pcf passes/map_lookup access/voxel_params passes/voxel_csm",
     ),
 ];
 
@@ -160,18 +192,28 @@ const MODULES: &[(&str, &str)] = &[
     ),
     (
         "voxel in six bindings, fixed point",
-        "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_6 passes/voxel \
+        "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_6 access/voxel_params \
          passes/voxel_fixed",
     ),
     (
+        "marches, fixed point",
+        "core/surface core/grid core/voxel core/depths core/depths_leaf core/depths_march access/words_1 \
+         access/voxel_path access/voxel_path_filter passes/march_fixed",
+    ),
+    (
+        "words that a look-up between keys reads",
+        "core/surface core/grid core/voxel core/depths core/depths_leaf core/depths_march access/words_logged \
+         access/voxel_path access/voxel_path_filter passes/path_reads",
+    ),
+    (
         "words that a look-up reads",
-        "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_logged passes/voxel \
+        "core/surface core/grid core/voxel core/depths core/depths_leaf access/words_logged access/voxel_params \
          passes/voxel_reads",
     ),
     (
         "penumbrae, fixed point",
         "core/surface core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft \
-         access/words_1 passes/voxel_soft passes/depths_fixed",
+         access/words_1 access/voxel_params passes/voxel_soft passes/depths_fixed",
     ),
     (
         "vsm, rows",

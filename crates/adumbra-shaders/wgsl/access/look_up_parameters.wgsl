@@ -1,4 +1,4 @@
-// Header and parameters of the look-up texture, version 2. Source: spec/look-up-texture.md. `adumbra_texture_word` of
+// Header and parameters of the look-up texture, version 3. Source: spec/look-up-texture.md. `adumbra_header_word` of
 // access/look_up_texture.wgsl returns the header's words. An engine that keeps them elsewhere provides that function and
 // `adumbra_voxel_word` itself.
 
@@ -8,11 +8,11 @@ const ADUMBRA_TEXTURE_PARAMS: u32 = 16u;
 // Returns three words of the parameter block.
 fn adumbra_texture_params_row(word: u32) -> vec3u {
     let at = ADUMBRA_TEXTURE_PARAMS + word;
-    return vec3u(adumbra_texture_word(at), adumbra_texture_word(at + 1u), adumbra_texture_word(at + 2u));
+    return vec3u(adumbra_header_word(at), adumbra_header_word(at + 1u), adumbra_header_word(at + 2u));
 }
 
 fn adumbra_texture_params_u32(word: u32) -> u32 {
-    return adumbra_texture_word(ADUMBRA_TEXTURE_PARAMS + word);
+    return adumbra_header_word(ADUMBRA_TEXTURE_PARAMS + word);
 }
 
 fn adumbra_texture_params_f32(word: u32) -> f32 {
@@ -21,15 +21,15 @@ fn adumbra_texture_params_f32(word: u32) -> f32 {
 
 // Returns the world position that AdumbraSurface::p_relative is measured from.
 fn adumbra_texture_anchor() -> vec3f {
-    return bitcast<vec3f>(vec3u(adumbra_texture_word(4u), adumbra_texture_word(5u), adumbra_texture_word(6u)));
+    return bitcast<vec3f>(vec3u(adumbra_header_word(4u), adumbra_header_word(5u), adumbra_header_word(6u)));
 }
 
 // Returns the unit vector towards the sun.
 fn adumbra_texture_towards_sun() -> vec3f {
-    return bitcast<vec3f>(vec3u(adumbra_texture_word(8u), adumbra_texture_word(9u), adumbra_texture_word(10u)));
+    return bitcast<vec3f>(vec3u(adumbra_header_word(8u), adumbra_header_word(9u), adumbra_header_word(10u)));
 }
 
-// Returns the parameter block: 70 texel fetches, the same for every pixel. An engine with a uniform buffer puts the
+// Returns the parameter block: 73 texel fetches, the same for every pixel. An engine with a uniform buffer puts the
 // block there instead.
 fn adumbra_texture_params() -> AdumbraVoxelParams {
     var v: AdumbraVoxelParams;
@@ -58,6 +58,7 @@ fn adumbra_texture_params() -> AdumbraVoxelParams {
     v.bias.slope_texels = adumbra_texture_params_f32(73u);
     v.bias.normal_offset_texels = adumbra_texture_params_f32(74u);
     v.bias.width_factor = adumbra_texture_params_f32(75u);
+    v.extra = adumbra_texture_params_row(76u);
     v.code_offset = adumbra_texture_params_u32(79u);
     v.filter_width = adumbra_texture_params_u32(80u);
     v.sun_cone = adumbra_texture_params_f32(81u);

@@ -4,10 +4,12 @@
 // Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file: top and code are concatenated, the
 // latter from `code_offset` on: the common section, then pages. Receivers, masks and layers are defined in
 // core/voxel.wgsl, leaves in core/depths_leaf.wgsl.
+// A file that is streamed has words of several levels in one buffer: the table of a level begins at word `extra.x`, and
+// blocks whose page is not resident have the address ADUMBRA_DEPTHS_ABSENT. spec/streaming.md describes it.
 
 // A block of columns and their switch depths: all at `base`, or given by the shape at half-word `at`.
 struct AdumbraDepthsNode {
-    // ADUMBRA_DEPTHS_UNIFORM if there is no shape.
+    // ADUMBRA_DEPTHS_UNIFORM if there is no shape, ADUMBRA_DEPTHS_ABSENT if the page is not resident.
     at: u32,
     base: u32,
 }
@@ -95,21 +97,22 @@ fn adumbra_depths_child(v: AdumbraVoxelParams, node: AdumbraDepthsNode, child: u
 // Returns the root that contains a column of the grid.
 fn adumbra_depths_root(v: AdumbraVoxelParams, column: vec2u) -> AdumbraDepthsNode {
     let root = column >> vec2u(v.root_level);
-    let entry = 2u * (root.y * v.root_count.x + root.x);
+    let entry = v.extra.x + 2u * (root.y * v.root_count.x + root.x);
     return AdumbraDepthsNode(adumbra_voxel_word(entry), adumbra_voxel_word(entry + 1u));
 }
 
 // Descends from a node of level `from_level` towards a column: to level `to_level`, or to a uniform block above it.
 fn adumbra_depths_descend(v: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2u, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
     var node = from_node;
-    for (var level = from_level; level > to_level && node.at != ADUMBRA_DEPTHS_UNIFORM; level -= 2u) {
+    for (var level = from_level; level > to_level && node.at < ADUMBRA_DEPTHS_ABSENT; level -= 2u) {
         let bits = (column >> vec2u(level - 2u)) & vec2u(3u);
         node = adumbra_depths_child(v, node, bits.y << 2u | bits.x);
     }
     return node;
 }
 
-// Returns the depth at which a column of the grid switches; ADUMBRA_DEPTHS_NEVER if the whole column is lit.
+// Returns the depth at which a column of the grid switches; ADUMBRA_DEPTHS_NEVER if the whole column is lit. The
+// column's page must be resident.
 fn adumbra_depths_value(v: AdumbraVoxelParams, column: vec2u) -> u32 {
     let node = adumbra_depths_descend(v, adumbra_depths_root(v, column), column, v.root_level, 3u);
     if (node.at == ADUMBRA_DEPTHS_UNIFORM) {
@@ -118,7 +121,8 @@ fn adumbra_depths_value(v: AdumbraVoxelParams, column: vec2u) -> u32 {
     return adumbra_depths_leaf_value(v, adumbra_depths_leaf(v, node), column & vec2u(7u));
 }
 
-// Counts the lit taps among the columns low…high, which lie in one block. `node` has level `level` and contains it.
+// Counts the lit taps among the columns low…high, which lie in one block; ADUMBRA_TAPS_ABSENT if its page is not
+// resident. `node` has level `level` and contains it.
 fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, node: AdumbraDepthsNode, level: u32, low: vec2i, high: vec2i) -> u32 {
     let taps = adumbra_voxel_taps(v, r, low, high);
     if (taps.farthest < 0) {
@@ -131,6 +135,9 @@ fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, node: Ad
     } else {
         block = adumbra_depths_descend(v, node, column, level, 3u);
     }
+    if (block.at == ADUMBRA_DEPTHS_ABSENT) {
+        return ADUMBRA_TAPS_ABSENT;
+    }
     if (block.at != ADUMBRA_DEPTHS_UNIFORM) {
         return taps.beside + adumbra_depths_leaf_taps(v, r, adumbra_depths_leaf(v, block), taps);
     }
@@ -142,7 +149,7 @@ fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, node: Ad
     return taps.beside + adumbra_voxel_count(adumbra_voxel_taps_to(r, taps, i32(last_lit)));
 }
 
-// Counts the lit taps of the K² filter.
+// Counts the lit taps of the K² filter; ADUMBRA_TAPS_ABSENT or more if a page under it is not resident.
 fn adumbra_voxel_lit_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> u32 {
     let reach = i32(v.filter_width >> 1u);
     let low = (r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS)) - reach;

@@ -9,10 +9,10 @@ fn adumbra_voxel_end_level(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> i3
     }
     let column = vec2u(asked.xy);
     let root = column >> vec2u(v.root_level);
-    let entry = 2u * (root.y * v.root_count.x + root.x);
+    let entry = v.extra.x + 2u * (root.y * v.root_count.x + root.x);
     var node = AdumbraDepthsNode(adumbra_voxel_word(entry), adumbra_voxel_word(entry + 1u));
     var level = v.root_level;
-    while (node.at != ADUMBRA_DEPTHS_UNIFORM) {
+    while (node.at < ADUMBRA_DEPTHS_ABSENT) {
         if (level == 3u) {
             return 0;
         }

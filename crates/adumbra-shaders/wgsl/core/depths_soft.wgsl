@@ -61,8 +61,28 @@ fn adumbra_depths_bilinear(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, p_fix
     return mix(rows.x, rows.y, share.y);
 }
 
-// Returns the visibility of the sun's disc.
+// Whether all pages are resident that the search for blockers and the taps may read.
+fn adumbra_depths_are_resident(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> bool {
+    let reach = vec2i(v.max_radius_texels * vec2f(length(v.penumbra_x), length(v.penumbra_y))) + 2;
+    let texel = r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS);
+    let low = max(texel - reach, vec2i(0)) >> vec2u(v.root_level);
+    let high = min(texel + reach, v.grid.size.xy - 1) >> vec2u(v.root_level);
+    for (var y = low.y; y <= high.y; y++) {
+        for (var x = low.x; x <= high.x; x++) {
+            let entry = v.extra.x + 2u * (u32(y) * v.root_count.x + u32(x));
+            if (adumbra_voxel_word(entry) == ADUMBRA_DEPTHS_ABSENT) {
+                return false;
+            }
+        }
+    }
+    return true;
+}
+
+// Returns the visibility of the sun's disc; -1 if a page that it may need is not resident.
 fn adumbra_depths_soft(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, turn: vec2f) -> f32 {
+    if (v.extra.z != 0u && !adumbra_depths_are_resident(v, r)) {
+        return -1.0;
+    }
     let distance = adumbra_depths_blocker_distance(v, r, turn);
     if (distance < 0.0) {
         return 1.0;

@@ -150,7 +150,9 @@ fn adumbra_voxel_taps_to(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, layer:
     return bits;
 }
 
-// Returns the visibility, filtered over K × K texels. core/depths.wgsl defines adumbra_voxel_lit_taps.
+// Returns the visibility, filtered over K × K texels; -1 if a page under the filter is not resident. core/depths.wgsl
+// defines adumbra_voxel_lit_taps.
 fn adumbra_voxel_factor(v: AdumbraVoxelParams, s: AdumbraSurface) -> f32 {
-    return f32(adumbra_voxel_lit_taps(v, adumbra_voxel_receiver(v, s))) / f32(v.filter_width * v.filter_width);
+    let lit = adumbra_voxel_lit_taps(v, adumbra_voxel_receiver(v, s));
+    return select(f32(lit) / f32(v.filter_width * v.filter_width), -1.0, lit >= ADUMBRA_TAPS_ABSENT);
 }

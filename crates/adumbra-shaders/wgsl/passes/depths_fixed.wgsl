@@ -16,7 +16,7 @@ fn count_taps(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let r = AdumbraVoxelReceiver(receivers[id.x].p_fixed, receivers[id.x].gradient);
-    let column = clamp(r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS), vec2i(0), voxel_params.grid.size.xy - 1);
-    let soft = adumbra_depths_soft(voxel_params, r, adumbra_disc_turn(vec2u(id.x, 0u)));
-    answers[id.x] = DepthsAnswer(adumbra_voxel_lit_taps(voxel_params, r), adumbra_depths_value(voxel_params, vec2u(column)), soft);
+    let column = clamp(r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS), vec2i(0), adumbra_voxel_params.grid.size.xy - 1);
+    let soft = adumbra_depths_soft(adumbra_voxel_params, r, adumbra_disc_turn(vec2u(id.x, 0u)));
+    answers[id.x] = DepthsAnswer(adumbra_voxel_lit_taps(adumbra_voxel_params, r), adumbra_depths_value(adumbra_voxel_params, vec2u(column)), soft);
 }

@@ -1,7 +1,6 @@
-// The technique `voxel`: a light-aligned file, filtered over K × K texels.
-
-@group(1) @binding(0) var<uniform> voxel_params: AdumbraVoxelParams;
+// The technique `voxel`: a light-aligned file, filtered over K × K texels. `adumbra_file_factor` is from
+// access/voxel_params.wgsl or access/voxel_levels.wgsl.
 
 fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
-    return adumbra_voxel_factor(voxel_params, s);
+    return adumbra_file_factor(s);
 }

@@ -9,5 +9,5 @@ fn count_taps(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let r = receivers[id.x];
-    lit_taps[id.x] = adumbra_voxel_lit_taps(voxel_params, AdumbraVoxelReceiver(r.p_fixed, r.gradient));
+    lit_taps[id.x] = adumbra_voxel_lit_taps(adumbra_voxel_params, AdumbraVoxelReceiver(r.p_fixed, r.gradient));
 }

@@ -11,6 +11,6 @@ fn count_taps(@builtin(global_invocation_id) id: vec3u) {
     let answer = id.x * (2u + ADUMBRA_MAX_READS);
     adumbra_reads_at = answer + 2u;
     let r = receivers[id.x];
-    adumbra_reads[answer] = adumbra_voxel_lit_taps(voxel_params, AdumbraVoxelReceiver(r.p_fixed, r.gradient));
+    adumbra_reads[answer] = adumbra_voxel_lit_taps(adumbra_voxel_params, AdumbraVoxelReceiver(r.p_fixed, r.gradient));
     adumbra_reads[answer + 1u] = adumbra_read_count;
 }

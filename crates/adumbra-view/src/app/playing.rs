@@ -63,7 +63,11 @@ impl App {
         let key = stage.and_then(|s| s.trace_key(&self.settings));
         Progress {
             is_loaded: stage.is_some() && self.loads.are_done() && self.reading == 0,
-            is_baked: stage.is_some_and(|s| self.shadows.is_settled(&self.settings, s.scene())),
+            is_baked: match &self.day {
+                Some(day) => !day.is_busy(),
+                None => stage.is_some_and(|s| self.shadows.is_settled(&self.settings, s.scene())),
+            },
+            is_streaming: self.shadows.is_streaming(&self.settings),
             has_landed: stage.is_some() && self.shadows.has_landed(&self.settings),
             is_playing: self.settings.playing,
             seeks_ball: stage.is_none() || self.ball == BallState::Sought,

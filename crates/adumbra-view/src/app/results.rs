@@ -1,9 +1,9 @@
 //! Handles the results of other threads: scenes, files, levels of bakes, traced rays, and the ball's path.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adumbra::ShadowFile;
+use adumbra_files::{FileWatch, folder_of};
 use adumbra_program::sun::{SunSource, sun_of_scene};
 use adumbra_scene::{Camera, Projection};
 use adumbra_truth::movers::BallPath;
@@ -12,8 +12,8 @@ use super::{App, BallState};
 use crate::error::{OptionField, Result, ViewError};
 use crate::event::Event;
 use crate::loaded_scene::LoadedScene;
-use crate::loading::Loads;
-use crate::shadow_file;
+use crate::loading::{self, Loads};
+use crate::shadow_file::ShownFile;
 use crate::stage::{Stage, is_fatal};
 
 impl App {
@@ -38,6 +38,7 @@ impl App {
                 self.messages.error(error.to_string());
                 self.enter_held()?;
             }
+            Event::Changed => self.load_again(),
             Event::File { path, read } => {
                 self.reading -= 1;
                 match read {
@@ -48,10 +49,12 @@ impl App {
             }
             Event::Baking { bake, resolution, share } => self.shadows.progress(bake, resolution, share),
             Event::Baked { bake, file, last } => {
-                if self.shadows.landed(bake, file, last, &self.settings) {
+                if self.shadows.landed(bake, ShownFile::whole(*file), last, &self.settings) {
                     self.forget_file();
                 }
             }
+            // The next tick takes it.
+            Event::Key => {}
             Event::BakeEnded { bake, error } => {
                 if let Some(error) = &error {
                     self.messages.error(format!("the bake failed: {error}"));
@@ -88,6 +91,14 @@ impl App {
         }
         let bounds = stage.bounds();
         self.stage = Some(stage);
+        self.follow_files(scene);
+        if self.again == Some(load) {
+            (self.ball, self.viewpoint) = (BallState::None, None);
+            if let Err(what) = self.seek_ball() {
+                self.messages.error(what);
+            }
+            return self.enter_held();
+        }
         self.take_sun_of(scene)?;
         let fov = match self.options.projection {
             Projection::Perspective { fov_degrees } => fov_degrees,
@@ -123,6 +134,35 @@ impl App {
         self.enter_held()
     }
 
+    /// Loads the scene and the shadow file again, because some of their files have changed.
+    fn load_again(&mut self) {
+        let Some(scene) = self.stage.as_ref().map(|stage| stage.scene().path.clone()) else { return };
+        self.messages.note(format!("{} has changed", scene.display()));
+        self.again = Some(self.load(scene));
+        if let Some(file) = self.shadows.given_path(&self.settings).map(Path::to_owned) {
+            self.reading += 1;
+            loading::read_file(file, self.settings.stream_options(), self.sender.clone());
+        }
+    }
+
+    /// Follows the files of a scene that is shown, if that was asked for.
+    fn follow_files(&mut self, scene: &LoadedScene) {
+        if !self.options.watch {
+            return;
+        }
+        let named = scene.named_files.iter().filter(|file| folder_of(file).is_dir());
+        let files: Vec<PathBuf> =
+            [&scene.path].into_iter().chain(named).chain(&self.options.shadow_file).cloned().collect();
+        if self.followed.as_ref().is_some_and(|(followed, _)| *followed == files) {
+            return;
+        }
+        let sender = self.sender.clone();
+        match FileWatch::new(&files, move || sender.send(Event::Changed)) {
+            Ok(watch) => self.followed = Some((files, watch)),
+            Err(error) => self.messages.error(error.to_string()),
+        }
+    }
+
     /// Uses the scene's sun, unless an option or a shadow file gives one. A scene that replaces another and has no light
     /// leaves the sun as it is.
     fn take_sun_of(&mut self, scene: &LoadedScene) -> Result<()> {
@@ -152,18 +192,18 @@ impl App {
         self.held_file.take().map_or(Ok(()), |(file, path)| self.enter_file(file, path))
     }
 
-    fn enter_file(&mut self, file: ShadowFile, path: PathBuf) -> Result<()> {
+    fn enter_file(&mut self, file: ShownFile, path: PathBuf) -> Result<()> {
         self.settings.sun = file.sun();
         if let Some(stage) = &self.stage {
             let b = stage.bounds();
             let middle = std::array::from_fn(|a| 0.5 * (b.min[a] + b.max[a]));
-            if !shadow_file::contains(&file, middle) {
+            if !file.contains(middle) {
                 let path = path.display();
                 self.messages.note(format!(
                     "{path}: it does not contain this scene's centre; was it baked from another scene?"
                 ));
             }
-            if file.ignores_alpha() != stage.scene().ignore_alpha {
+            if file.settings().ignore_alpha != stage.scene().ignore_alpha {
                 let path = path.display();
                 self.messages.note(format!(
                     "{path}: it was baked with a different setting for ignoring alpha than this view uses"

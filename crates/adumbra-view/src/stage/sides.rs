@@ -1,11 +1,11 @@
 //! One side of the view: its technique, rebuilt when it changes, and its picture.
 
-use adumbra::ShadowFile;
 use adumbra_render::layers::{Layer, LayerPass, ShownPicture};
 use adumbra_render::{
     Baked, FrameTimes, Given, Gpu, Prepared, Reads, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
 };
 
+use crate::shadow_file::ShownFile;
 use crate::traced::{TraceKey, Traced};
 
 /// One side of the view.
@@ -82,7 +82,7 @@ impl SideView {
         &mut self,
         renderer: &Renderer,
         spec: &TechniqueSpec,
-        file: Option<&ShadowFile>,
+        file: Option<&ShownFile>,
         traced: Option<&Traced>,
         size: [u32; 2],
         samples: u32,
@@ -106,7 +106,7 @@ impl SideView {
             self.note = Some("its shadow file is not ready yet".to_owned());
             return Ok(());
         }
-        let baked = file.map(Baked::of).unwrap_or_default();
+        let baked = file.map(ShownFile::baked).unwrap_or_default();
         match build(&self.gpu, spec, baked).and_then(|t| renderer.prepare(t)) {
             Ok(prepared) => {
                 let notes = prepared.technique().notes();

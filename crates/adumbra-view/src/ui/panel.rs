@@ -192,7 +192,21 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
         });
     }
     if let Some(file) = app.shadows.file() {
-        ui.small(crate::shadow_file::words(file));
+        file.lines().into_iter().for_each(|line| _ = ui.small(line));
+    }
+    let mut budget = s.budget_mib;
+    let slider = egui::Slider::new(&mut budget, 1..=1024).logarithmic(true).suffix(" MiB").text("budget");
+    let slider = ui.add(slider.clamping(egui::SliderClamping::Edits));
+    // A file is read again for each change, so it is made when the slider is let go.
+    let id = ui.scope_id().with("budget");
+    if slider.changed() {
+        ui.data_mut(|d| d.insert_temp(id, budget));
+    }
+    if !slider.is_pointer_button_down_on()
+        && let Some(budget) = ui.data_mut(|d| d.remove_temp::<u64>(id))
+        && budget != s.budget_mib
+    {
+        commands.push(Command::Budget(budget));
     }
 }
 
@@ -227,6 +241,16 @@ fn camera(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
         if slid(ui, egui::Slider::new(&mut seconds, 0.0..=end.max(0.1)).text("s")) {
             commands.push(Command::Time(seconds));
         }
+    }
+    if let Some(day) = &app.day {
+        let mut hour = day.hour();
+        let [first, last] = day.span().map(|seconds| (seconds - day.at_hour(0.0)) / 3600.0);
+        let slider =
+            egui::Slider::new(&mut hour, first..=last).show_value(false).text(day.shown(day.seconds()));
+        if slid(ui, slider) {
+            commands.push(Command::Hour(hour));
+        }
+        ui.small(day.line());
     }
     if ui.button("reset everything").clicked() {
         commands.push(Command::ResetAll);

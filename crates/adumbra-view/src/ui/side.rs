@@ -1,13 +1,12 @@
 //! The technique of one side: its name, its parameters, and its notes.
 
-use adumbra::ShadowFile;
 use adumbra_render::technique::{Parameter, ParameterKind};
 use adumbra_render::{Baked, Reads, SpecText, TECHNIQUES, TechniqueSpec};
 
 use super::parameters;
 use crate::app::App;
 use crate::command::{Command, Side};
-use crate::shadow_file::is_same_sun;
+use crate::shadow_file::ShownFile;
 
 /// Returns the technique's parameters. They include those that the current file does not support, such as penumbrae,
 /// because another file is baked if they are requested.
@@ -39,7 +38,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
     if chosen != spec.name() {
         commands.push(Command::Shadow { side, technique: chosen });
     }
-    let baked = app.shadows.file().map(Baked::of).unwrap_or_default();
+    let baked = app.shadows.file().map(ShownFile::baked).unwrap_or_default();
     let of_nested = |text: &SpecText| {
         let nested = spec.techniques().parse(&text.to_string());
         nested.map(|nested| describe(&nested, baked)).unwrap_or_default()
@@ -57,7 +56,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
             ui.small(format!("{:.1} MB on the device", view.bytes() as f64 * 1e-6));
         }
         let reads_file = spec.reads() == Reads::LightFile;
-        let is_outdated = |file: &ShadowFile| reads_file && !is_same_sun(&file.sun(), &app.settings.sun);
+        let is_outdated = |file: &ShownFile| reads_file && !file.serves(&app.settings);
         if app.shadows.file().is_some_and(is_outdated) {
             ui.small(egui::RichText::new("its shadows are for another sun").color(WARNING));
         }

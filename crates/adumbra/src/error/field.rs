@@ -20,6 +20,8 @@ pub enum RangeField {
     Resolution,
     /// Edge of a voxel.
     VoxelSize,
+    /// Texels a side of a region.
+    RegionTexels,
     /// Texels along a side of a filter.
     FilterWidth,
     /// A term of the look-up bias.
@@ -51,6 +53,7 @@ impl fmt::Display for RangeField {
             Self::Bounds => "the bounds",
             Self::Resolution => "the resolution",
             Self::VoxelSize => "the voxel size",
+            Self::RegionTexels => "the side of a region",
             Self::FilterWidth => "the filter's width",
             Self::BiasTerm => "a term of the bias",
             Self::Yaw => "the yaw",

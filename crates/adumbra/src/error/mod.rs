@@ -41,6 +41,14 @@ pub enum Error {
         /// Elevation in degrees, zero or negative.
         elevation_degrees: f64,
     },
+    /// A manifest of regions is not valid, or does not fit its files.
+    #[error("{path:?} is not a manifest of regions that can be used: {what}", path = path.display())]
+    Manifest {
+        /// The manifest.
+        path: PathBuf,
+        /// What is wrong, as a clause.
+        what: String,
+    },
     /// A value is out of range.
     #[error(transparent)]
     Range(#[from] RangeError),

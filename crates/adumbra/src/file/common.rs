@@ -10,7 +10,7 @@ use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 use crate::settings::AtRest;
 
 /// Number of words of a bundle before those of its pages.
-pub(super) const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
+pub const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
 
 /// Whether a coded part of so many bytes may have so many raw bytes.
 pub(super) fn is_plausible(stored_bytes: u64, raw_bytes: u64) -> bool {

@@ -39,6 +39,15 @@ pub const LIGHT: Kind = Kind {
 pub const TREE: Kind =
     Kind { magic: *b"ADUMTREE", shown: "\"ADUMTREE\"", name: "tree file", version: 1, oldest: 1 };
 
+/// A file with the path of a sun.
+pub const PATH: Kind =
+    Kind { magic: *b"ADUMDAY\n", shown: "\"ADUMDAY\\n\"", name: "sun path", version: 1, oldest: 1 };
+
+/// Whether a file that begins with these bytes is the path of a sun.
+pub fn is_path(bytes: &[u8]) -> bool {
+    bytes.starts_with(&PATH.magic)
+}
+
 /// Checks that `bytes` begin with a header of this kind: magic, version, length, and checksum in the last word. Returns
 /// the version and the fields between.
 ///
@@ -47,7 +56,7 @@ pub const TREE: Kind =
 pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<(u32, Decoder<'a>), FormatError> {
     let start = &bytes[..bytes.len().min(kind.magic.len())];
     if !kind.magic.starts_with(start) {
-        return Err(match [LIGHT, TREE].iter().find(|other| other.magic == start) {
+        return Err(match [LIGHT, TREE, PATH].iter().find(|other| other.magic == start) {
             Some(other) => FormatError::OtherKind { found: other.name, needed: kind.name },
             None => FormatError::Magic { found: start.to_vec(), expected: kind.shown },
         });

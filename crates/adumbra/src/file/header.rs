@@ -4,7 +4,7 @@
 use crate::error::FormatError;
 use crate::file::fields::{Encoder, LIGHT, field, identify};
 use crate::file::placement::{check_settings, flags, with_flags};
-use crate::grid::Bounds;
+use crate::grid::{Bounds, Region};
 use crate::settings::{AtRest, Bias, FileSettings};
 
 /// The first eight bytes. The line break reveals files that were copied in text mode.
@@ -47,6 +47,8 @@ impl Header {
         out.u64s(&[settings.triangles, settings.instances]);
         out.u32s(&[settings.switch_within_voxels, self.directory_checksum]);
         out.u64s(&[self.file_bytes]);
+        out.u32s(&region_fields(settings.region));
+        out.u32s(&[settings.dark_after_voxels]);
         out.sealed()
     }
 
@@ -63,7 +65,9 @@ impl Header {
         let (triangles, instances) = (fields.u64()?, fields.u64()?);
         let [switch_within_voxels, directory_checksum] = fields.u32s()?;
         let file_bytes = fields.u64()?;
-        fields.end("reserved words 36 to 62")?;
+        let region = fields.u32s()?;
+        let dark_after_voxels = fields.u32()?;
+        fields.end("reserved words 40 to 62")?;
 
         let at_rest = match at_rest {
             RAW => AtRest::Raw,
@@ -74,9 +78,11 @@ impl Header {
             resolution,
             thickness_world,
             switch_within_voxels,
+            dark_after_voxels,
             bias: Bias { constant_texels, slope_texels, normal_offset_texels },
             triangles,
             instances,
+            region: region_of(region)?,
             ..FileSettings::default()
         };
         let settings = with_flags(settings, flags, box_given)?;
@@ -92,12 +98,37 @@ impl Header {
     /// Checks every value. The writer calls it too, so that nothing is written that cannot be read.
     pub(super) fn check(&self) -> Result<(), FormatError> {
         check_settings(&self.settings)?;
+        region_of(region_fields(self.settings.region))?;
         if !(1..=MAX_LEVELS).contains(&self.grids) {
             return Err(field("grids", self.grids.to_string(), format!("from 1 to {MAX_LEVELS}")));
         }
         Ok(())
     }
 }
+
+/// Returns the fields of a region: its side and its numbers along x and y, or zeros.
+fn region_fields(region: Option<Region>) -> [u32; 3] {
+    region.map_or([0; 3], |Region { x, y, texels }| [texels, x.cast_unsigned(), y.cast_unsigned()])
+}
+
+/// Returns the region of these fields.
+///
+/// # Errors
+/// Returns [`FormatError::HeaderField`] if there is no such region.
+fn region_of([texels, x, y]: [u32; 3]) -> Result<Option<Region>, FormatError> {
+    let [x, y] = [x, y].map(u32::cast_signed);
+    match texels {
+        0 if [x, y] == [0, 0] => Ok(None),
+        _ if texels.is_power_of_two() && REGION_TEXELS.contains(&texels) => Ok(Some(Region { y, x, texels })),
+        _ => {
+            let value = format!("({x}, {y}) of {texels} texels");
+            Err(field("region", value, "zeros, or a side that is a power of two from 16 to 131072"))
+        }
+    }
+}
+
+/// Texels a side of a region.
+const REGION_TEXELS: std::ops::RangeInclusive<u32> = 1 << 4..=1 << 17;
 
 /// Returns the length in bytes of a directory of this many grids.
 pub(super) fn directory_bytes(grids: u32) -> usize {

@@ -23,10 +23,11 @@ pub mod sections;
 mod table;
 mod write;
 
-pub use common::CommonSection;
+pub use common::{CommonSection, HEAD_WORDS};
 pub use directory::{GridEntry, LEVEL_STEP};
 pub use header::{GRID_BYTES, HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
-pub use table::{BUNDLE_ENTRY_BYTES, BundleEntry, StoredBundle};
+pub use read::{beginning_bytes, name_of_bundle};
+pub use table::{BUNDLE_ENTRY_BYTES, Bundle, BundleEntry, StoredBundle};
 pub use write::FileWriter;
 
 use std::sync::Arc;
@@ -104,6 +105,19 @@ impl ShadowFile {
         let resolution = self.settings.resolution.div_ceil(LEVEL_STEP.pow(level));
         let settings = FileSettings { resolution, ..self.settings };
         Some(Self { grid, settings, tree, coarser: self.coarser[at + 1..].to_vec() })
+    }
+
+    /// Returns the file with positions in the world. Those in the file of a region are relative to the region's origin; of
+    /// other files nothing changes. The voxels are shared, so this is cheap.
+    #[must_use]
+    pub fn in_world(mut self) -> Self {
+        if let Some(region) = self.settings.region.take() {
+            self.grid = region.in_world(self.grid, 1);
+            for (number, level) in (1..).zip(&mut self.coarser) {
+                level.grid = region.in_world(level.grid, LEVEL_STEP.pow(number));
+            }
+        }
+        self
     }
 
     /// Returns all levels, the finest first.

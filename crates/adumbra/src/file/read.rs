@@ -56,15 +56,8 @@ impl Contents {
     /// # Errors
     /// Returns the fault with the values found.
     pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let header = Header::parse(bytes)?;
+        let (header, grids) = header_and_directory(bytes)?;
         let (have, end) = (bytes.len() as u64, header.file_bytes);
-        let directory = Section {
-            offset: HEADER_BYTES as u64,
-            length: directory_bytes(header.grids) as u64,
-            checksum: header.directory_checksum,
-        };
-        let directory = checked(bytes, directory, || "directory".to_owned())?;
-        let grids = directory::parse(directory, end, header.at_rest)?;
         let parts = (0..).zip(&grids).flat_map(|(level, grid): (u32, _)| {
             let names = ["table", "common section", "bundles"].map(|what| format!("{what} of level {level}"));
             [grid.table, grid.common, grid.bundles].into_iter().zip(names)
@@ -76,11 +69,68 @@ impl Contents {
         if have > end {
             return Err(FormatError::TrailingBytes { end });
         }
+        Self::with_tables(bytes, header, grids)
+    }
+
+    /// Reads and checks header, directory and tables of the beginning of a file.
+    ///
+    /// # Errors
+    /// Returns the fault with the values found.
+    pub fn parse_beginning(bytes: &[u8]) -> Result<Self, FormatError> {
+        let (header, grids) = header_and_directory(bytes)?;
+        Self::with_tables(bytes, header, grids)
+    }
+
+    fn with_tables(bytes: &[u8], header: Header, grids: Vec<GridEntry>) -> Result<Self, FormatError> {
         let part = |level| Part { bytes, at_rest: header.at_rest, level };
         let tables = (0..).zip(&grids).map(|(level, grid)| part(level).table(grid));
         let tables = tables.collect::<Result<_, _>>()?;
         Ok(Self { header, grids, tables })
     }
+}
+
+/// Returns the length in bytes of the beginning of a file up to the end of its coarsest level. `front` is the beginning
+/// of the beginning, with header and directory.
+///
+/// # Errors
+/// Returns the fault with the values found.
+pub fn beginning_bytes(front: &[u8]) -> Result<u64, FormatError> {
+    let (header, grids) = header_and_directory(front)?;
+    Ok(grids.last().map_or(header.file_bytes, |coarsest| coarsest.bundles.end()))
+}
+
+fn header_and_directory(bytes: &[u8]) -> Result<(Header, Vec<GridEntry>), FormatError> {
+    let header = Header::parse(bytes)?;
+    let directory = Section {
+        offset: HEADER_BYTES as u64,
+        length: directory_bytes(header.grids) as u64,
+        checksum: header.directory_checksum,
+    };
+    let directory = checked(bytes, directory, || "directory".to_owned())?;
+    let grids = directory::parse(directory, header.file_bytes, header.at_rest)?;
+    Ok((header, grids))
+}
+
+impl GridEntry {
+    /// Reads the stored bytes of the grid's common section. `level` names it.
+    ///
+    /// # Errors
+    /// Returns the fault with the values found.
+    pub fn parse_common(
+        &self,
+        bytes: &[u8],
+        at_rest: AtRest,
+        level: u32,
+    ) -> Result<CommonSection, FormatError> {
+        let name = || format!("common section of level {level}");
+        let whole = Section { offset: 0, ..self.common };
+        CommonSection::parse(checked(bytes, whole, name)?, self.common_raw_bytes, at_rest, name)
+    }
+}
+
+/// Returns the name of a bundle in messages.
+pub fn name_of_bundle(level: u32, index: usize) -> String {
+    format!("bundle {index} of level {level}")
 }
 
 /// Returns the bytes of a section, after comparing them with its checksum.
@@ -106,7 +156,7 @@ struct Part<'b> {
 
 impl Part<'_> {
     fn name_of_bundle(&self, index: usize) -> String {
-        format!("bundle {index} of level {}", self.level)
+        name_of_bundle(self.level, index)
     }
 
     /// Reads the table, and checks that its bundles are as long as all bundles together.

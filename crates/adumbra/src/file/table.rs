@@ -113,14 +113,18 @@ impl StoredBundle {
 }
 
 /// A bundle's pages, decoded.
-pub(super) struct Bundle {
+#[derive(Debug)]
+pub struct Bundle {
     heads: [[u32; 3]; BUNDLE_PAGES],
     words: Vec<u32>,
 }
 
 impl Bundle {
     /// Decodes the stored bytes of a bundle. `section` names it.
-    pub(super) fn parse(
+    ///
+    /// # Errors
+    /// Returns the fault with the values found.
+    pub fn parse(
         entry: &BundleEntry,
         bytes: &[u8],
         common: &CommonSection,
@@ -153,7 +157,7 @@ impl Bundle {
     }
 
     /// Returns the pages. Those outside the grid are as they are stored.
-    pub(super) fn pages(&self) -> [Page<'_>; BUNDLE_PAGES] {
+    pub fn pages(&self) -> [Page<'_>; BUNDLE_PAGES] {
         let mut first = 0;
         self.heads.map(|[root, base, words]| {
             let from = first;

@@ -11,7 +11,7 @@ use crate::file::table::{StoredBundle, raw_bytes};
 use crate::file::{HEADER_BYTES, Level, ShadowFile, each};
 use crate::grid::LightGrid;
 use crate::layout::depths::page::{bundles, page_dims};
-use crate::layout::depths::{DepthTree, Ranges};
+use crate::layout::depths::{DepthTree, SharedRanges};
 use crate::settings::{AtRest, FileSettings};
 
 /// Number of bundles that are held in memory until they are written.
@@ -139,8 +139,9 @@ impl<W: Write + Seek> FileWriter<W> {
         let common = CommonSection::new(words, || tree.common_shapes(), self.at_rest).map_err(invalid)?;
         self.common(&common)?;
         let dims = page_dims(tree.size());
+        let ranges = SharedRanges::new(common.words());
         let stored = |&at: &[u32; 2]| {
-            StoredBundle::new(at, dims, &tree.bundle(at), &mut Ranges::new(common.words()), &common)
+            ranges.with(|ranges| StoredBundle::new(at, dims, &tree.bundle(at), ranges, &common))
         };
         for some in bundles(dims).chunks(BUNDLES_AT_A_TIME) {
             each(some, stored).into_iter().try_for_each(|stored| self.bundle(&stored.map_err(invalid)?))?;

@@ -29,8 +29,10 @@ mod wgsl;
 mod words;
 
 pub use grid::GridParameters;
+pub(crate) use parameters::WordPlaces;
 pub use parameters::{LookUp, PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Parameters, Penumbra};
 pub use texture::{HEADER_WORDS, LookUpTexture, TEXTURE_MAGIC, TEXTURE_VERSION};
+pub(crate) use texture::{middle, put_header};
 pub use wgsl::{WordSource, wgsl_files};
 pub use words::Words;
 
@@ -63,6 +65,20 @@ impl<'f> FileForGpu<'f> {
     /// Returns the errors of [`Parameters::new`].
     pub fn parameters(self, look_up: &LookUp, anchor_world: [f64; 3]) -> Result<Parameters> {
         Parameters::new(self.file, look_up, anchor_world)
+    }
+
+    /// Returns the header of the file's texture alone: for an engine that writes the words to a place of its own. Positions
+    /// in the shader are relative to the same anchor as in [`FileForGpu::texture`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`Parameters::new`].
+    pub fn texture_header(self, look_up: &LookUp) -> Result<Vec<u8>> {
+        let anchor_world = middle(&self.file.grid);
+        let parameters = self.parameters(look_up, anchor_world.map(f64::from))?;
+        let mut header = Vec::with_capacity(4 * HEADER_WORDS);
+        // The number of words of a texture fits 32 bits.
+        put_header(&mut header, &parameters, anchor_world, &self.file.grid, self.words().count() as u32);
+        Ok(header)
     }
 
     /// Returns words and parameters as one texture of at most `max_side` texels along each side.

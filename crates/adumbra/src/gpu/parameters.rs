@@ -68,7 +68,9 @@ pub struct LookUp {
 /// | 272 | 12 | root count |
 /// | 284 | 4 | root level |
 /// | 288 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
-/// | 304 | 12 | zero |
+/// | 304 | 4 | first word of the table of blocks |
+/// | 308 | 4 | number of coarser levels that follow |
+/// | 312 | 4 | 1 if pages may be absent, 2 if their weights follow the table besides, else 0 |
 /// | 316 | 4 | first word of code |
 /// | 320 | 4 | filter width, texels |
 /// | 324 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
@@ -85,6 +87,14 @@ pub struct Parameters {
     pub root_level: u32,
     /// Look-up bias.
     pub bias: Bias,
+    /// Index of the first word of the table of blocks among the words. 0 unless the file is streamed.
+    pub table_offset: u32,
+    /// Number of coarser levels that can answer where pages are absent. 0 unless the file is streamed.
+    pub coarser_levels: u32,
+    /// Whether pages may be absent, so that look-ups have to ask. `false` unless the file is streamed.
+    pub may_lack_pages: bool,
+    /// Whether a weight per page follows the table of blocks. `false` unless a streamed file fades its levels.
+    pub pages_fade: bool,
     /// Index of the first word of code among the words.
     pub code_offset: u32,
     /// Width of the filter, texels.
@@ -98,6 +108,17 @@ pub struct Parameters {
     pub penumbra: [[f32; 2]; 2],
 }
 
+/// Where the words of a quadtree are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct WordPlaces {
+    pub(crate) block_level: u32,
+    pub(crate) block_dims: [u32; 2],
+    /// First word of the table of blocks.
+    pub(crate) table_offset: u32,
+    /// First word of the code.
+    pub(crate) code_offset: u32,
+}
+
 impl Parameters {
     /// Size of the structure in bytes.
     pub const BYTES: usize = 352;
@@ -108,16 +129,37 @@ impl Parameters {
     /// Returns [`Error::Range`](crate::Error::Range) if the bias or the penumbrae are out of range, or the grid is too
     /// large for look-ups on a GPU.
     pub fn new(file: &ShadowFile, look_up: &LookUp, anchor_world: [f64; 3]) -> Result<Self> {
-        let (grid, tree) = (&file.grid, &*file.tree);
-        let bias = look_up.bias.unwrap_or(file.settings.bias);
+        let words = WordPlaces {
+            block_level: file.tree.root_level(),
+            block_dims: file.tree.top_dims(),
+            table_offset: 0,
+            code_offset: 2 * file.tree.top().len() as u32,
+        };
+        Self::of_grid(&file.grid, file.settings.bias, words, look_up, anchor_world)
+    }
+
+    /// Creates the parameters of a look-up in words that are at these places, with the file's bias unless `look_up` has
+    /// one.
+    pub(crate) fn of_grid(
+        grid: &LightGrid,
+        bias: Bias,
+        words: WordPlaces,
+        look_up: &LookUp,
+        anchor_world: [f64; 3],
+    ) -> Result<Self> {
+        let bias = look_up.bias.unwrap_or(bias);
         bias.check()?;
-        let [nx, ny] = tree.top_dims();
+        let [nx, ny] = words.block_dims;
         let mut parameters = Self {
             grid: GridParameters::new(grid, anchor_world)?,
             root_count: [nx, ny, 1],
-            root_level: tree.root_level(),
+            root_level: words.block_level,
             bias,
-            code_offset: 2 * tree.top().len() as u32,
+            table_offset: words.table_offset,
+            coarser_levels: 0,
+            may_lack_pages: false,
+            pages_fade: false,
+            code_offset: words.code_offset,
             filter_width: look_up.filter.width(),
             sun_cone: 0.0,
             max_radius_texels: 0.0,
@@ -148,10 +190,11 @@ impl Parameters {
         let Bias { constant_texels, slope_texels, normal_offset_texels } = self.bias;
         let bias = [constant_texels as f32, slope_texels as f32, normal_offset_texels as f32, 1.0];
         let [nx, ny, nz] = self.root_count;
+        let residency = if self.pages_fade { 2 } else { u32::from(self.may_lack_pages) };
         let words = [nx, ny, nz, self.root_level]
             .into_iter()
             .chain(bias.map(f32::to_bits))
-            .chain([0, 0, 0, self.code_offset])
+            .chain([self.table_offset, self.coarser_levels, residency, self.code_offset])
             .chain([self.filter_width, self.sun_cone.to_bits(), self.max_radius_texels.to_bits(), 0])
             .chain(self.penumbra.as_flattened().iter().map(|c| c.to_bits()));
         words.for_each(|word| out.extend(word.to_le_bytes()));

@@ -1,4 +1,4 @@
-//! The look-up texture, version 2: a file's words and its parameter block in rows of texels. `spec/look-up-texture.md`
+//! The look-up texture, version 3: a file's words and its parameter block in rows of texels. `spec/look-up-texture.md`
 //! describes it.
 //!
 //! A texel is one little-endian word. With the format `R32Uint` it is the word itself, with `Rgba8Unorm` its bytes from
@@ -12,7 +12,7 @@
 //! | 2 | layout: 2, the quadtree |
 //! | 3 | number of words after the header |
 //! | 4 to 6 | the anchor: world position that look-ups are relative to, `f32` |
-//! | 7 | zero |
+//! | 7 | number of coarser levels whose headers follow; zero for a whole file |
 //! | 8 to 10 | unit vector towards the sun, `f32` |
 //! | 11 to 15 | zero |
 //! | 16 to 103 | the parameter block, [`Parameters`] |
@@ -22,11 +22,12 @@ use super::parameters::{LookUp, Parameters};
 use super::words::Words;
 use crate::error::{RangeError, RangeField, Result};
 use crate::file::ShadowFile;
+use crate::grid::LightGrid;
 
 /// First word of a look-up texture: "ADUT" as bytes.
 pub const TEXTURE_MAGIC: u32 = u32::from_le_bytes(*b"ADUT");
 /// Version of the look-up texture that is written.
-pub const TEXTURE_VERSION: u32 = 2;
+pub const TEXTURE_VERSION: u32 = 3;
 /// Number of words of a look-up texture's header, which precede the file's words.
 pub const HEADER_WORDS: usize = 128;
 
@@ -58,7 +59,7 @@ impl LookUpTexture {
     /// Returns [`Error::Range`](crate::Error::Range) if the file needs more texels, and the errors of
     /// [`Parameters::new`].
     pub fn new(file: &ShadowFile, look_up: &LookUp, max_side: u32) -> Result<Self> {
-        let anchor_world = middle(file);
+        let anchor_world = middle(&file.grid);
         let parameters = Parameters::new(file, look_up, anchor_world.map(f64::from))?;
         let words = Words::new(&file.tree);
         let texels = HEADER_WORDS as u64 + words.count();
@@ -67,16 +68,11 @@ impl LookUpTexture {
             return Err(RangeError::new(RangeField::TextureWords, words.count(), range).into());
         };
         let mut bytes = Vec::with_capacity(4 * width as usize * height as usize);
-        bytes.resize(4 * HEADER_WORDS, 0);
+        // The number of words of a texture fits 32 bits.
+        put_header(&mut bytes, &parameters, anchor_world, &file.grid, words.count() as u32);
         words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
         bytes.resize(4 * width as usize * height as usize, 0);
-        let mut texture = Self { width, height, bytes, parameters, anchor_world };
-        // The number of words of a texture fits 32 bits.
-        texture.put(0, &[TEXTURE_MAGIC, TEXTURE_VERSION, QUADTREE, words.count() as u32]);
-        texture.put(4, &anchor_world.map(f32::to_bits));
-        texture.put(8, &file.sun().towards().map(|c| (c as f32).to_bits()));
-        texture.write_parameters();
-        Ok(texture)
+        Ok(Self { width, height, bytes, parameters, anchor_world })
     }
 
     /// Returns the number of texels per row, a power of two.
@@ -122,27 +118,39 @@ impl LookUpTexture {
     /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor, the roots
     /// and the offsets are kept.
     pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
-        let Parameters { grid, root_count, root_level, code_offset, penumbra, .. } = self.parameters;
-        change(&mut self.parameters);
-        self.parameters =
-            Parameters { grid, root_count, root_level, code_offset, penumbra, ..self.parameters };
+        let mut changed = self.parameters;
+        change(&mut changed);
+        let Parameters { bias, filter_width, sun_cone, max_radius_texels, .. } = changed;
+        self.parameters = Parameters { bias, filter_width, sun_cone, max_radius_texels, ..self.parameters };
         self.write_parameters();
     }
 
     fn write_parameters(&mut self) {
         self.bytes[4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&self.parameters.to_bytes());
     }
-
-    fn put(&mut self, at: usize, words: &[u32]) {
-        for (i, word) in words.iter().enumerate() {
-            self.bytes[4 * (at + i)..][..4].copy_from_slice(&word.to_le_bytes());
-        }
-    }
 }
 
-/// Returns the middle of the grid, rounded to `f32`.
-fn middle(file: &ShadowFile) -> [f32; 3] {
-    file.grid.to_world(file.grid.size.map(|n| 0.5 * f64::from(n))).map(|c| c as f32)
+/// Returns the middle of a grid, rounded to `f32`.
+pub(crate) fn middle(grid: &LightGrid) -> [f32; 3] {
+    grid.to_world(grid.size.map(|n| 0.5 * f64::from(n))).map(|c| c as f32)
+}
+
+/// Adds the header of a texture, or of one of its levels. `words` is the number of words after the first header.
+pub(crate) fn put_header(
+    out: &mut Vec<u8>,
+    parameters: &Parameters,
+    anchor_world: [f32; 3],
+    grid: &LightGrid,
+    words: u32,
+) {
+    let mut header = [0; HEADER_WORDS];
+    header[..4].copy_from_slice(&[TEXTURE_MAGIC, TEXTURE_VERSION, QUADTREE, words]);
+    header[4..7].copy_from_slice(&anchor_world.map(f32::to_bits));
+    header[7] = parameters.coarser_levels;
+    header[8..11].copy_from_slice(&grid.sun.towards().map(|c| (c as f32).to_bits()));
+    let start = out.len();
+    out.extend(header.into_iter().flat_map(u32::to_le_bytes));
+    out[start + 4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&parameters.to_bytes());
 }
 
 /// Returns width and height of the texture with the least area, and among equals the widest, whose width is a power of

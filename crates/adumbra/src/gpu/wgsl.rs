@@ -30,6 +30,11 @@ pub fn wgsl_files(words: WordSource) -> Vec<&'static str> {
         WordSource::R32Uint => "access/texture_r32uint.wgsl",
         WordSource::Rgba8Unorm => "access/texture_rgba8unorm.wgsl",
     };
-    files.extend([texels, "access/look_up_texture.wgsl", "access/look_up_parameters.wgsl"]);
+    files.extend([
+        "core/depths_blend.wgsl",
+        texels,
+        "access/look_up_texture.wgsl",
+        "access/look_up_parameters.wgsl",
+    ]);
     files
 }

@@ -6,10 +6,12 @@
 mod bounds;
 mod frame;
 mod light_grid;
+mod region;
 mod sun;
 pub mod vec3;
 
 pub use bounds::Bounds;
 pub use frame::Frame;
 pub use light_grid::{LightExtent, LightGrid};
+pub use region::Region;
 pub use sun::Sun;

@@ -4,12 +4,12 @@
 //! behind all of its taps is lit, and one whose farthest depth is before them is shadowed. Only in between are columns
 //! compared, a row of eight at once.
 
-use crate::layout::depths::DepthTree;
+use crate::layout::depths::TreeWords;
 use crate::query::fixed::{FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, MAX_FIXED_SIDE};
 
 /// Cached blocks. The slot is chosen by the parity of the block along both axes.
 pub(super) struct Columns<'d> {
-    tree: &'d DepthTree,
+    tree: TreeWords<'d>,
     size: [i32; 3],
     kept: [Block; 4],
 }
@@ -30,12 +30,12 @@ struct Block {
 
 impl<'d> Columns<'d> {
     /// Returns `None` for grids in which a filter's depths do not fit 32 bits.
-    pub(super) fn new(tree: &'d DepthTree) -> Option<Self> {
-        if tree.size().iter().any(|side| *side > MAX_FIXED_SIDE) {
+    pub(super) fn new(tree: TreeWords<'d>) -> Option<Self> {
+        if tree.size.iter().any(|side| *side > MAX_FIXED_SIDE) {
             return None;
         }
         let nowhere = Block { place: [-1; 2], nearest: 0, farthest: 0, leaf: None, depths: [[0; 8]; 8] };
-        Some(Self { tree, size: tree.size().map(|side| side as i32), kept: [nowhere; 4] })
+        Some(Self { tree, size: tree.size.map(|side| side as i32), kept: [nowhere; 4] })
     }
 
     /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and
@@ -108,7 +108,7 @@ impl<'d> Columns<'d> {
 }
 
 /// Returns the block at `place` of `kept`, with its bounds.
-fn fetch<'k>(kept: &'k mut [Block; 4], tree: &DepthTree, last: i32, place: [i32; 2]) -> &'k mut Block {
+fn fetch<'k>(kept: &'k mut [Block; 4], tree: TreeWords<'_>, last: i32, place: [i32; 2]) -> &'k mut Block {
     let block = &mut kept[(place[0] & 1 | (place[1] & 1) << 1) as usize];
     if block.place != place {
         let [i, j] = place.map(|c| (c as u32) << 3);
@@ -126,7 +126,7 @@ fn fetch<'k>(kept: &'k mut [Block; 4], tree: &DepthTree, last: i32, place: [i32;
 
 impl Block {
     /// Reads the columns' depths.
-    fn read(&mut self, tree: &DepthTree, leaf: [u32; 2], last: i32) {
+    fn read(&mut self, tree: TreeWords<'_>, leaf: [u32; 2], last: i32) {
         let depths = tree.switches_of_leaf(leaf);
         for (to, depth) in self.depths.as_flattened_mut().iter_mut().zip(depths) {
             *to = depth_in_grid(depth, last);

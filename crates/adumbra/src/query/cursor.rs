@@ -16,7 +16,7 @@ pub struct Cursor<'s> {
 impl<'s> Cursor<'s> {
     /// Creates a cursor. Cost: 1 KB.
     pub fn new(sampler: &'s Sampler) -> Self {
-        Self { sampler, columns: Columns::new(sampler.tree()) }
+        Self { sampler, columns: Columns::new(sampler.tree().words()) }
     }
 
     /// Returns the visibility of a world point, as [`Sampler::visibility`] does.

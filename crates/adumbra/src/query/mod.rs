@@ -11,6 +11,7 @@ mod columns;
 mod cursor;
 mod filter;
 mod fixed;
+mod march;
 mod sampler;
 
 pub use cursor::Cursor;
@@ -19,7 +20,8 @@ pub use fixed::{
     FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, GRADIENT_ONE, MARGIN_VOXELS, MAX_FIXED_SIDE,
     MAX_GRADIENT,
 };
-pub use sampler::Sampler;
+pub use march::{EDGE_VOXELS, MAX_MARCH_SLOPE, MarchSlope, Marched, SLOPE_BITS, march};
+pub use sampler::{Sampler, lit_taps};
 
 use crate::grid::LightGrid;
 use crate::settings::{Bias, MAX_PLANE_SLOPE};

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::error::Result;
 use crate::file::ShadowFile;
 use crate::grid::LightGrid;
-use crate::layout::depths::DepthTree;
+use crate::layout::depths::{DepthTree, TreeWords};
 use crate::query::columns::Columns;
 use crate::query::fixed::{FIXED_BITS, FixedReceiver, GRADIENT_BITS};
 use crate::query::{Filter, Receiver, receiver};
@@ -67,10 +67,7 @@ impl Sampler {
     /// Returns how many of the filter's taps are lit, for a receiver in fixed point. A shader returns the same count.
     #[doc(hidden)]
     pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
-        if self.filter == Filter::Nearest {
-            return u32::from(self.voxel(r).is_none_or(|[i, j, k]| self.tree.voxel(i, j, k)));
-        }
-        self.taps_with(&mut Columns::new(&self.tree), r)
+        lit_taps(self.tree.words(), self.filter, r)
     }
 
     /// Returns the level of the block in which the look-up of the filter's middle texel ends, see
@@ -78,24 +75,15 @@ impl Sampler {
     /// shader returns the same level.
     #[doc(hidden)]
     pub fn end_level(&self, r: &FixedReceiver) -> Option<u32> {
-        self.voxel(r).map(|[i, j, _]| self.tree.end_level(i, j))
+        voxel_at(self.tree.words(), r, r.texel()).map(|[i, j, _]| self.tree.end_level(i, j))
     }
 
     /// Returns the number of lit taps, with cached columns if the grid allows them.
     pub(super) fn taps_with(&self, columns: &mut Option<Columns<'_>>, r: &FixedReceiver) -> u32 {
         match columns {
             Some(columns) => columns.lit_taps(self.filter.width(), r),
-            None => self.taps_one_by_one(r),
+            None => taps_one_by_one(self.tree.words(), self.filter, r),
         }
-    }
-
-    /// Returns the number of lit taps in a grid in which the columns' depths do not fit 32 bits.
-    fn taps_one_by_one(&self, r: &FixedReceiver) -> u32 {
-        let reach = i64::from(self.filter.width() / 2);
-        let [x, y] = r.texel();
-        let taps = (y - reach..=y + reach).flat_map(|j| (x - reach..=x + reach).map(move |i| [i, j]));
-        taps.map(|tap| u32::from(self.voxel_at(r, tap).is_none_or(|[i, j, k]| self.tree.voxel(i, j, k))))
-            .sum()
     }
 
     pub(super) fn share(&self, lit_taps: u32) -> f32 {
@@ -110,18 +98,32 @@ impl Sampler {
     pub(super) fn tree(&self) -> &DepthTree {
         &self.tree
     }
+}
 
-    /// Returns the voxel that answers an unfiltered receiver, or `None` outside the grid's texels and before the grid.
-    fn voxel(&self, r: &FixedReceiver) -> Option<[u32; 3]> {
-        self.voxel_at(r, r.texel())
+/// Returns how many of a filter's taps are lit in a quadtree whose pages under the filter are resident.
+pub fn lit_taps(tree: TreeWords<'_>, filter: Filter, r: &FixedReceiver) -> u32 {
+    if filter == Filter::Nearest {
+        return taps_one_by_one(tree, filter, r);
     }
+    match Columns::new(tree) {
+        Some(mut columns) => columns.lit_taps(filter.width(), r),
+        None => taps_one_by_one(tree, filter, r),
+    }
+}
 
-    /// Returns the voxel that answers a tap, or `None` outside the grid's texels and before the grid. Behind the last
-    /// layer, the last layer answers.
-    fn voxel_at(&self, r: &FixedReceiver, [x, y]: [i64; 2]) -> Option<[u32; 3]> {
-        let [nx, ny, nz] = self.tree.size().map(i64::from);
-        let layer = r.depth([x, y]) >> (FIXED_BITS + GRADIENT_BITS);
-        let is_inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
-        is_inside.then(|| [x as u32, y as u32, layer.min(nz - 1) as u32])
-    }
+/// Returns the number of lit taps, also in a grid in which the columns' depths do not fit 32 bits.
+fn taps_one_by_one(tree: TreeWords<'_>, filter: Filter, r: &FixedReceiver) -> u32 {
+    let reach = i64::from(filter.width() / 2);
+    let [x, y] = r.texel();
+    let taps = (y - reach..=y + reach).flat_map(|j| (x - reach..=x + reach).map(move |i| [i, j]));
+    taps.map(|tap| u32::from(voxel_at(tree, r, tap).is_none_or(|[i, j, k]| k < tree.value(i, j)))).sum()
+}
+
+/// Returns the voxel that answers a tap, or `None` outside the grid's texels and before the grid. Behind the last layer,
+/// the last layer answers.
+fn voxel_at(tree: TreeWords<'_>, r: &FixedReceiver, [x, y]: [i64; 2]) -> Option<[u32; 3]> {
+    let [nx, ny, nz] = tree.size.map(i64::from);
+    let layer = r.depth([x, y]) >> (FIXED_BITS + GRADIENT_BITS);
+    let is_inside = (0..nx).contains(&x) && (0..ny).contains(&y) && layer >= 0;
+    is_inside.then(|| [x as u32, y as u32, layer.min(nz - 1) as u32])
 }

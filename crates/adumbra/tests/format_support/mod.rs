@@ -78,7 +78,7 @@ fn is_lit_in_every_way(file: &ShadowFile, [i, j, k]: [u32; 3]) -> bool {
     let depth = tree.value(i, j);
     let lit = tree.voxel(i, j, k);
     assert_eq!(lit, k < depth, "({i}, {j}, {k})");
-    let Switches { nearest, farthest, leaf } = tree.switches(i, j);
+    let Switches { nearest, farthest, leaf } = tree.words().switches(i, j);
     assert!((nearest..=farthest).contains(&depth), "{nearest} to {farthest}: ({i}, {j})");
     let (place, _) = tree.place(i, j);
     let Place::Leaf { at, base } = place else {
@@ -86,7 +86,7 @@ fn is_lit_in_every_way(file: &ShadowFile, [i, j, k]: [u32; 3]) -> bool {
         return lit;
     };
     assert_eq!(leaf, Some([at, base]), "({i}, {j})");
-    assert_eq!(tree.switches_of_leaf([at, base])[column as usize], depth, "({i}, {j})");
+    assert_eq!(tree.words().switches_of_leaf([at, base])[column as usize], depth, "({i}, {j})");
     let leaf = tree.shapes().leaf(at, base);
     let mask = leaf.leaf_mask(k);
     assert_eq!(mask >> column & 1 == 1, lit, "leaf mask of ({i}, {j}, {k})");

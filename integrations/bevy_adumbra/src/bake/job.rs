@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{BakeOptions, MemoryObjects, Objects, Size, Watch, bake_again};
 use adumbra_scene::Scene;
 use bevy::math::Vec3;
 
@@ -35,22 +35,29 @@ pub(super) struct Finished {
     pub(super) file: BakedShadowFile,
     pub(super) seconds: f64,
     pub(super) triangles: u64,
+    /// Number of its blocks, and of those that an earlier bake had made.
+    pub(super) blocks: [usize; 2],
     /// Whether it has the resolution that was asked for.
     pub(super) is_last: bool,
 }
 
 impl Job {
+    /// Starts a bake. `objects` has what earlier bakes of the light have made.
     pub(super) fn start(
         scene: Scene,
         settings: BakeSettings,
         towards_light: Vec3,
         limits: DeviceLimits,
+        objects: Arc<MemoryObjects>,
     ) -> Self {
         let (sender, receiver) = channel();
         let state = Arc::new(State::default());
         let of_thread = Arc::clone(&state);
         let work = move || {
-            if let Err(error) = work(&scene, settings, towards_light, limits, &of_thread, &sender) {
+            // What only the bake before the last one used will hardly be needed again.
+            objects.remove_unused();
+            let inputs = Inputs { scene, settings, towards_light, limits, objects };
+            if let Err(error) = work(&inputs, &of_thread, &sender) {
                 // The app may have dropped the bake.
                 let _ = sender.send(Err(error));
             }
@@ -83,14 +90,21 @@ impl Drop for Job {
     }
 }
 
-fn work(
-    scene: &Scene,
+/// What a bake works on.
+struct Inputs {
+    scene: Scene,
     settings: BakeSettings,
     towards_light: Vec3,
     limits: DeviceLimits,
+    objects: Arc<dyn Objects>,
+}
+
+fn work(
+    inputs: &Inputs,
     state: &State,
     results: &Sender<Result<Finished, BakeError>>,
 ) -> Result<(), BakeError> {
+    let Inputs { scene, settings, towards_light, limits, objects } = inputs;
     let sun = Sun::from_direction(towards_light.to_array().map(f64::from));
     let sun = sun.map_err(|e| BakeError::Sun(e.into()))?;
     let pool = pool(settings.threads).map_err(|e| BakeError::Threads(e.into()))?;
@@ -108,18 +122,65 @@ fn work(
                 *state = (resolution, progress.done_tiles as f32 / progress.total_tiles.max(1) as f32);
             }
         };
-        let baked = pool.install(|| bake(scene, &options, Watch::new(&report, &state.cancel)));
+        let baked = pool.install(|| bake_again(scene, &options, objects, Watch::new(&report, &state.cancel)));
         if state.cancel.load(Ordering::Relaxed) {
             return Ok(());
         }
         let baked = baked.map_err(|e| BakeError::Bake(e.into()))?;
-        let file = BakedShadowFile::new(baked.file, limits);
+        let file = BakedShadowFile::new(baked.file, *limits);
         let file = file.map_err(|e| BakeError::File(e.into()))?;
         let is_last = resolution == settings.resolution;
-        let finished = Finished { file, seconds: baked.report.seconds, triangles, is_last };
+        let blocks = [baked.report.tiles, baked.report.reused_tiles];
+        let finished = Finished { file, seconds: baked.report.seconds, triangles, blocks, is_last };
         if results.send(Ok(finished)).is_err() {
             return Ok(());
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use adumbra::{AtRest, ShadowFile};
+    use adumbra_bake::bake;
+    use adumbra_scene::{GeneratedKind, generate};
+
+    use super::*;
+
+    fn finished(job: &Job) -> Vec<Finished> {
+        let mut all = Vec::new();
+        while job.progress().is_some() {
+            thread::sleep(Duration::from_millis(10));
+        }
+        for finished in job.finished() {
+            all.push(finished.unwrap_or_else(|error| panic!("{error}")));
+        }
+        all
+    }
+
+    fn bytes(file: &ShadowFile) -> Vec<u8> {
+        file.to_bytes(AtRest::Raw).expect("a file that was baked")
+    }
+
+    #[test]
+    fn a_moved_mesh_costs_the_blocks_that_it_touches() {
+        let mut scene = generate(GeneratedKind::City, 1);
+        let settings = BakeSettings { resolution: 2048, first_resolution: 512, ..BakeSettings::default() };
+        let light = Vec3::new(0.5, 0.8, 0.35);
+        let objects = Arc::new(MemoryObjects::default());
+        let limits = DeviceLimits::default();
+        let start = |scene: &Scene| Job::start(scene.clone(), settings, light, limits, objects.clone());
+        let first = finished(&start(&scene));
+        assert_eq!(first.iter().map(|file| file.is_last).collect::<Vec<_>>(), [false, true]);
+        assert!(first.iter().all(|file| file.blocks[1] == 0));
+        scene.instances[700].world_from_mesh[0][3] += 0.5;
+        let again = finished(&start(&scene));
+        let [blocks, reused] = again[1].blocks;
+        assert!(reused > blocks / 2 && reused < blocks, "{reused} of {blocks}");
+        let sun = Sun::from_direction(light.to_array().map(f64::from)).unwrap();
+        let fresh = bake(&scene, &BakeOptions::new(sun, Size::Resolution(2048)), Watch::none()).unwrap();
+        assert!(bytes(again[1].file.file()) == bytes(&fresh.file));
+    }
 }

@@ -3,8 +3,13 @@
 //! [`BakeShadow`] on a light asks for it, or [`BakeShadowCommands::bake_shadow`]. The meshes below
 //! [`BakedStatic`](crate::BakedStatic) are copied once per bake. A coarse file comes first, then the asked one; each takes the place of
 //! the one before in a single frame. When a mesh moves, or the light turns, shadows of that mesh, or all, come from the
-//! cascades again until a new bake is done.
+//! cascades again until a new bake is done. It bakes what the change touches, and has the rest in memory: about as many bytes
+//! as the file.
+//!
+//! A light that is followed ([`BakedShadow::follow_sun`](crate::BakedShadow::follow_sun)) has keys baked ahead of it in place of
+//! a file.
 
+mod follow;
 mod gather;
 mod job;
 mod progress;
@@ -12,6 +17,7 @@ mod progress;
 use std::sync::Arc;
 use std::time::Duration;
 
+use adumbra_bake::MemoryObjects;
 use bevy::asset::Assets;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::prelude::*;
@@ -28,6 +34,8 @@ use bevy::time::{Real, Time};
 use crate::components::{BakedShadow, InBake};
 use crate::statics::NotYetBaked;
 use crate::{BakedShadowFile, DeviceLimits};
+use follow::Following;
+pub(crate) use follow::follow_suns;
 use gather::{Placed, gather};
 use job::{Finished, Job};
 pub use progress::{BakeError, BakeProgress};
@@ -38,11 +46,12 @@ pub use progress::{BakeError, BakeProgress};
 pub struct BakeSettings {
     /// Texels on the longest side of the world as the sun sees it, a power of two from 8 to 262,144.
     pub resolution: u32,
-    /// Resolution of the file that comes first. None comes first if it is not less than `resolution`.
+    /// Resolution of the file that comes first. None comes first if it is not less than `resolution`. Not that of the first
+    /// key of a light that is followed, which is an eighth of `resolution`.
     pub first_resolution: u32,
     /// How far below an open surface its shadow may begin, world units. More makes smaller files.
     pub thickness_world: f32,
-    /// Worker threads; 0 is one less than the processor has.
+    /// Worker threads; 0 is one less than the processor has, and one for a light that is followed.
     pub threads: usize,
     /// How long meshes and light must be still before a bake begins.
     pub settle: Duration,
@@ -74,6 +83,12 @@ pub struct BakeShadow {
     seen: Option<Seen>,
     #[reflect(ignore)]
     job: Option<Job>,
+    /// What bakes keys ahead of the light, if it is followed.
+    #[reflect(ignore)]
+    following: Option<Following>,
+    /// What its bakes have made: after a change, only what it touches is baked.
+    #[reflect(ignore)]
+    objects: Arc<MemoryObjects>,
     /// What there is now if the newest bake saw something else, and since when.
     #[reflect(ignore)]
     pending: Option<(Seen, Duration)>,
@@ -180,6 +195,9 @@ pub(crate) fn bake_shadows(
     (keys, limits, time): (Res<StaticKeys>, Res<DeviceLimits>, Res<Time<Real>>),
 ) {
     for (light, transform, mut bake, mut progress, mut shadow) in &mut lights {
+        if shadow.as_ref().is_some_and(|shadow| shadow.follow) {
+            continue;
+        }
         let bake = bake.bypass_change_detection();
         let now = Seen {
             settings: bake.settings,
@@ -196,7 +214,8 @@ pub(crate) fn bake_shadows(
                 // Some meshes are not loaded yet.
                 Ok(None) => {}
                 Ok(Some(scene)) => {
-                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, *limits));
+                    let objects = Arc::clone(&bake.objects);
+                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, *limits, objects));
                     bake.seen = Some(now);
                 }
                 Err(error) => {
@@ -210,9 +229,12 @@ pub(crate) fn bake_shadows(
         let under_way = job.progress();
         for finished in job.finished() {
             match finished {
-                Ok(Finished { file, seconds, triangles, is_last }) => {
+                Ok(Finished { file, seconds, triangles, blocks: [blocks, reused], is_last }) => {
                     let handle = files.add(file);
-                    info!("the shadow of light {light} is baked: {triangles} triangles in {seconds:.2} s");
+                    info!(
+                        "the shadow of light {light} is baked: {triangles} triangles in {seconds:.2} s, {reused} of {blocks} \
+                         blocks as before"
+                    );
                     match &mut shadow {
                         Some(shadow) => shadow.files = vec![handle],
                         None => {

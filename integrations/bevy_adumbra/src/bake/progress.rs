@@ -30,6 +30,13 @@ pub enum BakeProgress {
         /// Number of its triangles.
         triangles: u64,
     },
+    /// The light is followed, and keys answer.
+    Following {
+        /// Whether another key is being baked.
+        is_baking: bool,
+        /// How many times coarser than asked for the keys that answer are: 1 or 8.
+        coarser: u32,
+    },
     /// The bake failed. It begins again when something changes.
     Failed(BakeError),
 }
@@ -42,6 +49,8 @@ impl fmt::Display for BakeProgress {
                 write!(f, "{:.0} % of resolution {resolution}", 100.0 * share)
             }
             Self::Done { seconds, triangles } => write!(f, "{triangles} triangles in {seconds:.2} s"),
+            Self::Following { coarser: 1, .. } => f.write_str("following the sun"),
+            Self::Following { coarser, .. } => write!(f, "following the sun, {coarser} times coarser so far"),
             Self::Failed(error) => write!(f, "failed: {error}"),
         }
     }
@@ -74,6 +83,9 @@ pub enum BakeError {
     /// The scene could not be baked.
     #[error(transparent)]
     Bake(SharedError<adumbra_bake::Error>),
+    /// A key of a light that is followed could not be baked.
+    #[error(transparent)]
+    Follow(SharedError<adumbra_path::Error>),
     /// The file that was baked cannot be looked up.
     #[error(transparent)]
     File(SharedError<adumbra::Error>),

@@ -18,16 +18,10 @@ fn surface_at(p_world: vec3<f32>, normal: vec3<f32>, towards_sun: vec3<f32>, pix
 
 // Returns how far inside the selected file's grid a point is, texels; negative outside.
 fn texels_inside(p_world: vec3<f32>, towards_sun: vec3<f32>) -> i32 {
+    adumbra_finest_level();
     let v = adumbra_texture_params();
     let r = adumbra_voxel_receiver(v, surface_at(p_world, vec3<f32>(0.0), towards_sun, vec2<f32>(0.0)));
     let texel = r.p_fixed.xy >> vec2<u32>(ADUMBRA_FIXED_BITS);
     let to_border = min(texel, v.grid.size.xy - 1 - texel);
     return min(to_border.x, to_border.y);
-}
-
-// Returns the visibility of a point from the selected file.
-fn visibility(p_world: vec3<f32>, normal: vec3<f32>, towards_sun: vec3<f32>, pixel: vec2<f32>) -> f32 {
-    let v = adumbra_texture_params();
-    let s = surface_at(p_world, normal, towards_sun, pixel);
-    return look_up(v, s);
 }

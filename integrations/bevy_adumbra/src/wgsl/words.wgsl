@@ -8,8 +8,11 @@
 // | 2 | number of rows, with the directory's |
 // | 8 + 8 i | first row of file i, counted from the first of these rows |
 // | 9 + 8 i | log2 of its width in texels |
-// | 10 + 8 i | how it is looked up: 0 with a filter, 1 with penumbrae |
+// | 10 + 8 i | how it is looked up: 0 with a filter, 1 with penumbrae, 2 by a march to a sun beside its own |
 // | 11 + 8 i | 1 if no other file has this sun |
+// | 12 + 8 i | texels aside along x per voxel nearer to that sun, in 2^-16; 0 without a march |
+// | 13 + 8 i | the same along y |
+// | 14 + 8 i | the file that is asked where the march through this one does not know; 0 without a march |
 //
 // Worked value: one file of 256 × 126 texels with penumbrae has the words MAGIC, 1, 127, and from word 8 on 0, 8, 1, 1.
 #define_import_path adumbra::words
@@ -28,6 +31,7 @@ var<private> first_row: u32;
 var<private> directory_row: u32;
 var<private> file_row: u32;
 var<private> file_width_log2: u32;
+var<private> file_index: u32;
 
 fn srgb(linear: vec3<f32>) -> vec3<f32> {
     let dark = 12.92 * linear;
@@ -70,6 +74,7 @@ fn open() -> u32 {
 
 // Selects a file. Returns how it is looked up.
 fn select_file(file: u32) -> u32 {
+    file_index = file;
     file_row = first_row + directory(8u + 8u * file);
     file_width_log2 = directory(9u + 8u * file);
     return directory(10u + 8u * file);
@@ -77,6 +82,16 @@ fn select_file(file: u32) -> u32 {
 
 fn is_alone(file: u32) -> bool {
     return directory(11u + 8u * file) == 1u;
+}
+
+// Returns the slope of a march through the selected file.
+fn slope() -> vec2<i32> {
+    return bitcast<vec2<i32>>(vec2<u32>(directory(12u + 8u * file_index), directory(13u + 8u * file_index)));
+}
+
+// Selects the file that is asked where the march through the selected one does not know.
+fn select_other() {
+    select_file(directory(14u + 8u * file_index));
 }
 
 // Returns the unit vector towards the selected file's sun.

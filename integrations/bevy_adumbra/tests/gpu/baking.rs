@@ -11,7 +11,7 @@ use bevy::prelude::*;
 use bevy_adumbra::CascadeCasters;
 use bevy_adumbra::prelude::*;
 
-use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, expected, towards_sun};
+use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, beside_tower, expected, towards_sun, tower};
 
 fn file_in_use(stage: &Stage) -> ShadowFile {
     let world = stage.app.world();
@@ -26,22 +26,14 @@ fn progress(stage: &Stage) -> BakeProgress {
 #[test]
 fn a_world_is_baked_while_the_app_runs_and_again_when_it_changes() {
     let mut stage = Stage::new(|_| {});
-    let world = stage.app.world_mut();
-    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(30.0));
-    let ground = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(160.0, 160.0));
-    let material = MeshMaterial3d(stage.material.clone());
-    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
-    let tower = world
-        .spawn((Mesh3d(cube), material.clone(), Transform::from_xyz(10.0, 15.0, 10.0), ChildOf(root)))
-        .id();
-    world.spawn((Mesh3d(ground), material, Transform::default(), ChildOf(root)));
+    let tower = tower(&mut stage, 10.0);
     let settings = BakeSettings {
         resolution: 1024,
         first_resolution: 128,
         settle: Duration::from_millis(50),
         ..default()
     };
-    world.entity_mut(stage.light).insert(BakeShadow::new(settings));
+    stage.app.world_mut().entity_mut(stage.light).insert(BakeShadow::new(settings));
     let is_done =
         |stage: &Stage| matches!(progress(stage), BakeProgress::Done { .. }) && stage.status().is_active();
     stage.wait_for(is_done);
@@ -75,15 +67,7 @@ fn a_world_is_baked_while_the_app_runs_and_again_when_it_changes() {
 fn assert_alike_beside(stage: &mut Stage, file: &ShadowFile, x: f32) {
     let expected = expected(file, Filter::Box5);
     let mut found = stage.visibility();
-    let pixel = |metres: f32| (metres / SQUARE + 0.5) * SIDE as f32;
-    for (n, (found, expected)) in (0..).zip(found.iter_mut().zip(&expected)) {
-        let [column, row] = [n % SIDE, n / SIDE].map(|c| c as f32 + 0.5);
-        let is_roof =
-            (pixel(x - 16.0)..pixel(x + 16.0)).contains(&column) && (pixel(-6.0)..pixel(26.0)).contains(&row);
-        if is_roof {
-            *found = *expected;
-        }
-    }
+    beside_tower(x, &mut found, &expected);
     assert_alike(&found, &expected, Filter::Box5);
 }
 

@@ -4,7 +4,9 @@
 mod baking;
 mod files;
 mod fog;
+mod follow;
 mod points;
 mod processing;
 mod stage;
+mod streaming;
 mod truth;

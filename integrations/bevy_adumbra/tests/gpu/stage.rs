@@ -21,7 +21,7 @@ use bevy_adumbra::DeviceLimits;
 use bevy_adumbra::prelude::*;
 
 /// Pixels along a side of a picture.
-pub const SIDE: u32 = 192;
+pub const SIDE: u32 = 128;
 /// Height of the square, and length of its sides in metres, around the middle of the scene.
 pub const HEIGHT: f32 = 0.25;
 pub const SQUARE: f32 = 120.0;
@@ -44,11 +44,18 @@ pub fn towards_sun() -> [f64; 3] {
     [0.5, 0.8, 0.35]
 }
 
-/// Bakes the generated city.
+/// Returns the file of the generated city, which is baked once for each frame that tests ask for.
 pub fn baked(frame: FrameChoice) -> ShadowFile {
+    static BAKED: Mutex<Vec<(FrameChoice, ShadowFile)>> = Mutex::new(Vec::new());
+    let mut baked = BAKED.lock().unwrap_or_else(|e| e.into_inner());
+    if let Some((_, file)) = baked.iter().find(|(known, _)| *known == frame) {
+        return file.clone();
+    }
     let sun = Sun::from_direction(towards_sun()).unwrap();
     let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(2048)) };
-    bake(&generate(GeneratedKind::City, 1), &options, Watch::none()).unwrap().file
+    let file = bake(&generate(GeneratedKind::City, 1), &options, Watch::none()).unwrap().file;
+    baked.push((frame, file.clone()));
+    file
 }
 
 impl Stage {
@@ -208,13 +215,44 @@ pub fn from_above(side: f32) -> Projection {
 /// Returns the visibility of each pixel's point by look-ups on the CPU.
 pub fn expected(file: &ShadowFile, filter: Filter) -> Vec<f32> {
     let shadow = file.sampler(filter);
+    expected_by(|p, normal| shadow.visibility(p, normal))
+}
+
+/// Returns the visibility of each pixel's point by some look-ups.
+pub fn expected_by(visibility: impl Fn([f64; 3], Option<[f64; 3]>) -> f32) -> Vec<f32> {
     let across = |n: u32| ((n as f32 + 0.5) / SIDE as f32 - 0.5) * SQUARE;
     let rows = (0..SIDE).flat_map(|y| (0..SIDE).map(move |x| (x, y)));
     rows.map(|(x, y)| {
         let p = [MIDDLE.x + across(x), HEIGHT, MIDDLE.z + across(y)].map(f64::from);
-        shadow.visibility(p, Some([0.0, 1.0, 0.0]))
+        visibility(p, Some([0.0, 1.0, 0.0]))
     })
     .collect()
+}
+
+/// Puts a ground, and a tower of 30 m at a place along x and at z = 10, below a static root. Returns the tower.
+pub fn tower(stage: &mut Stage, x: f32) -> Entity {
+    let world = stage.app.world_mut();
+    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(30.0));
+    let ground = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(160.0, 160.0));
+    let material = MeshMaterial3d(stage.material.clone());
+    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    let tower = (Mesh3d(cube), material.clone(), Transform::from_xyz(x, 15.0, 10.0), ChildOf(root));
+    let tower = world.spawn(tower).id();
+    world.spawn((Mesh3d(ground), material, Transform::default(), ChildOf(root)));
+    tower
+}
+
+/// Makes the pixels on the tower's roof what is expected: they are not points of the square.
+pub fn beside_tower(x: f32, found: &mut [f32], expected: &[f32]) {
+    let pixel = |metres: f32| (metres / SQUARE + 0.5) * SIDE as f32;
+    for (n, (found, expected)) in (0..).zip(found.iter_mut().zip(expected)) {
+        let [column, row] = [n % SIDE, n / SIDE].map(|c| c as f32 + 0.5);
+        let is_roof =
+            (pixel(x - 16.0)..pixel(x + 16.0)).contains(&column) && (pixel(-6.0)..pixel(26.0)).contains(&row);
+        if is_roof {
+            *found = *expected;
+        }
+    }
 }
 
 /// Checks that at most 0.2 % of the pixels differ, none by more than a row of taps.

@@ -4,16 +4,16 @@
 //! is text: declarations that three.js makes itself are cut, and functions that GLSL ES 3.00 lacks are added.
 
 mod headers;
+mod marches;
 
 use std::collections::HashMap;
+use std::path::Path;
 
 use adumbra::gpu::{WordSource, wgsl_files};
 use adumbra_shaders::{Source, assemble, source};
 use naga::back;
 use naga::compact::{KeepUnused, compact};
 use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
-
-pub use headers::golden;
 
 /// A file of `src/generated`, or of `tests/golden`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,8 +24,27 @@ pub struct Generated {
     pub text: String,
 }
 
-/// A way of looking a file up: its name, and whether there are penumbrae in place of a filter.
-const WAYS: [(&str, bool); 2] = [("filtered", false), ("soft", true)];
+/// Returns what the package's tests compare with. `vectors` is the folder `test_vectors`.
+///
+/// # Errors
+/// Returns the crate's message if a file cannot be read or looked up.
+pub fn golden(vectors: &Path) -> Result<Vec<Generated>, String> {
+    Ok(vec![headers::golden(vectors)?, marches::golden(vectors)?])
+}
+
+/// A way of looking up.
+#[derive(Clone, Copy)]
+enum Way {
+    /// A file, with a filter.
+    Filtered,
+    /// A file, with penumbrae.
+    Soft,
+    /// Two keys of a sun path, for the sun of a moment.
+    Path,
+}
+
+/// The ways by name.
+const WAYS: [(&str, Way); 3] = [("filtered", Way::Filtered), ("soft", Way::Soft), ("path", Way::Path)];
 
 /// Returns all generated files.
 ///
@@ -33,12 +52,13 @@ const WAYS: [(&str, bool); 2] = [("filtered", false), ("soft", true)];
 /// Returns naga's message if a module is not valid or cannot be written.
 pub fn generate() -> Result<Vec<Generated>, String> {
     let mut files = Vec::new();
-    for (name, is_soft) in WAYS {
-        let (module, info) = module(is_soft)?;
+    for (name, way) in WAYS {
+        let (module, info) = module(way)?;
         for (language, text) in [("wgsl", wgsl(&module, &info)?), ("glsl", glsl(&module, &info)?)] {
             files.push(Generated {
                 name: format!("{name}.{language}.ts"),
-                text: format!("{HEAD}export default `{text}`;\n"),
+                // Without its type, the declaration would hold all of the text once more.
+                text: format!("{HEAD}const text: string = `{text}`;\n\nexport default text;\n"),
             });
         }
     }
@@ -55,17 +75,21 @@ macro_rules! own {
 }
 
 /// Returns the module of a look-up without what it does not use.
-fn module(is_soft: bool) -> Result<(naga::Module, ModuleInfo), String> {
+fn module(way: Way) -> Result<(naga::Module, ModuleInfo), String> {
     let from_texture = ["access/texture_r32uint.wgsl", "access/look_up_texture.wgsl"];
     let files = wgsl_files(WordSource::R32Uint);
     let files = files.into_iter().filter(|path| !from_texture.contains(path));
     let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
-    if is_soft {
-        texts.extend([source::DISC, source::DEPTHS_SOFT, own!("penumbrae.wgsl")]);
-    } else {
-        texts.push(own!("taps.wgsl"));
+    let surface = own!("surface.wgsl");
+    match way {
+        Way::Filtered => texts.extend([own!("taps.wgsl"), own!("words.wgsl"), surface, own!("look_up.wgsl")]),
+        Way::Soft => {
+            texts.extend([source::DISC, source::DEPTHS_SOFT, own!("penumbrae.wgsl")]);
+            texts.extend([own!("words.wgsl"), surface, own!("look_up.wgsl")]);
+        }
+        Way::Path => texts.extend([source::DEPTHS_MARCH, surface, own!("path.wgsl")]),
     }
-    texts.extend([own!("words.wgsl"), own!("look_up.wgsl")]);
+    texts.push(own!("main.wgsl"));
     let text = assemble(&texts);
     let mut module = naga::front::wgsl::parse_str(&text).map_err(|e| e.emit_to_string(&text))?;
     compact(&mut module, KeepUnused::No);

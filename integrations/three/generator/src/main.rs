@@ -19,7 +19,7 @@ fn main() -> ExitCode {
 
 fn run(package: &Path) -> Result<(), String> {
     let golden = adumbra_three_generator::golden(&package.join("../../test_vectors"))?;
-    write(&package.join("tests/golden"), &[golden])?;
+    write(&package.join("tests/golden"), &golden)?;
     write(&package.join("src/generated"), &adumbra_three_generator::generate()?)
 }
 

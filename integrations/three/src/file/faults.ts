@@ -43,6 +43,11 @@ export function truncated(what: string, needed: number, have: number): ShadowFil
   );
 }
 
+/** Returns the error for a file that goes on after its end. */
+export function trailing(end: number): ShadowFileError {
+  return new ShadowFileError('TrailingBytes', `continues past its end at byte ${end}; copy it again, or bake it again`, { end });
+}
+
 /** Checks the checksum of a section, or of the header if none is named. */
 export function checkChecksum(bytes: Uint8Array, stored: number, section?: string): void {
   const computed = crc32(bytes);

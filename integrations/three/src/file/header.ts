@@ -46,12 +46,13 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const fields = new Fields(bytes);
 
   identify(bytes, fields);
-  fields.reserved(36, 63);
+  fields.reserved(40, 63);
   const flags = fields.u32(4);
   check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
   const has = (flag: number): boolean => (flags & flag) !== 0;
   const atRest = fields.u32(7);
   check(atRest <= 1, 'at_rest', atRest, '0 (raw) or 1 (coded)');
+  const region = regionOf(fields);
   const box: Bounds = { min: fields.f64s(16), max: fields.f64s(22) };
   const isGiven = has(HAS_BOUNDS);
   check(isGiven || fields.isZero(16, 28), 'bounds', `${box.min}, ${box.max}`, 'zero, because flag bit 4 is not set');
@@ -66,7 +67,9 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
     ignoreAlpha: has(IGNORE_ALPHA),
     receivers: has(STATIC_RECEIVERS) ? 'static' : 'all',
     switchWithinVoxels: fields.u32(32),
+    darkAfterVoxels: fields.u32(39),
     bounds: isGiven ? box : null,
+    region,
     bias: { constantTexels, slopeTexels, normalOffsetTexels },
     triangles: fields.u64(28),
     instances: fields.u64(30),
@@ -84,6 +87,15 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const directoryEnd = directoryEndOf(levelCount);
   check(fileBytes >= directoryEnd, 'file_bytes', fileBytes, `at least ${directoryEnd}`);
   return { version: LATEST_VERSION, settings, isCoded: atRest === 1, levelCount, directoryChecksum: fields.u32(33), fileBytes };
+}
+
+/** Returns the region that the file is of, or `null` if it is of a whole world. */
+function regionOf(fields: Fields): FileSettings['region'] {
+  const [texels, x, y] = fields.u32s(36);
+  if (fields.isZero(36, 39)) return null;
+  const isSide = texels > 15 && texels <= 131072 && (texels & (texels - 1)) === 0;
+  check(isSide, 'region', texels, 'a power of two, 16 to 131072');
+  return { x: x | 0, y: y | 0, texels };
 }
 
 /** Returns the offset at which the directory of so many levels ends. */

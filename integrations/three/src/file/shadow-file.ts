@@ -1,18 +1,17 @@
 // The `.adumbra` file: parses its bytes into the placement, the settings and the words of its voxels. The format is in
 // `spec/adumbra-file.md`. Counterpart of `crates/adumbra/src/file/mod.rs` and `read.rs`.
 
-import { ShadowFileError } from '../error.js';
 import type { LightGrid } from '../grid/light-grid.js';
 import type { Dims } from '../quadtree/pages.js';
 import type { Quadtree } from '../quadtree/quadtree.js';
 import type { FileSettings } from '../settings.js';
-import { LEVEL_STEP, parseDirectory, partsOf } from './directory.js';
-import { HEADER_BYTES, checkChecksum, truncated } from './faults.js';
-import { directoryEndOf, parseHeader } from './header.js';
+import { LEVEL_STEP, partsOf } from './directory.js';
+import { trailing, truncated } from './faults.js';
+import { parseEntries, parseTables } from './front.js';
+import { parseHeader } from './header.js';
 import { readLevel } from './level.js';
 import { run, runInSlices } from './steps.js';
 import type { Steps } from './steps.js';
-import { parseTable } from './table.js';
 
 /** What is checked when a file is read. */
 export interface ParseOptions {
@@ -97,25 +96,13 @@ interface Contents {
 function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions): Steps<Contents> {
   const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
   const header = parseHeader(whole);
-  const { version, settings, isCoded, levelCount, directoryChecksum, fileBytes: byteLength } = header;
+  const { version, settings, isCoded, fileBytes: byteLength } = header;
   const have = whole.length;
-  const directoryEnd = directoryEndOf(levelCount);
-  if (have < directoryEnd) throw truncated('directory', directoryEnd, have);
-  const directory = whole.subarray(HEADER_BYTES, directoryEnd);
-  checkChecksum(directory, directoryChecksum, 'directory');
-  const entries = parseDirectory(directory, header);
+  const entries = parseEntries(whole, header);
   const cut = partsOf(entries).find(({ offset, length }) => offset + length > have);
   if (cut !== undefined) throw truncated(cut.name, cut.offset + cut.length, have);
-  if (have > byteLength) {
-    throw new ShadowFileError('TrailingBytes', `continues past its end at byte ${byteLength}; copy it again, or bake it again`, {
-      end: byteLength,
-    });
-  }
-  const tables = entries.map(({ table: { name, offset, length, checksum }, bundles }, level) => {
-    const table = whole.subarray(offset, offset + length);
-    checkChecksum(table, checksum, name);
-    return parseTable(table, level, name, bundles.length, isCoded);
-  });
+  if (have > byteLength) throw trailing(byteLength);
+  const tables = parseTables(whole, entries, isCoded);
   const trees: Quadtree[] = [];
   for (const [level, entry] of entries.entries()) {
     trees.push(yield* readLevel(whole, level, entry, tables[level], isCoded, verify === true));

@@ -46,22 +46,30 @@ export interface LookUpHeader {
   setLookUp(options: GpuLookUpOptions): void;
 }
 
+/** What a header needs of a file, or of a level of one. */
+export type LookedUpFile = Pick<BakedShadowFile, 'grid' | 'settings' | 'top' | 'code' | 'topDims' | 'rootLevel'>;
+
 /**
- * Creates the header in the first 128 words of `all`.
+ * Creates the header in the first 128 words of `all`. Positions in the shader are relative to `anchorWorld`, the middle of the
+ * grid by default.
  *
  * @throws ShadowFileError of the kind `TooLarge` if the file's grid is too large for GPUs.
  * @throws RangeError if an option is out of its range.
  */
-export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, all: Uint32Array<ArrayBuffer> = new Uint32Array(HEADER_WORDS)): LookUpHeader {
+export function lookUpHeader(
+  file: LookedUpFile,
+  options: GpuLookUpOptions,
+  all: Uint32Array<ArrayBuffer> = new Uint32Array(HEADER_WORDS),
+  anchorWorld: Vec3 = middle(file.grid),
+): LookUpHeader {
   /** First word of a look-up texture: "ADUT". */
   const MAGIC = 0x54554441;
   /** Version of the look-up texture that is made. */
-  const VERSION = 2;
+  const VERSION = 3;
   /** The layout: a quadtree of switch depths. */
   const QUADTREE = 2;
   const { grid, settings, top, code, topDims, rootLevel } = file;
   const count = wordCount(file);
-  const anchorWorld = middle(grid);
   const header = viewsOf(all, 0, HEADER_WORDS);
   header.words.set([MAGIC, VERSION, QUADTREE, count]);
   header.floats.set(anchorWorld, 4);
@@ -93,7 +101,7 @@ export function lookUpHeader(file: BakedShadowFile, options: GpuLookUpOptions, a
 }
 
 /** Returns the number of a file's words. */
-export function wordCount({ top, code }: BakedShadowFile): number {
+export function wordCount({ top, code }: LookedUpFile): number {
   return top.length + code.length;
 }
 

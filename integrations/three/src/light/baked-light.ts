@@ -3,7 +3,6 @@
 import { Vector3 } from 'three';
 import type { DataTexture, Object3D } from 'three';
 
-import type { BakedShadowFile } from '../file/shadow-file.js';
 import { filtered } from '../look-ups/filtered.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import { alignLight, towardsLight } from './direction.js';
@@ -11,6 +10,7 @@ import type { SunLike } from './direction.js';
 import { asList } from './options.js';
 import type { BakedShadowOptions, ShadowOptions } from './options.js';
 import { isMover, staticsOf } from './statics.js';
+import type { AnyRenderer, LightFile, StreamedFile } from './streamed.js';
 import { lightTextures } from './textures.js';
 import { warnOnce } from './warn.js';
 
@@ -29,8 +29,11 @@ export interface BakedLight {
   setOptions(options: ShadowOptions): void;
   /** Whether the light shines from the sun of a file. */
   isActive(): boolean;
-  /** Follows the light, and takes casters out of shadow maps while a file is in use. Returns false after `dispose`. */
-  update(): boolean;
+  /**
+   * Follows the light, and takes casters out of shadow maps while a file is in use, before `renderer` draws. Returns false
+   * after `dispose`.
+   */
+  update(renderer?: AnyRenderer | null): boolean;
   /** Gives casters back, though the light may come back. */
   rest(): void;
   /** Warns once if something below `object` gets wrong answers from a file that is for static surfaces only. */
@@ -46,9 +49,9 @@ const SAME_SUN = 1.5e-3;
 const inUse = new Set<number>();
 
 /** Reads the options of a light, and prepares its files. */
-export function bakedLight(light: SunLike, file: BakedShadowFile | readonly BakedShadowFile[], options: BakedShadowOptions): BakedLight {
+export function bakedLight(light: SunLike, file: LightFile | readonly LightFile[], options: BakedShadowOptions): BakedLight {
   const files = asList(file);
-  const lookUp = options.lookUp ?? filtered;
+  const lookUp = (files[0] as StreamedFile | undefined)?.lookUp ?? options.lookUp ?? filtered;
   const textures = lightTextures(files, lookUp, options);
   if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
   const roots = asList(options.statics);
@@ -73,8 +76,9 @@ export function bakedLight(light: SunLike, file: BakedShadowFile | readonly Bake
     headers: textures.headers,
     setOptions: textures.setOptions,
     isActive: () => !isDisposed && filesTowards(towardsLight(light, new Vector3())).length > 0,
-    update() {
+    update(renderer) {
       if (isDisposed) return false;
+      if (renderer) textures.follow(renderer);
       const now = filesTowards(towardsLight(light, towards));
       textures.use(now);
       statics.rest(now.length > 0);

@@ -2,10 +2,10 @@
 
 import type { Object3D } from 'three';
 
-import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import type { Bias, FilterWidth } from '../settings.js';
+import type { LightFile } from './streamed.js';
 
 /** Most files on one light. */
 export const MAX_FILES = 8;
@@ -65,9 +65,12 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowOptions, loo
 }
 
 /** Checks that files can be on one light. */
-export function checkFiles(files: readonly BakedShadowFile[]): void {
+export function checkFiles(files: readonly LightFile[]): void {
   if (files.length === 0 || files.length > MAX_FILES) {
     throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but got ${files.length}`);
+  }
+  if (files.length > 1 && files.some((file) => 'openWords' in file)) {
+    throw new RangeError('a streamed file must be the only one of its light; give the other files to a light of their own');
   }
 }
 

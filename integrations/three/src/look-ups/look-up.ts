@@ -3,7 +3,7 @@
 /** The shader text of a look-up, as `adumbra-three/look-ups` exports it. */
 export interface LookUp {
   /** Its name. */
-  readonly name: 'filtered' | 'soft';
+  readonly name: 'filtered' | 'soft' | 'path';
   /** Whether it softens shadows with distance; otherwise it is a filter of K × K taps. */
   readonly isSoft: boolean;
   /** The text for WebGPU. */

@@ -7,34 +7,44 @@ import { halvesOf } from './bits.js';
 import { UNIFORM } from './leaf.js';
 import { childrenOf, descend } from './node.js';
 import { IN_PAGE, PAGE_LEVEL, blockDims } from './pages.js';
-import type { Page } from './pages.js';
+import type { Dims, Page } from './pages.js';
 import type { Quadtree } from './quadtree.js';
 
-/** Makes the table of blocks for a grid of `size` voxels. `pages` are in rows. */
-export function quadtreeOf(size: Vec3, code: Uint32Array, pages: readonly Page[]): Quadtree {
+/** Returns the level of the blocks at which look-ups in a grid of `size` voxels begin: 5, 7 or 9. */
+export function rootLevelOf(size: Vec3): number {
   /** Largest number of blocks of a table that is finer than pages: 64 KiB. */
   const MAX_FINE_BLOCKS = 8192;
   const isSmall = (level: number): boolean => {
     const [across, down] = blockDims(size, level);
     return across * down <= MAX_FINE_BLOCKS;
   };
-  const rootLevel = [5, 7].find(isSmall) ?? PAGE_LEVEL;
-  const topDims = blockDims(size, rootLevel);
-  const [across, down] = topDims;
-  const [pagesAcross] = blockDims(size, PAGE_LEVEL);
-  const top = new Uint32Array(2 * across * down);
-  const children = childrenOf(halvesOf(code));
-  const toPage = PAGE_LEVEL - rootLevel;
-  for (let y = 0, at = 0; y < down; y++) {
-    for (let x = 0; x < across; x++, at += 2) {
-      const page = pages[(y >>> toPage) * pagesAcross + (x >>> toPage)];
-      top.set(descend(children, [addressOf(page), page.base], PAGE_LEVEL, rootLevel, x << rootLevel, y << rootLevel), at);
-    }
+  return [5, 7].find(isSmall) ?? PAGE_LEVEL;
+}
+
+/** Visits the blocks of page (pageX, pageY) that are in a table, with the column at which each begins and its first word there. */
+export function forEachBlock(rootLevel: number, [across, down]: Dims, pageX: number, pageY: number, visit: (x: number, y: number, at: number) => void): void {
+  const side = 1 << (PAGE_LEVEL - rootLevel);
+  for (let y = side * pageY; y < Math.min(side * (pageY + 1), down); y++) {
+    for (let x = side * pageX; x < Math.min(side * (pageX + 1), across); x++) visit(x << rootLevel, y << rootLevel, 2 * (y * across + x));
   }
+}
+
+/** Makes the table of blocks for a grid of `size` voxels. `pages` are in rows. */
+export function quadtreeOf(size: Vec3, code: Uint32Array, pages: readonly Page[]): Quadtree {
+  const rootLevel = rootLevelOf(size);
+  const topDims = blockDims(size, rootLevel);
+  const [pagesAcross] = blockDims(size, PAGE_LEVEL);
+  const top = new Uint32Array(2 * topDims[0] * topDims[1]);
+  const children = childrenOf(halvesOf(code));
+  pages.forEach((page, i) => {
+    forEachBlock(rootLevel, topDims, i % pagesAcross, Math.floor(i / pagesAcross), (x, y, at) => {
+      top.set(descend(children, [addressOf(page), page.base], PAGE_LEVEL, rootLevel, x, y), at);
+    });
+  });
   return { rootLevel, topDims, top, code };
 }
 
 /** Returns the address in the code of a page's root, or {@link UNIFORM}. */
-function addressOf({ root, firstWord }: Page): number {
+export function addressOf({ root, firstWord }: Pick<Page, 'root' | 'firstWord'>): number {
   return root < IN_PAGE || root === UNIFORM ? root : root - IN_PAGE + 2 * firstWord;
 }

@@ -3,14 +3,13 @@
 // `crates/adumbra/src/query/`.
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
-import { FIXED_ONE } from '../grid/fixed.js';
 import { toGrid } from '../grid/light-grid.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { voxelsOf } from '../quadtree/voxels.js';
 import type { Voxels } from '../quadtree/voxels.js';
 import { checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
-import { layerAt, receiverAt } from './receiver.js';
+import { filteredVisibility } from './filtered.js';
 
 /**
  * Look-ups of points in a file, for game logic, light probes and tests. It keeps its last block of voxels, so points that
@@ -76,38 +75,6 @@ export class Sampler {
   }
 
   #filtered(p: Vec3, normal: Vec3 | undefined): number {
-    const { file, filter, bias } = this;
-    const [sizeX, sizeY, sizeZ] = file.grid.size;
-    const receiver = receiverAt(file.grid, bias, p, normal);
-    const texelX = Math.floor(receiver.x / FIXED_ONE);
-    const texelY = Math.floor(receiver.y / FIXED_ONE);
-    const reach = filter >> 1;
-    const left = Math.max(texelX - reach, 0);
-    const top = Math.max(texelY - reach, 0);
-    const right = Math.min(texelX + reach, sizeX - 1);
-    const bottom = Math.min(texelY + reach, sizeY - 1);
-    const all = filter * filter;
-    // Texels beside the grid are lit.
-    let shadowed = 0;
-    // By blocks of 8 × 8 texels, since those share what the voxels remember.
-    for (let blockY = top; blockY <= bottom; blockY = blockEnd(blockY) + 1) {
-      const endY = Math.min(blockEnd(blockY), bottom);
-      for (let blockX = left; blockX <= right; blockX = blockEnd(blockX) + 1) {
-        const endX = Math.min(blockEnd(blockX), right);
-        for (let y = blockY; y <= endY; y++) {
-          for (let x = blockX; x <= endX; x++) {
-            const z = layerAt(receiver, x, y);
-            if (z >= 0 && !this.#voxels(x, y, Math.min(z, sizeZ - 1))) shadowed++;
-          }
-        }
-      }
-    }
-    // Lit taps and their number are small, so this is the quotient of 32-bit floating point, correctly rounded.
-    return Math.fround((all - shadowed) / all);
+    return filteredVisibility(this.file.grid, this, this.#voxels, p, normal);
   }
-}
-
-/** Returns the last texel of the block of eight that contains a texel. */
-function blockEnd(texel: number): number {
-  return (texel | 7) >>> 0;
 }

@@ -1,13 +1,13 @@
 // Baked shadows for the materials of a scene that WebGLRenderer draws.
 
 import { Material } from 'three';
-import type { IUniform, Object3D, Scene } from 'three';
+import type { IUniform, Object3D, Scene, WebGLRenderer } from 'three';
 
-import type { BakedShadowFile } from '../file/shadow-file.js';
 import { bakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadow, BakedShadowOptions } from '../light/options.js';
+import type { LightFile } from '../light/streamed.js';
 import { checkThree } from '../light/three.js';
 import { hookIn } from './material-hook.js';
 import type { MaterialHook, ShaderChange } from './material-hook.js';
@@ -40,7 +40,7 @@ const OLDEST = 166;
 export function attachBakedShadow(
   scene: Scene,
   light: SunLike,
-  file: BakedShadowFile | readonly BakedShadowFile[],
+  file: LightFile | readonly LightFile[],
   options: BakedShadowOptions = {},
 ): AttachedShadow {
   const { onBeforeCompile, customProgramCacheKey } = Material.prototype;
@@ -87,8 +87,8 @@ export function attachBakedShadow(
       hooks.set(material, hookIn(material, change));
     });
   };
-  const update = (): void => {
-    baked.update();
+  const update = (renderer?: WebGLRenderer): void => {
+    baked.update(renderer);
     intensity.value = light.shadow.intensity;
   };
 

@@ -6,12 +6,12 @@ import * as TSL from 'three/tsl';
 import * as WEBGPU from 'three/webgpu';
 import type { Node, NodeBuilder, NodeFrame, ShadowBaseNode } from 'three/webgpu';
 
-import type { BakedShadowFile } from '../file/shadow-file.js';
 import { bakedLight } from '../light/baked-light.js';
 import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadow, BakedShadowOptions, ShadowOptions } from '../light/options.js';
+import type { LightFile } from '../light/streamed.js';
 import { checkThree } from '../light/three.js';
 import { OLDEST, nodeHooks } from './hooks.js';
 import { visibilityNode } from './look-up-node.js';
@@ -21,8 +21,8 @@ export type Movers = 'shadow' | ShadowBaseNode;
 
 /** Options of a {@link BakedShadowNode}. */
 export interface BakedShadowNodeOptions extends BakedShadowOptions {
-  /** The light's file, or several: tiles, suns. */
-  file: BakedShadowFile | readonly BakedShadowFile[];
+  /** The light's file, or several: tiles, suns. A streamed file is alone. */
+  file: LightFile | readonly LightFile[];
   /**
    * What casts besides the files. Without it the light draws no shadow map. `'shadow'` is for a `DirectionalLight`; a
    * `SunLight` takes `sunShadow(light)`, from three's addons.
@@ -122,7 +122,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
 
   /** For three: follows the light before a frame. */
   override updateBefore({ renderer, scene }: NodeFrame): undefined {
-    if (!this.#baked.update()) return;
+    if (!this.#baked.update(renderer)) return;
     // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
     renderer?.initTexture(this.#baked.headers);
     if (this.#hasLooked || scene === null) return;

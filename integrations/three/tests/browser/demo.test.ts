@@ -8,11 +8,10 @@ import type { AddressInfo } from 'node:net';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
 
-import { chromium } from 'playwright-core';
 import type { Browser, BrowserContextOptions, Page } from 'playwright-core';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 
-import { BROWSERS, FLAGS } from './stage.js';
+import { launch, send } from './stage.js';
 
 const ROOT = fileURLToPath(new URL('../..', import.meta.url));
 const DIST = join(ROOT, 'demo/dist');
@@ -26,6 +25,8 @@ const TYPES: Record<string, string> = {
   '.png': 'image/png',
 };
 
+const IS_FULL = process.env['ADUMBRA_FULL'] !== undefined;
+
 /** Few pixels and cheap shadows, for machines without a GPU. */
 const SMALL = 'pixels=0.1&filter=1&stock=default';
 
@@ -34,6 +35,8 @@ const PHONE = { width: 390, height: 844 };
 let server: Server;
 let browser: Browser;
 let sent = 0;
+/** Requests of a range of bytes. */
+let ranges = 0;
 /** What would have been sent without compression. */
 let plain = 0;
 
@@ -48,6 +51,11 @@ beforeAll(async () => {
       response.writeHead(404).end();
       return;
     }
+    if (request.headers.range !== undefined) {
+      ranges += 1;
+      send(request, response, file);
+      return;
+    }
     const isSmaller = existsSync(`${file}.br`) && /\bbr\b/.test(request.headers['accept-encoding']?.toString() ?? '');
     const body = isSmaller ? `${file}.br` : file;
     sent += statSync(body).size;
@@ -59,9 +67,7 @@ beforeAll(async () => {
     createReadStream(body).pipe(response);
   });
   await new Promise<void>((ready) => server.listen(0, '127.0.0.1', ready));
-  const executablePath = BROWSERS.find((path) => existsSync(path));
-  if (executablePath === undefined) throw new Error('the browser tests need Chromium; Debian: apt-get install chromium');
-  browser = await chromium.launch({ executablePath, args: FLAGS });
+  browser = await launch();
 });
 
 afterAll(async () => {
@@ -72,7 +78,7 @@ afterAll(async () => {
 /** Opens the page and waits for its first picture; what `options` does not say is as on a desk, with a mouse. */
 async function open(
   query: string,
-  { before, ...options }: BrowserContextOptions & { before?: () => void } = {},
+  { before, path = '', ...options }: BrowserContextOptions & { before?: () => void; path?: string } = {},
 ): Promise<{ page: Page; complaints: string[] }> {
   const page = await browser.newPage({ viewport: { width: 960, height: 600 }, ...options });
   if (before !== undefined) await page.addInitScript(before);
@@ -86,7 +92,7 @@ async function open(
   page.on('request', (request) => {
     if (!/^(data|blob):/.test(request.url()) && !request.url().startsWith(address())) complaints.push(request.url());
   });
-  await page.goto(`${address()}?${query}`);
+  await page.goto(`${address()}${path}?${query}`);
   await drawn(page);
   return { page, complaints };
 }
@@ -204,7 +210,7 @@ test('fits a phone, and changes its renderer', async () => {
   await page.close();
 });
 
-test('moves its divider by mouse', async () => {
+test.runIf(IS_FULL)('moves its divider by mouse', async () => {
   const { page, complaints } = await open(`renderer=webgl&${SMALL}`);
   const divider = page.getByRole('slider', { name: /Divider/ });
   const { x, y, width, height } = (await divider.boundingBox())!;
@@ -220,7 +226,8 @@ test('moves its divider by mouse', async () => {
   await page.close();
 });
 
-test('stands still where people want less motion, and turns and walks by touch', async () => {
+// Half a minute on a software renderer.
+test.runIf(IS_FULL)('stands still where people want less motion, and turns and walks by touch', async () => {
   const hand = { hasTouch: true, isMobile: true, viewport: PHONE, reducedMotion: 'reduce' } as const;
   const { page, complaints } = await open(`renderer=webgl&${SMALL}`, hand);
   const touch = await page.context().newCDPSession(page);
@@ -275,6 +282,31 @@ test('counts wrong pixels against rays, of which the file has fewer', async () =
   console.log(`wrong pixels of the demo's view: file ${file} %, three's default ${stock} %`);
   expect(file).toBeLessThan(1);
   expect(stock).toBeGreaterThan(2 * file!);
+  expect(complaints).toEqual([]);
+  await page.close();
+});
+
+/** Minutes each on a software renderer, so the others are tried with `ADUMBRA_FULL` alone. */
+const STREAMING = IS_FULL ? ['webgpu', 'webgl2', 'webgl'] : ['webgpu'];
+
+test.each(STREAMING)('streams a city of 2 × 2 km with %s', async (renderer) => {
+  ranges = 0;
+  // Still, so that all comes that this place needs.
+  const { page, complaints } = await open(`renderer=${renderer}&pixels=0.1&haze=150&budget=8&seconds=40`, { path: 'metropolis.html', reducedMotion: 'reduce' });
+  const said = (name: string): Promise<string | null> => page.locator(`#read-${name}`).textContent();
+  const numbers = async (name: string): Promise<number[]> => (await said(name))!.match(/[\d.]+/g)!.map(Number);
+  expect(await page.locator('#renderer').inputValue()).toBe(renderer);
+  await expect.poll(async () => (await numbers('missing'))[1], { timeout: 60_000 }).toBeGreaterThan(0);
+  await expect.poll(async () => (await numbers('missing'))[0], { timeout: 60_000 }).toBe(0);
+  expect(await colours(page)).toBeGreaterThan(20);
+  const [fetchedMb, allMb] = await numbers('fetched');
+  console.log(`metropolis, ${renderer}: ${await said('fetched')}, ${await said('requests')} requests; held ${await said('held')}; texels ${await said('texel')}; parts ${await said('levels')}`);
+  expect(fetchedMb).toBeLessThan(allMb! / 2);
+  expect((await numbers('requests'))[0]).toBe(ranges);
+  const [held, budget] = await numbers('held');
+  expect(held).toBeLessThanOrEqual(budget!);
+  expect(budget).toBeLessThanOrEqual(8);
+
   expect(complaints).toEqual([]);
   await page.close();
 });

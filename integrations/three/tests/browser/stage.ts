@@ -1,8 +1,8 @@
 // A browser, and a server of the pages that it shows.
 
-import { createReadStream, existsSync } from 'node:fs';
+import { createReadStream, existsSync, statSync } from 'node:fs';
 import { createServer } from 'node:http';
-import type { Server } from 'node:http';
+import type { IncomingMessage, Server, ServerResponse } from 'node:http';
 import type { AddressInfo } from 'node:net';
 import { extname, join, normalize } from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -20,13 +20,29 @@ const TYPES: Record<string, string> = {
 };
 
 /**
- * Whether the machine's OpenGL draws, with WebGPU in its compatibility mode, which needs a display. Else SwiftShader does,
- * Chromium's own software renderer.
+ * What draws without a GPU, by `ADUMBRA_DRIVERS`:
+ *
+ * - Without it, SwiftShader, Chromium's own software renderer, which needs no display.
+ * - `webgl`: the machine's OpenGL draws WebGL, and SwiftShader WebGPU.
+ * - `opengl`: the machine's OpenGL draws both, WebGPU in its compatibility mode.
  */
-export const isOpenGl = process.env['ADUMBRA_ANGLE'] === 'gl';
+const DRIVERS = {
+  swiftshader: { angle: 'swiftshader', adapter: 'swiftshader' },
+  webgl: { angle: 'gl', adapter: 'swiftshader' },
+  opengl: { angle: 'gl', adapter: 'opengles' },
+};
+
+/** Returns the name of the drivers that the environment asks for. */
+function driversAsked(): keyof typeof DRIVERS {
+  const asked = process.env['ADUMBRA_DRIVERS'] ?? 'swiftshader';
+  if (Object.hasOwn(DRIVERS, asked)) return asked as keyof typeof DRIVERS;
+  throw new Error(`ADUMBRA_DRIVERS is ${asked}, but must be one of ${Object.keys(DRIVERS).join(', ')}`);
+}
+
+export const drivers = driversAsked();
 
 /** Chromium's flags for WebGPU and WebGL2 without a GPU. */
-export const FLAGS = [
+const FLAGS = [
   '--no-sandbox',
   '--disable-quic',
   '--no-first-run',
@@ -36,17 +52,33 @@ export const FLAGS = [
   '--enable-unsafe-webgpu',
   '--enable-features=Vulkan',
   '--use-vulkan=swiftshader',
-  `--use-angle=${isOpenGl ? 'gl' : 'swiftshader'}`,
+  `--use-angle=${DRIVERS[drivers].angle}`,
   '--ignore-gpu-blocklist',
-  `--use-webgpu-adapter=${isOpenGl ? 'opengles' : 'swiftshader'}`,
+  `--use-webgpu-adapter=${DRIVERS[drivers].adapter}`,
   '--enable-unsafe-swiftshader',
 ];
 
 /** Where Debian and others put the browser. */
-export const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
+const BROWSERS = ['/usr/bin/chromium', '/usr/bin/chromium-browser', '/usr/bin/google-chrome'];
 
 /** The versions of three that are tested, and their packages: the oldest for WebGLRenderer, the oldest for WebGPURenderer too. */
 export const VERSIONS = { '0.166.0': 'three-166', '0.183.0': 'three-183', '0.187.0': 'three' } as const;
+
+/** How often the browser is started before it is given up. Chromium sometimes crashes before its first page. */
+const ATTEMPTS = 3;
+
+/** Starts the browser. */
+export async function launch(): Promise<Browser> {
+  const executablePath = BROWSERS.find((path) => existsSync(path));
+  if (executablePath === undefined) throw new Error('the browser tests need Chromium; Debian: apt-get install chromium');
+  for (let attempt = 1; ; attempt++) {
+    try {
+      return await chromium.launch({ executablePath, args: FLAGS });
+    } catch (error) {
+      if (attempt === ATTEMPTS) throw error;
+    }
+  }
+}
 
 /** A browser with a server. */
 export class Stage {
@@ -74,13 +106,10 @@ export class Stage {
         response.end();
         return;
       }
-      response.writeHead(200, { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream' });
-      createReadStream(file).pipe(response);
+      send(request, response, file);
     });
     await new Promise<void>((ready) => server.listen(0, '127.0.0.1', ready));
-    const executablePath = BROWSERS.find((path) => existsSync(path));
-    if (executablePath === undefined) throw new Error('the browser tests need Chromium; Debian: apt-get install chromium');
-    return new Stage(server, await chromium.launch({ executablePath, args: FLAGS }));
+    return new Stage(server, await launch());
   }
 
   /** The server's address. */
@@ -112,6 +141,21 @@ export class Stage {
   }
 }
 
+/** Sends a file, or the range of it that was asked for, as static servers do. */
+export function send(request: IncomingMessage, response: ServerResponse, file: string): void {
+  const { size, mtimeMs } = statSync(file);
+  const headers = { 'content-type': TYPES[extname(file)] ?? 'application/octet-stream', 'accept-ranges': 'bytes', etag: `"${size}-${mtimeMs}"` };
+  const range = /^bytes=(\d+)-(\d+)$/.exec(request.headers.range ?? '');
+  if (range === null) {
+    response.writeHead(200, headers);
+    createReadStream(file).pipe(response);
+    return;
+  }
+  const [start, end] = [Number(range[1]), Math.min(Number(range[2]), size - 1)];
+  response.writeHead(206, { ...headers, 'content-range': `bytes ${start}-${end}/${size}` });
+  createReadStream(file, { start, end }).pipe(response);
+}
+
 /** What a software adapter says of itself. */
 function isOfTheMachine(message: string): boolean {
   return ['GPU stall due to ReadPixels', 'software WebGL', 'SwiftShader', 'favicon.ico'].some((part) => message.includes(part));
@@ -125,7 +169,7 @@ function page(three: string): string {
     'three/addons/': `/node_modules/${three}/examples/jsm/`,
     'adumbra-three': '/dist/index.js',
     ...Object.fromEntries(
-      ['gltf', 'look-ups', 'webgl', 'webgpu'].map((entry) => [`adumbra-three/${entry}`, `/dist/${entry}/index.js`]),
+      ['gltf', 'look-ups', 'path', 'stream', 'webgl', 'webgpu'].map((entry) => [`adumbra-three/${entry}`, `/dist/${entry}/index.js`]),
     ),
   };
   return `<!doctype html><link rel="icon" href="data:,"><script type="importmap">${JSON.stringify({ imports })}</script>

@@ -13,7 +13,7 @@ import { afterAll, beforeAll, expect, test } from 'vitest';
 import { BakedShadowFile, Sampler } from '../../src/index.js';
 import { Npz } from './npz.js';
 import type { TruthCamera } from './npz.js';
-import { isOpenGl, Stage, VERSIONS } from './stage.js';
+import { drivers, Stage, VERSIONS } from './stage.js';
 
 /** The views, and the most that look-ups at the truth's own points may have wrong, %. */
 const VIEWS = { 'kaykit_city_21': 0.4, 'box-city-5k': 0.25, 'zdm2': 0.1, 'alpine-2': 0.2, 'auster': 0.05, 'dragon_202k': 0.05 };
@@ -78,7 +78,7 @@ async function draw(backend: string, scene: string, file: string, { eye, target,
 
 test.for(Object.entries(VIEWS))('%s is as right as its file', async ([name, limit], { skip }) => {
   skip(!isThere, `${SHARED} has no truth and scenes; set ADUMBRA_SHARED`);
-  skip(!isOpenGl, 'SwiftShader moves corners, and with them shadows, by up to 1/32 of a pixel; run with ADUMBRA_ANGLE=gl and a display');
+  skip(drivers !== 'opengl', 'SwiftShader moves corners, and with them shadows, by up to 1/32 of a pixel; run with ADUMBRA_DRIVERS=opengl and a display');
   const scene = sceneFile(name);
   const truth = new Npz(join(SHARED, 'truth', `${name}.npz`));
   const camera = truth.camera();

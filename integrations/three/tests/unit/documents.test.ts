@@ -1,4 +1,4 @@
-// The guide shows the page that its commands build, and the example that is tested.
+// The guides show the page that their commands build, and examples that are tested.
 
 import { readFileSync } from 'node:fs';
 
@@ -6,7 +6,11 @@ import { expect, test } from 'vitest';
 
 const read = (path: string): string => readFileSync(new URL(path, import.meta.url), 'utf8');
 
-test.each([['ts', 'first-page.ts'], ['tsx', 'react-three-fiber.tsx']])('the guide has, as %s, %s word for word', (language, name) => {
-  const guide = read('../../../../docs/guides/use-it-on-a-web-page.md');
+test.each([
+  ['use-it-on-a-web-page', 'ts', 'first-page.ts'],
+  ['use-it-on-a-web-page', 'tsx', 'react-three-fiber.tsx'],
+  ['a-day-of-suns', 'ts', 'day.ts'],
+])('the guide %s has, as %s, %s word for word', (topic, language, name) => {
+  const guide = read(`../../../../docs/guides/${topic}.md`);
   expect(guide).toContain(`\`\`\`${language}\n${read(`../../examples/${name}`)}\`\`\``);
 });

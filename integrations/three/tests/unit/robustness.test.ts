@@ -62,12 +62,12 @@ it('every flipped bit is an error', () => {
 it('mutations are refused or can be looked up in', () => {
   const random = scatter(20_261_124);
   const found = new Map<string | undefined, number>();
-  for (let seed = 0; seed < 40_000; seed++) {
+  for (let seed = 0; seed < 15_000; seed++) {
     const fault = exercise(mutate(VALID[seed % VALID.length].bytes, random), seed);
     found.set(fault, (found.get(fault) ?? 0) + 1);
   }
   // The mutations reach the checks, and also leave files that are valid.
-  expect(found.get(undefined)).toBeGreaterThan(1000);
+  expect(found.get(undefined)).toBeGreaterThan(400);
   const kinds = 'Magic FutureVersion Truncated TrailingBytes HeaderChecksum SectionChecksum HeaderField SectionBounds Bundle Coded';
   const all = [...kinds.split(' '), ...['Root', 'Order', 'End', 'Bits', 'Ranks'].map((fault) => `Depths ${fault}`)];
   expect(all.filter((fault) => !found.has(fault))).toEqual([]);

@@ -14,7 +14,7 @@ import { surfacesOf } from './points.js';
 import { VECTORS, readBytes } from './vectors.js';
 
 const PROGRAM = process.env['ADUMBRA_BIN'];
-const POINTS = 20_000;
+const POINTS = process.env['ADUMBRA_FULL'] === undefined ? 5000 : 20_000;
 const BIAS: Bias = { constantTexels: 0.3, slopeTexels: 1.7, normalOffsetTexels: 0.6 };
 
 const FRAMES = ['light', 'oblique'];

@@ -119,6 +119,8 @@ fn headers(small: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
     add("bias_infinite", "HeaderField", "bias", s().put_f64(48, f64::NEG_INFINITY).sealed());
     add("bounds_without_flag", "HeaderField", "bounds", s().put_f64(64, 1.0).sealed());
     add("bounds_inverted", "HeaderField", "bounds", s().put_word(16, 0x13).put_f64(64, 1.0).sealed());
+    add("region_side", "HeaderField", "region", s().put_word(144, 3000).sealed());
+    add("region_without_side", "HeaderField", "region", s().put_word(148, 1).sealed());
     add("reserved_of_header", "HeaderField", "reserved", s().put_word(200, 1).sealed());
     add("file_bytes", "HeaderField", "file_bytes", s().put_word(136, 768).sealed());
     add("file_bytes_small", "HeaderField", "file_bytes", s().put_word(136, 300).sealed());

@@ -5,8 +5,9 @@ mod pages;
 use std::fs;
 
 use adumbra::file::{BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Level};
-use adumbra::{AtRest, Error, FileSettings, Frame, IoError, Receivers, ShadowFile};
-use adumbra_program::exit::{Code, Outcome};
+use adumbra::{AtRest, Error, FileSettings, Frame, IoError, Receivers, Region, ShadowFile};
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::moment;
 use adumbra_program::output::{format_bytes, print_json, refuse_inputs, write_png};
 use adumbra_program::{mirrors, say};
 use schemars::JsonSchema;
@@ -14,7 +15,21 @@ use serde::Serialize;
 
 use self::pages::PageBytes;
 use super::bits_per_texel;
+use super::path::{self, PathInfo};
+use super::regions::{self, ManifestInfo};
 use crate::args::{Info, LevelArg};
+
+/// What is printed with `--json`.
+#[derive(Serialize, JsonSchema)]
+#[serde(untagged)]
+pub(super) enum Printed {
+    /// Of a shadow file.
+    File(FileInfo),
+    /// Of a manifest of regions.
+    Manifest(ManifestInfo),
+    /// Of a sun path.
+    Path(PathInfo),
+}
 
 /// What a shadow file contains.
 #[derive(Serialize, JsonSchema)]
@@ -91,6 +106,29 @@ pub(crate) fn run(args: &Info) -> Outcome {
     if let Some(picture) = &args.picture {
         refuse_inputs("--picture", picture, [("the shadow file", args.file.as_path())])?;
     }
+    if let Some(regions) = regions::manifest(&args.file)? {
+        if args.picture.is_some() {
+            let file = args.file.display();
+            return Err(Failure::Usage(format!("--picture: {file} is a manifest; give a region's file")));
+        }
+        let info = ManifestInfo::of(&regions, &args.file);
+        if args.json {
+            print_json(&Printed::Manifest(info))?;
+        } else {
+            info.print();
+        }
+        return Ok(Code::Fine);
+    }
+    if let Some(sun_path) = moment::sun_path(&args.file)? {
+        if args.picture.is_some() {
+            let file = args.file.display();
+            return Err(Failure::Usage(format!("--picture: {file} is a sun path; give the file of one sun")));
+        }
+        if let Some(info) = path::info(&sun_path, &args.file, args.json)? {
+            print_json(&Printed::Path(info))?;
+        }
+        return Ok(Code::Fine);
+    }
     let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
     let error = |source| Error::Format { path: args.file.clone(), source: Box::new(source) };
     let contents = Contents::parse(&bytes).map_err(error)?;
@@ -114,7 +152,7 @@ pub(crate) fn run(args: &Info) -> Outcome {
         levels: levels(&contents, &file),
     };
     if args.json {
-        print_json(&info)?;
+        print_json(&Printed::File(info))?;
     } else {
         print(&info);
     }
@@ -157,6 +195,9 @@ fn print(info: &FileInfo) {
     say!("{}: {}, {at_rest}", info.file, format_bytes(info.file_bytes));
     say!("  sun towards     {:.6}, {:.6}, {:.6}", info.sun[0], info.sun[1], info.sun[2]);
     say!("  resolution      {}", s.resolution);
+    if let Some(Region { x, y, texels }) = s.region {
+        say!("  region          ({x}, {y}) of {texels} texels a side; positions are relative to its origin");
+    }
     say!(
         "  bits per texel  {:.4} ({:.0} times smaller than 32 bits)",
         info.bits_per_texel,

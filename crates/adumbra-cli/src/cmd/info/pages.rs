@@ -3,15 +3,14 @@
 use adumbra::layout::depths::DepthTree;
 use adumbra_truth::picture::Picture;
 
+use crate::cmd::scale::{SCALE, color};
+
 /// Pixels that the longer side of a picture has at most, unless it has more pages.
 const LONGEST_SIDE: u32 = 1024;
 /// Most pixels along each side of a page.
 const LARGEST_PAGE: u32 = 64;
 /// The colour of pages without bytes of their own.
 const UNIFORM: [u8; 3] = [40, 40, 40];
-/// Colours from the fewest bytes to the most. Each is lighter than the one before it.
-const SCALE: [[u8; 3]; 5] = [[49, 38, 120], [40, 104, 152], [44, 158, 118], [160, 198, 60], [250, 230, 110]];
-
 /// The bytes of each page of a level, x fastest.
 pub(super) struct PageBytes {
     dims: [u32; 2],
@@ -51,18 +50,6 @@ impl PageBytes {
     }
 }
 
-/// Returns the colour at a place from 0 to 1 on the scale.
-fn color(place: f64) -> [u8; 3] {
-    let step = place * (SCALE.len() - 1) as f64;
-    let below = (step as usize).min(SCALE.len() - 2);
-    let part = step - below as f64;
-    let [low, high] = [SCALE[below], SCALE[below + 1]];
-    std::array::from_fn(|c| {
-        let [low, high] = [low, high].map(|color| f64::from(color[c]));
-        (low + part * (high - low)).round() as u8
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,12 +80,5 @@ mod tests {
     fn large_grids_have_a_pixel_per_page() {
         let pages = PageBytes { dims: [2000, 1], bytes: vec![4; 2000] };
         assert_eq!([pages.picture().width, pages.picture().height], [2000, 1]);
-    }
-
-    #[test]
-    fn scale_rises_and_ends_at_its_ends() {
-        assert_eq!([color(0.0), color(1.0), color(0.5)], [SCALE[0], SCALE[4], SCALE[2]]);
-        let luma = |c: [u8; 3]| 2 * u32::from(c[0]) + 7 * u32::from(c[1]) + u32::from(c[2]);
-        assert!((0..100).all(|i| luma(color(f64::from(i) / 100.0)) <= luma(color(f64::from(i + 1) / 100.0))));
     }
 }

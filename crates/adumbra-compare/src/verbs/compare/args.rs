@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use crate::args::{CacheArgs, DeviceArgs, ReferenceArg, ResolutionArgs};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs};
 use adumbra_program::exit::Failure;
+use adumbra_solar::Day;
 
 use crate::verbs::render::CameraArgs;
 
@@ -57,6 +58,19 @@ pub struct Compare {
     /// Number of frames of the path [default: the file's, or 60]
     #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub path_frames: Option<u32>,
+    /// Also move the sun while the camera stands still: across a day of a place, as for bake --sun-path, or without DAY
+    /// across the sun path that is the shadow file
+    #[arg(long, value_name = "DAY", num_args = 0..=1, conflicts_with_all = ["path", "sun", "azimuth", "elevation"])]
+    pub sun_sweep: Option<Option<Day>>,
+    /// Number of steps of that sun, of equal time
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 600,
+        requires = "sun_sweep",
+        value_parser = clap::value_parser!(u32).range(2..=100_000)
+    )]
+    pub sweep_steps: u32,
     /// Cache of traced truth.
     #[command(flatten)]
     pub cache: CacheArgs,

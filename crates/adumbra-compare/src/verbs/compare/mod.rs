@@ -9,10 +9,11 @@ use crate::Result;
 use crate::args::DeviceArg;
 use crate::baked::{BakeOnDemand, BakedFiles};
 use crate::camera_file::CameraFile;
-use crate::compare::{Comparison, Reference, camera_figures, compare, walk};
+use crate::compare::{Comparison, Reference, camera_figures, compare, sweep, walk};
 use crate::contenders::{contenders, parse};
 use crate::paths::CameraPath;
 use crate::report::{MAX_EXCLUDED, Report, figure, percent};
+use crate::swept::SweptSun;
 use crate::truth::{StreetOptions, TruthTracer, scene_key, street_camera, truth_camera};
 use crate::verbs::Offer;
 use adumbra::Sun;
@@ -24,7 +25,8 @@ use adumbra_program::sun::{ChosenSun, SunSource};
 use adumbra_program::threads::with_threads;
 use adumbra_render::{Gpu, Renderer, SceneOptions, TechniqueSpec};
 use adumbra_scene::Camera;
-use adumbra_truth::picture::BaseColors;
+use adumbra_solar::Day;
+use adumbra_truth::picture::{BaseColors, Picture};
 use adumbra_truth::trace::Ray;
 
 pub use args::{Compare, PATH_FRAMES};
@@ -49,14 +51,35 @@ pub fn run(args: &Compare, offer: Offer<'_>) -> Result<Code> {
         )
         .into());
     }
-    let files = BakedFiles::read(&args.shadow_file, (offer.more_files)())?;
-    with_threads(args.run.threads, || draw(args, &specs, files))?
+    let swept = args.sun_sweep.as_ref().map(|day| swept_sun(args, day.as_ref())).transpose()?;
+    let more = (offer.more_files)();
+    let files =
+        if swept.is_some() { BakedFiles::with(more) } else { BakedFiles::read(&args.shadow_file, more)? };
+    with_threads(args.run.threads, || draw(args, &specs, files, swept))?
 }
 
-fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Result<Code> {
+/// Returns the sun of a sweep across a day, or across a sun path.
+fn swept_sun(args: &Compare, day: Option<&Day>) -> Result<SweptSun> {
+    let usage = |text: &str| Err(Failure::Usage(text.to_owned()).into());
+    match (args.shadow_file.as_slice(), day) {
+        ([], None) => usage(
+            "--sun-sweep: give a day, such as lat=48,lon=11,date=2026-06-21,from=7,to=19, or a sun path with --shadow-file",
+        ),
+        ([], Some(day)) => SweptSun::of_day(day, args.sweep_steps),
+        ([file], day) => SweptSun::of_file(file, day, args.sweep_steps),
+        _ => usage("--shadow-file: --sun-sweep takes one, a sun path"),
+    }
+}
+
+fn draw(
+    args: &Compare,
+    specs: &[TechniqueSpec],
+    mut files: BakedFiles,
+    mut swept: Option<SweptSun>,
+) -> Result<Code> {
     let mut load = args.load.load_options()?;
     load.color_textures = true;
-    load.ignore_alpha |= files.ignore_alpha();
+    load.ignore_alpha |= files.ignore_alpha() || swept.as_ref().is_some_and(SweptSun::ignores_alpha);
     let scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
     let truth = TruthTracer::build(&scene, load.ignore_alpha);
     let held = scene.memory_bytes() + truth.tracer().memory_bytes() + BaseColors::bytes_of(&scene);
@@ -68,7 +91,9 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         .into());
     }
     let from_file = args.camera.as_deref().map(camera_file).transpose()?.flatten();
-    let chosen = match (files.sun(), from_file.and_then(|f| f.sun)) {
+    let of_sweep = swept.as_ref().map(|swept| Sun::from_direction(swept.middle().1)).transpose()?;
+    let chosen = match (of_sweep.or(files.sun()), from_file.and_then(|f| f.sun)) {
+        (Some(sun), _) if swept.is_some() => ChosenSun::from_source(sun, SunSource::SunSweep),
         (Some(sun), _) => ChosenSun::from_source(sun, SunSource::ShadowFile),
         (None, Some(sun)) if !args.sun.is_given() => ChosenSun::from_source(sun, SunSource::CameraFile),
         _ => args.sun.choose(&scene, &args.scene)?,
@@ -84,9 +109,13 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         resolution: args.resolutions.resolution,
         max_memory_bytes: args.run.memory_limit().share(held).bytes(),
     };
-    files.complete(specs, &how)?;
+    match &mut swept {
+        Some(swept) => swept.complete(specs, &how)?,
+        None => files.complete(specs, &how)?,
+    }
     make_folder(&args.output)?;
-    let mut contenders = contenders(&renderer, specs, &files, args.reference)?;
+    let baked = swept.as_ref().map_or_else(|| files.baked(), SweptSun::baked);
+    let mut contenders = contenders(&renderer, specs, baked, args.reference)?;
     let (cache, key) = (args.cache.cache(&args.output), scene_key(&scene, load.ignore_alpha));
     let disc = (args.sun_angle, args.sun_samples);
     let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc };
@@ -96,6 +125,10 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
             let path = path_of(path, args.path_frames, &truth, &camera)?;
             Some(walk(&mut renderer, &reference, &path, args.view.size, &mut contenders)?)
         }
+        None => None,
+    };
+    let swept = match &mut swept {
+        Some(sun) => Some(sweep(&mut renderer, &reference, &camera, sun, &mut contenders)?),
         None => None,
     };
     let report = Report {
@@ -113,13 +146,21 @@ fn draw(args: &Compare, specs: &[TechniqueSpec], mut files: BakedFiles) -> Resul
         missing_features: renderer.gpu().missing_features().into_iter().map(str::to_owned).collect(),
         techniques: comparison.compared.iter().map(|c| c.row.clone()).collect(),
         path,
+        sweep: swept.as_ref().map(|swept| swept.report.clone()),
     };
-    finish(args, &report, &comparison, &chosen)
+    let of_changes = swept.map_or_else(Vec::new, |swept| swept.pictures);
+    finish(args, &report, &comparison, &of_changes, &chosen)
 }
 
-fn finish(args: &Compare, report: &Report, comparison: &Comparison, sun: &ChosenSun) -> Result<Code> {
+fn finish(
+    args: &Compare,
+    report: &Report,
+    comparison: &Comparison,
+    of_changes: &[Picture],
+    sun: &ChosenSun,
+) -> Result<Code> {
     let document = serde_json::to_value(report).map_err(|e| Failure::BadInput(e.to_string()))?;
-    output::write(&args.output, report, comparison, &document)?;
+    output::write(&args.output, report, comparison, of_changes, &document)?;
     for t in &report.techniques {
         t.notes.iter().for_each(|note| eprintln!("note: {}: {note}", t.name));
     }
@@ -155,6 +196,23 @@ fn finish(args: &Compare, report: &Report, comparison: &Comparison, sun: &Chosen
             percent(t.wrong_lit, 3),
             percent(t.wrong_shadowed, 3)
         );
+    }
+    if let Some(sweep) = &report.sweep {
+        let rays = percent(sweep.rays_changes, 4);
+        say!(
+            "  while the sun moves, {} steps; with rays {rays} % of the pixels change per step",
+            sweep.steps
+        );
+        for t in &sweep.techniques {
+            say!(
+                "  {:32} wrong {} %  worst {} %  changes {} %  in excess {} %",
+                t.name,
+                percent(t.wrong, 3),
+                percent(t.worst_wrong, 3),
+                percent(t.changes, 4),
+                percent(t.excess, 4)
+            );
+        }
     }
     Ok(code)
 }

@@ -6,7 +6,7 @@ use crate::Result;
 use crate::compare::{Compared, Comparison};
 use crate::pictures::{Cell, sheet};
 use crate::plot::{Along, Legend, Panel, Series, draw_svg};
-use crate::report::{PathReport, Report, TruthKind, figure, percent};
+use crate::report::{PathReport, Report, SweepReport, SweepRow, TruthKind, figure, percent};
 use adumbra_program::output::Outputs;
 use adumbra_truth::picture::Picture;
 use serde_json::Value;
@@ -16,8 +16,14 @@ use crate::verbs::render::name_in_paths;
 /// Largest width of a picture on the sheet, pixels.
 const WIDEST: u32 = 640;
 
-/// Writes the tables, the pictures, the sheet, and the files of a path.
-pub(super) fn write(folder: &Path, report: &Report, comparison: &Comparison, document: &Value) -> Result<()> {
+/// Writes the tables, the pictures, the sheet, and the files of a path and of a sweep. `of_changes` are a sweep's pictures.
+pub(super) fn write(
+    folder: &Path,
+    report: &Report,
+    comparison: &Comparison,
+    of_changes: &[Picture],
+    document: &Value,
+) -> Result<()> {
     let mut outputs = Outputs::default();
     outputs.add(&folder.join("report.json"), format!("{document:#}\n").as_bytes())?;
     outputs.add(&folder.join("report.md"), report.markdown().as_bytes())?;
@@ -34,6 +40,14 @@ pub(super) fn write(folder: &Path, report: &Report, comparison: &Comparison, doc
         outputs.add(&folder.join("path.csv"), path.csv().as_bytes())?;
         let svg = folder.join("path.svg");
         outputs.add(&svg, draw_svg(&svg, &[panel(path, report)])?.as_bytes())?;
+    }
+    if let Some(sweep) = &report.sweep {
+        let svg = folder.join("sweep.svg");
+        outputs.add(&svg, draw_svg(&svg, &sweep_panels(sweep))?.as_bytes())?;
+        for (technique, picture) in sweep.techniques.iter().zip(of_changes) {
+            let name = name_in_paths(&technique.name);
+            outputs.add_png(&folder.join(format!("{name}.changes.png")), picture)?;
+        }
     }
     Ok(outputs.place()?)
 }
@@ -87,4 +101,35 @@ fn panel(path: &PathReport, report: &Report) -> Panel {
         legend: Legend::UpperRight,
         series: series.collect(),
     }
+}
+
+/// Returns the wrong pixels by time, and those that change.
+fn sweep_panels(sweep: &SweepReport) -> [Panel; 2] {
+    let series = |name: &str, shares: &[Option<f64>]| Series {
+        name: name.to_owned(),
+        points: (sweep.seconds.iter().zip(shares))
+            .filter_map(|(seconds, share)| Some((sweep.hour(*seconds), 100.0 * (*share)?)))
+            .collect(),
+    };
+    let of = |shares: fn(&SweepRow) -> &[Option<f64>]| {
+        sweep.techniques.iter().map(move |t| series(&t.name, shares(t)))
+    };
+    let panel = |title: &str, y_label, series| Panel {
+        title: title.to_owned(),
+        along: Along::Numbers("hour"),
+        y_label,
+        logarithmic: false,
+        legend: Legend::UpperRight,
+        series,
+    };
+    let rays = series("rays", &sweep.rays_changes_by_step);
+    [
+        panel("Wrong pixels", "percent", of(|t| &t.wrong_by_step).collect()),
+        panel(
+            "Pixels that change per step",
+            "percent",
+            // The rays come last, so that a technique has the same colour in both.
+            of(|t| &t.changes_by_step).chain([rays]).collect(),
+        ),
+    ]
 }

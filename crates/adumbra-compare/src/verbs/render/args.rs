@@ -7,6 +7,7 @@ use adumbra::Bounds;
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_size, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_program::lookup::LookupArgs;
+use adumbra_program::moment::TimeArg;
 use adumbra_render::Techniques;
 use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_parameters};
 use adumbra_scene::{Camera, Projection};
@@ -56,6 +57,9 @@ pub struct Render {
     /// The file whose shadows to draw [default: if a technique of --shadow needs one, it is baked]
     #[arg(long, value_name = "FILE")]
     pub shadow_file: Option<PathBuf>,
+    /// The moment to draw of a sun path: by its local clock, such as 12:30, or its seconds
+    #[arg(long, value_name = "TIME", requires = "shadow_file")]
+    pub sun_time: Option<TimeArg>,
     /// Resolution of files that are baked as needed.
     #[command(flatten)]
     pub resolutions: ResolutionArgs,

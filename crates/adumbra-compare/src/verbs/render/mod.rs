@@ -118,7 +118,7 @@ pub fn run(args: &Render, offer: Offer<'_>) -> Result<Code> {
         )
         .into());
     }
-    let files = BakedFiles::read(args.shadow_file.as_slice(), (offer.more_files)())?;
+    let files = BakedFiles::read_at(args.shadow_file.as_slice(), args.sun_time, (offer.more_files)())?;
     if files.is_given() && args.sun.is_given() {
         return Err(Failure::Usage(
             "--sun: the shadow file determines the sun; remove the option".to_owned(),

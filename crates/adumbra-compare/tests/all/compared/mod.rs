@@ -31,7 +31,7 @@ pub(crate) fn comparisons(
     let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun, disc: (0.53, 16) };
     let contender = |name: &&str| {
         let spec: TechniqueSpec = name.parse().unwrap();
-        let technique = build(renderer.gpu(), &spec, Baked { light: file, other: None }).unwrap();
+        let technique = build(renderer.gpu(), &spec, file.map(Baked::of).unwrap_or_default()).unwrap();
         Contender { prepared: Some(renderer.prepare(technique).unwrap()), truth: truth_for(&spec), spec }
     };
     let mut contenders: Vec<Contender> = names.iter().map(contender).collect();

@@ -35,6 +35,17 @@ pub enum Place {
     },
 }
 
+/// A shape, or a root.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Node {
+    /// Its address; [`UNIFORM`] for a root all of whose columns switch at `base`.
+    pub at: u32,
+    /// Its base.
+    pub base: u32,
+    /// It spans 2^level columns along each side.
+    pub level: u32,
+}
+
 /// A child as its node encodes it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Child {
@@ -123,7 +134,7 @@ fn signed(value: u32, bits: u32) -> u32 {
 }
 
 /// Words that contain shapes.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Code<'c> {
     /// Half-words, two per word: the common section, then pages.
     pub words: &'c [u32],
@@ -201,12 +212,24 @@ impl<'c> Code<'c> {
         if half & NEAR == 0 { (half, false) } else { (from.wrapping_sub(half & (NEAR - 1)), true) }
     }
 
-    /// Descends from a root of `level` to the block or leaf that contains a column. Returns it with its level.
-    pub fn descend(self, mut at: u32, mut base: u32, mut level: u32, [i, j]: [u32; 2]) -> (Place, u32) {
+    /// Descends from a node to the block or leaf that contains a column. Returns it with its level.
+    pub fn descend(self, node: Node, column: [u32; 2]) -> (Place, u32) {
+        self.descend_through(node, column, |_| ())
+    }
+
+    /// As [`Code::descend`], and calls `passed` with each node that has children.
+    #[inline]
+    pub fn descend_through(
+        self,
+        Node { mut at, mut base, mut level }: Node,
+        [i, j]: [u32; 2],
+        mut passed: impl FnMut(Node),
+    ) -> (Place, u32) {
         if at == UNIFORM {
             return (Place::Uniform(base), level);
         }
         while level > LEAF_LEVEL {
+            passed(Node { at, base, level });
             level -= NODE_LEVELS;
             match self.child(at, (j >> level & 3) << 2 | i >> level & 3) {
                 Child::Never => return (Place::Uniform(NEVER), level),

@@ -66,18 +66,20 @@ mod common;
 pub mod page;
 mod ranges;
 pub mod slant;
-mod top;
+pub mod top;
+mod tree_words;
 mod validate;
 pub mod write;
 
 pub use census::Census;
 pub use common::ShapePlace;
-pub use ranges::{Range, Ranges};
-pub use validate::{DepthsError, Part};
+pub use ranges::{Range, Ranges, SharedRanges};
+pub use tree_words::{ABSENT, TreeWords};
+pub use validate::{DepthsError, PageValidator, Part};
 
 use code::{Code, Place};
-use page::{BUNDLE_PAGES, IN_PAGE, Page};
-use top::Top;
+use page::{BUNDLE_PAGES, PAGE_LEVEL, Page};
+use top::{block_dims, block_level, page_blocks};
 
 /// Depth of a column that never switches, that is, one that is lit to its end.
 pub const NEVER: u32 = u32::MAX;
@@ -100,7 +102,10 @@ pub struct DepthTree {
     /// The pages, x fastest.
     places: Vec<PlacedPage>,
     code: Vec<u32>,
-    top: Top,
+    /// Level of the blocks at which look-ups begin.
+    block_level: u32,
+    /// Address in the code of each block's node, or [`UNIFORM`], and its base; x fastest.
+    blocks: Vec<[u32; 2]>,
 }
 
 /// A page of a tree.
@@ -133,7 +138,8 @@ impl TreeBuilder {
             common_words: common.len(),
             places: vec![outside; pages],
             code: common,
-            top: Top::default(),
+            block_level: block_level(size),
+            blocks: Vec::new(),
         };
         Self { tree }
     }
@@ -165,7 +171,7 @@ impl TreeBuilder {
     pub fn finish(self) -> Result<DepthTree, DepthsError> {
         let mut tree = self.tree;
         validate::validate(&tree)?;
-        tree.top = Top::of(&tree);
+        tree.blocks = tree.find_blocks();
         Ok(tree)
     }
 }
@@ -178,7 +184,7 @@ pub struct Switches {
     pub nearest: u32,
     /// No column switches deeper.
     pub farthest: u32,
-    /// What [`DepthTree::switches_of_leaf`] reads the columns' depths from; `None` if all are equal to both bounds.
+    /// What [`TreeWords::switches_of_leaf`] reads the columns' depths from; `None` if all are equal to both bounds.
     pub leaf: Option<[u32; 2]>,
 }
 
@@ -213,17 +219,17 @@ impl DepthTree {
     /// Returns the level of the blocks at which look-ups begin: they span 2^level columns along each side. It is 5, 7 or
     /// 9, the lowest for which the table of these blocks is small.
     pub fn root_level(&self) -> u32 {
-        self.top.level
+        self.block_level
     }
 
     /// Returns the number of blocks at which look-ups begin along x and y: `ceil(size / 2^root_level)`.
     pub fn top_dims(&self) -> [u32; 2] {
-        self.top.dims
+        block_dims(self.size, self.block_level)
     }
 
     /// Returns address in the code and base of each block at which look-ups begin, x fastest.
     pub fn top(&self) -> &[[u32; 2]] {
-        &self.top.entries
+        &self.blocks
     }
 
     /// Returns the half-words of all shapes, two per word: the common section, then the pages.
@@ -234,12 +240,37 @@ impl DepthTree {
     /// Returns the address in the code, or [`UNIFORM`], and the base of the root of a page.
     fn root(&self, [x, y]: [u32; 2]) -> [u32; 2] {
         let page = self.places[(y * self.page_dims[0] + x) as usize];
-        let at = match page.root {
-            UNIFORM => UNIFORM,
-            root if root & IN_PAGE != 0 => 2 * page.first_word as u32 + (root & !IN_PAGE),
-            root => root,
-        };
-        [at, page.base]
+        [Page::address(page.root, page.first_word as u32), page.base]
+    }
+
+    /// Finds the blocks at which look-ups begin.
+    fn find_blocks(&self) -> Vec<[u32; 2]> {
+        let [across, down] = self.top_dims();
+        let mut blocks = vec![[UNIFORM, NEVER]; across as usize * down as usize];
+        let side = 1 << (PAGE_LEVEL - self.block_level);
+        for (page, placed) in (0..).zip(&self.places) {
+            let [x, y] = [page % self.page_dims[0], page / self.page_dims[0]];
+            let found = page_blocks(&self.page([x, y]), self.common(), self.block_level);
+            for (row, found) in (y * side..down).zip(found.chunks_exact(side as usize)) {
+                let row = &mut blocks[(row * across + x * side) as usize..((row + 1) * across) as usize];
+                for (block, &[root, base]) in row.iter_mut().zip(found) {
+                    *block = [Page::address(root, placed.first_word as u32), base];
+                }
+            }
+        }
+        blocks
+    }
+
+    /// Returns the words that look-ups read.
+    #[inline]
+    pub fn words(&self) -> TreeWords<'_> {
+        TreeWords {
+            size: self.size,
+            block_level: self.block_level,
+            block_dims: self.top_dims(),
+            blocks: &self.blocks,
+            code: &self.code,
+        }
     }
 
     /// Returns the depth at which column (i, j) switches: voxel k is lit if k is less than it. [`NEVER`] if all voxels
@@ -247,33 +278,24 @@ impl DepthTree {
     ///
     /// Cost: one step per two levels above 3, then one leaf.
     pub fn value(&self, i: u32, j: u32) -> u32 {
-        match self.place(i, j).0 {
-            Place::Uniform(value) => value,
-            Place::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
-        }
+        self.words().value(i, j)
     }
 
     /// Returns the size in bytes of all words that look-ups read.
     pub fn bytes(&self) -> u64 {
-        8 * self.top.entries.len() as u64 + 4 * self.code.len() as u64
+        8 * self.blocks.len() as u64 + 4 * self.code.len() as u64
     }
 
     /// Returns a reader of the individual shapes.
     #[inline]
     pub fn shapes(&self) -> Code<'_> {
-        Code { words: &self.code }
+        self.words().shapes()
     }
 
     /// Returns the block or leaf that contains a column, and its level.
     #[inline]
     pub fn place(&self, i: u32, j: u32) -> (Place, u32) {
-        let Top { level, dims, entries } = &self.top;
-        let [x, y] = [i, j].map(|c| c >> level);
-        if x >= dims[0] || y >= dims[1] {
-            return (Place::Uniform(NEVER), *level);
-        }
-        let [at, base] = entries[(y * dims[0] + x) as usize];
-        self.shapes().descend(at, base, *level, [i, j])
+        self.words().place(i, j)
     }
 
     /// Returns whether voxel (i, j, k) is lit. The voxel must be in the grid.
@@ -289,23 +311,5 @@ impl DepthTree {
             (Place::Uniform(_), level) => level,
             (Place::Leaf { .. }, _) => 0,
         }
-    }
-
-    /// Returns bounds of the depths at which the columns of the block of 8 × 8 that contains column (i, j) switch. The
-    /// column must be in the grid. Columns outside the grid may have any depth.
-    pub fn switches(&self, i: u32, j: u32) -> Switches {
-        match self.place(i, j).0 {
-            Place::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },
-            Place::Leaf { at, base } => {
-                let [nearest, farthest] = self.shapes().leaf(at, base).bounds();
-                Switches { nearest, farthest, leaf: Some([at, base]) }
-            }
-        }
-    }
-
-    /// Returns the depths at which the columns of a block switch, in the order y·8 + x. `leaf` is from
-    /// [`DepthTree::switches`] of the same tree.
-    pub fn switches_of_leaf(&self, [at, base]: [u32; 2]) -> [u32; 64] {
-        self.shapes().leaf(at, base).values()
     }
 }

@@ -31,6 +31,21 @@ impl Page<'_> {
     /// A page outside the grid.
     pub const OUTSIDE: Self = Self::uniform(NEVER);
 
+    /// Returns an address of the page's shapes, as [`Page::root`] is one, in half-words from the beginning of the common
+    /// section. The page's words are so many words behind that.
+    pub fn address(root: u32, words_behind: u32) -> u32 {
+        match root {
+            UNIFORM => UNIFORM,
+            _ if root & IN_PAGE != 0 => 2 * words_behind + (root & !IN_PAGE),
+            _ => root,
+        }
+    }
+
+    /// Returns the root and the base.
+    pub const fn root_and_base(&self) -> [u32; 2] {
+        [self.root, self.base]
+    }
+
     /// Returns a page whose columns all switch at this depth.
     pub const fn uniform(base: u32) -> Self {
         Self { root: UNIFORM, base, words: &[] }

@@ -2,6 +2,7 @@
 //! chooses pages, or marches through the depths, can do without the pages themselves.
 
 use std::collections::HashMap;
+use std::sync::Mutex;
 
 use crate::layout::depths::code::{Child, Code};
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
@@ -84,26 +85,91 @@ impl Relative {
 /// differences. Differences count with their sign.
 pub struct Ranges<'c> {
     common: Code<'c>,
-    /// Ranges of nodes of the common section, by address and level.
-    known: HashMap<(u32, u32), Relative>,
+    /// Ranges of nodes of the common section.
+    known: Known,
+    /// Ranges of nodes of the page that is visited.
+    of_page: Known,
+}
+
+/// What is known of a common section, for any number of threads.
+pub struct SharedRanges<'c> {
+    common: &'c [u32],
+    idle: Mutex<Vec<Ranges<'c>>>,
+}
+
+impl<'c> SharedRanges<'c> {
+    /// Begins with the words of a common section. All pages must be valid.
+    pub fn new(common: &'c [u32]) -> Self {
+        Self { common, idle: Mutex::default() }
+    }
+
+    /// Calls `work` with ranges that no other thread has.
+    pub fn with<T>(&self, work: impl FnOnce(&mut Ranges<'c>) -> T) -> T {
+        let idle = || self.idle.lock().unwrap_or_else(|e| e.into_inner());
+        let known = idle().pop();
+        let mut ranges = known.unwrap_or_else(|| Ranges::new(self.common));
+        let made = work(&mut ranges);
+        idle().push(ranges);
+        made
+    }
+}
+
+/// Ranges of nodes by address and level.
+#[derive(Default)]
+struct Known {
+    /// For each half-word, one more than the index of the node that begins there.
+    places: Vec<u32>,
+    list: Vec<(u32, Relative)>,
+    /// Nodes that are reached at a second level, as only forged pages have them.
+    others: HashMap<(u32, u32), Relative>,
+}
+
+impl Known {
+    /// Forgets everything, and has room for the nodes of so many words.
+    fn begin(&mut self, words: usize) {
+        self.places.clear();
+        self.places.resize(2 * words, 0);
+        self.list.clear();
+        self.others.clear();
+    }
+
+    fn get(&self, at: u32, level: u32) -> Option<Relative> {
+        let (of, range) = self.list[self.places[at as usize].checked_sub(1)? as usize];
+        if of == level { Some(range) } else { self.others.get(&(at, level)).copied() }
+    }
+
+    fn insert(&mut self, at: u32, level: u32, range: Relative) {
+        let place = &mut self.places[at as usize];
+        if *place == 0 {
+            self.list.push((level, range));
+            *place = self.list.len() as u32;
+        } else {
+            self.others.insert((at, level), range);
+        }
+    }
 }
 
 impl<'c> Ranges<'c> {
     /// Begins with the words of a common section. All pages must be valid.
     pub fn new(common: &'c [u32]) -> Self {
-        Self { common: Code { words: common }, known: HashMap::new() }
+        let mut known = Known::default();
+        known.begin(common.len());
+        Self { common: Code { words: common }, known, of_page: Known::default() }
     }
 
     /// Returns the range of all columns of a page.
     ///
     /// Cost: one visit per shape of the page, and of the common section where it has not been visited.
     pub fn of_page(&mut self, page: &Page<'_>) -> Range {
-        let mut known = HashMap::new();
         let code = Code { words: page.words };
         match page.root {
             UNIFORM => Range::uniform(page.base),
             root if root & IN_PAGE != 0 => {
-                self.of_shape(&mut known, code, root & !IN_PAGE, PAGE_LEVEL).at_base(page.base)
+                let mut known = std::mem::take(&mut self.of_page);
+                known.begin(page.words.len());
+                let range = self.of_shape(&mut known, code, root & !IN_PAGE, PAGE_LEVEL).at_base(page.base);
+                self.of_page = known;
+                range
             }
             root => self.of_common(root, PAGE_LEVEL).at_base(page.base),
         }
@@ -122,19 +188,13 @@ impl<'c> Ranges<'c> {
         range
     }
 
-    fn of_shape(
-        &mut self,
-        known: &mut HashMap<(u32, u32), Relative>,
-        code: Code<'_>,
-        at: u32,
-        level: u32,
-    ) -> Relative {
+    fn of_shape(&mut self, known: &mut Known, code: Code<'_>, at: u32, level: u32) -> Relative {
         if level == LEAF_LEVEL {
             let leaf = code.leaf(at, 0);
             let [rise, differences] = leaf.reach();
             return Relative { nearest: -rise, farthest: differences, has_never: leaf.has_never() };
         }
-        if let Some(&range) = known.get(&(at, level)) {
+        if let Some(range) = known.get(at, level) {
             return range;
         }
         let range = code.children(at).fold(Relative::NONE, |all, child| {
@@ -153,7 +213,7 @@ impl<'c> Ranges<'c> {
                 }
             })
         });
-        known.insert((at, level), range);
+        known.insert(at, level, range);
         range
     }
 }

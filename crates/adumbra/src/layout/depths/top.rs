@@ -2,49 +2,55 @@
 //! a table of smaller blocks costs little and saves the steps above them, so it is made when the file is read. No answer
 //! depends on it.
 
-use crate::layout::depths::code::Child;
-use crate::layout::depths::page::PAGE_LEVEL;
-use crate::layout::depths::{DepthTree, NEVER, NODE_LEVELS, UNIFORM};
+use crate::layout::depths::code::{Child, Code};
+use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
+use crate::layout::depths::{NEVER, NODE_LEVELS, UNIFORM};
 
 /// Largest number of blocks of a table that is finer than pages: 64 KiB.
 const MAX_FINE_BLOCKS: u64 = 1 << 13;
 /// The levels that a table may have, finest first. They are those of nodes.
 const LEVELS: [u32; 3] = [5, 7, PAGE_LEVEL];
 
-/// A table of blocks.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Top {
-    /// A block spans 2^level columns along each side.
-    pub(super) level: u32,
-    /// Number of blocks along x and y.
-    pub(super) dims: [u32; 2],
-    /// Address of a block's node in the code, or [`UNIFORM`], and its base; x fastest.
-    pub(super) entries: Vec<[u32; 2]>,
+/// Returns the level of the blocks of a grid of this size: a block spans 2^level columns along each side.
+pub fn block_level(size: [u32; 3]) -> u32 {
+    let is_small =
+        |level: u32| block_dims(size, level).map(u64::from).iter().product::<u64>() <= MAX_FINE_BLOCKS;
+    LEVELS.into_iter().find(|&level| is_small(level)).unwrap_or(PAGE_LEVEL)
 }
 
-impl Top {
-    /// Makes the table of a valid tree.
-    pub(super) fn of(tree: &DepthTree) -> Self {
-        let dims_of = |level: u32| [tree.size[0], tree.size[1]].map(|n| n.div_ceil(1 << level));
-        let is_small = |level: u32| dims_of(level).map(u64::from).iter().product::<u64>() <= MAX_FINE_BLOCKS;
-        let level = LEVELS.into_iter().find(|&level| is_small(level)).unwrap_or(PAGE_LEVEL);
-        let dims = dims_of(level);
-        let blocks = (0..dims[1]).flat_map(|y| (0..dims[0]).map(move |x| [x << level, y << level]));
-        Self { level, dims, entries: blocks.map(|column| entry(tree, level, column)).collect() }
+/// Returns the number of blocks of a level along x and y.
+pub fn block_dims(size: [u32; 3], level: u32) -> [u32; 2] {
+    [size[0], size[1]].map(|n| n.div_ceil(1 << level))
+}
+
+/// Returns the blocks of a page, x fastest: the address of each block's node, as that of a page's root, and its base.
+/// The page must be valid.
+pub fn page_blocks(page: &Page<'_>, common: &[u32], level: u32) -> Vec<[u32; 2]> {
+    let side = 1 << (PAGE_LEVEL - level);
+    let columns = (0..side).flat_map(|y| (0..side).map(move |x| [x << level, y << level]));
+    columns.map(|column| block(page, common, level, column)).collect()
+}
+
+/// Returns the block of `level` that contains a column, which is counted from the page's first one.
+fn block(page: &Page<'_>, common: &[u32], level: u32, [i, j]: [u32; 2]) -> [u32; 2] {
+    if page.root == UNIFORM {
+        return [UNIFORM, page.base];
     }
-}
-
-/// Returns the entry of the block of `level` that contains a column.
-fn entry(tree: &DepthTree, level: u32, [i, j]: [u32; 2]) -> [u32; 2] {
-    let [mut at, mut base] = tree.root([i >> PAGE_LEVEL, j >> PAGE_LEVEL]);
+    let mut is_in_page = page.root & IN_PAGE != 0;
+    let (mut at, mut base) = (page.root & !IN_PAGE, page.base);
     let mut reached = PAGE_LEVEL;
-    while reached > level && at != UNIFORM {
+    while reached > level {
         reached -= NODE_LEVELS;
-        [at, base] = match tree.shapes().child(at, (j >> reached & 3) << 2 | i >> reached & 3) {
-            Child::Never => [UNIFORM, NEVER],
-            Child::Uniform(delta) => [UNIFORM, base.wrapping_add(delta)],
-            Child::Shape { at, delta, .. } => [at, base.wrapping_add(delta)],
-        };
+        let code = Code { words: if is_in_page { page.words } else { common } };
+        match code.child(at, (j >> reached & 3) << 2 | i >> reached & 3) {
+            Child::Never => return [UNIFORM, NEVER],
+            Child::Uniform(delta) => return [UNIFORM, base.wrapping_add(delta)],
+            Child::Shape { at: next, delta, is_relative } => {
+                is_in_page &= is_relative;
+                at = next;
+                base = base.wrapping_add(delta);
+            }
+        }
     }
-    [at, base]
+    [if is_in_page { IN_PAGE | at } else { at }, base]
 }

@@ -9,8 +9,8 @@
 use std::fmt;
 
 use crate::layout::depths::code::{Child, Code, LeafHead, fields_length};
-use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL};
-use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, PlacedPage, UNIFORM};
+use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
+use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
 
 /// A part of the code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,58 +119,87 @@ pub(super) fn validate(tree: &DepthTree) -> Result<(), DepthsError> {
     if tree.code.len() > limit {
         return Err(DepthsError::TooLong { words: tree.code.len(), limit });
     }
-    let whole = Code { words: &tree.code };
-    let mut common = Walk::new(whole, Part::Common, 0, tree.common_words);
-    let mut proved = Vec::new();
-    let across = tree.page_dims[0];
-    for (i, page) in (0_u32..).zip(&tree.places) {
-        let PlacedPage { root, first_word, words, .. } = *page;
+    let mut validator = PageValidator::new(tree.common());
+    let [across, down] = tree.page_dims;
+    let places = (0..down).flat_map(|y| (0..across).map(move |x| [x, y]));
+    places.into_iter().try_for_each(|place| validator.page(place, &tree.page(place)))
+}
+
+/// Validates pages that share a common section.
+#[derive(Debug)]
+pub struct PageValidator<'c> {
+    common: Walk<'c>,
+    /// Room for the levels of a page.
+    of_page: Vec<u8>,
+}
+
+impl<'c> PageValidator<'c> {
+    /// Begins with the words of a common section.
+    pub fn new(common: &'c [u32]) -> Self {
+        Self { common: Walk::new(common, Part::Common, vec![0; 2 * common.len()]), of_page: Vec::new() }
+    }
+
+    /// Goes on with the same common section, of which has been validated what [`PageValidator::into_proved`] returned.
+    pub fn resume(common: &'c [u32], proved: Vec<u8>) -> Self {
+        Self { common: Walk::new(common, Part::Common, proved), of_page: Vec::new() }
+    }
+
+    /// Returns what has been validated of the common section.
+    pub fn into_proved(self) -> Vec<u8> {
+        self.common.proved
+    }
+
+    /// Checks that every look-up in a page ends with a valid result. `place` names the page.
+    ///
+    /// # Errors
+    /// Returns the first fault of a traversal from the root down.
+    pub fn page(&mut self, place: [u32; 2], page: &Page<'_>) -> Result<(), DepthsError> {
+        let Page { root, words, .. } = *page;
         if root == UNIFORM {
-            continue;
+            return Ok(());
         }
-        let part = Part::Page([i % across, i / across]);
+        let part = Part::Page(place);
         let unfit = DepthsError::Root { page: part, root };
         if root & IN_PAGE == 0 {
-            if root >= common.end {
+            if root >= self.common.end {
                 return Err(unfit);
             }
-            common.shape(None, root, PAGE_LEVEL)?;
-            continue;
+            return self.common.shape(None, root, PAGE_LEVEL);
         }
-        let mut walk = Walk::new(whole, part, first_word, words);
-        walk.proved = proved;
-        walk.proved.clear();
-        walk.proved.resize(2 * words, 0);
-        let at = walk.start.checked_add(root & !IN_PAGE).filter(|&at| at < walk.end).ok_or(unfit)?;
-        walk.shape(Some(&mut common), at, PAGE_LEVEL)?;
-        proved = walk.proved;
+        let mut proved = std::mem::take(&mut self.of_page);
+        proved.clear();
+        proved.resize(2 * words.len(), 0);
+        let mut walk = Walk::new(words, part, proved);
+        let at = root & !IN_PAGE;
+        if at >= walk.end {
+            return Err(unfit);
+        }
+        walk.shape(Some(&mut self.common), at, PAGE_LEVEL)?;
+        self.of_page = walk.proved;
+        Ok(())
     }
-    Ok(())
 }
 
 /// Walks through a part of the code.
+#[derive(Debug)]
 struct Walk<'c> {
-    /// The whole code.
     code: Code<'c>,
     part: Part,
-    /// First half-word of the part, and the one after its last.
-    start: u32,
+    /// Number of half-words.
     end: u32,
-    /// For each half-word of the part, the levels at which it has been validated, one bit per level.
+    /// For each half-word, the levels at which it has been validated, one bit per level.
     proved: Vec<u8>,
 }
 
 impl<'c> Walk<'c> {
-    fn new(code: Code<'c>, part: Part, first_word: usize, words: usize) -> Self {
-        let (start, end) = (2 * first_word as u32, 2 * (first_word + words) as u32);
-        let proved = if part == Part::Common { vec![0; 2 * words] } else { Vec::new() };
-        Self { code, part, start, end, proved }
+    fn new(words: &'c [u32], part: Part, proved: Vec<u8>) -> Self {
+        Self { code: Code { words }, part, end: 2 * words.len() as u32, proved }
     }
 
     /// Validates the shape at an address within the part. `common` is the common section, unless the part is.
     fn shape(&mut self, common: Option<&mut Walk<'_>>, at: u32, level: u32) -> Result<(), DepthsError> {
         let bit = 1 << ((level - LEAF_LEVEL) / NODE_LEVELS);
-        let slot = (at - self.start) as usize;
+        let slot = at as usize;
         if self.proved[slot] & bit == 0 {
             if level == LEAF_LEVEL { self.leaf(at) } else { self.node(common, at, level) }?;
             self.proved[slot] |= bit;
@@ -182,11 +211,11 @@ impl<'c> Walk<'c> {
         if length <= self.end - at {
             return Ok(());
         }
-        Err(DepthsError::End { part: self.part, at: at - self.start, level })
+        Err(DepthsError::End { part: self.part, at, level })
     }
 
     fn bits(&self, at: u32, level: u32, half: u32) -> DepthsError {
-        DepthsError::Bits { part: self.part, at: at - self.start, level, half }
+        DepthsError::Bits { part: self.part, at, level, half }
     }
 
     fn leaf(&self, at: u32) -> Result<(), DepthsError> {
@@ -204,7 +233,7 @@ impl<'c> Walk<'c> {
             0 => Ok(()),
             columns => Err(DepthsError::Ranks {
                 part: self.part,
-                at: at - self.start,
+                at,
                 column: columns.trailing_zeros(),
                 last: head.last,
             }),
@@ -224,7 +253,7 @@ impl<'c> Walk<'c> {
             match &mut common {
                 Some(common) if !is_relative && to < common.end => common.shape(None, to, below)?,
                 Some(_) if !is_relative => return Err(self.order(at, child)),
-                _ if to < self.start || to >= at => return Err(self.order(at, child)),
+                _ if to >= at => return Err(self.order(at, child)),
                 common => self.shape(common.as_deref_mut(), to, below)?,
             }
         }
@@ -232,6 +261,6 @@ impl<'c> Walk<'c> {
     }
 
     fn order(&self, at: u32, child: u32) -> DepthsError {
-        DepthsError::Order { part: self.part, at: at - self.start, child }
+        DepthsError::Order { part: self.part, at, child }
     }
 }

@@ -3,65 +3,12 @@
 
 import * as THREE from 'three';
 
-/** Number of pixels along a side. */
+import { encode, renderers } from './renderers.js';
+
+/** Number of pixels along a side, where a task names no other. */
 const SIDE = 256;
 
 const lookUps = () => import('adumbra-three/look-ups');
-
-/** The parts that differ between renderers. */
-const renderers = {
-  async webgpu(options) {
-    return nodeRenderer(options, false);
-  },
-  async webgl2(options) {
-    return nodeRenderer(options, true);
-  },
-  async webgl({ depth }) {
-    const { attachBakedShadow } = await import('adumbra-three/webgl');
-    const renderer = new THREE.WebGLRenderer({ ...depthOptions(depth) });
-    const target = new THREE.WebGLRenderTarget(SIDE, SIDE, { type: THREE.FloatType });
-    return {
-      renderer,
-      target,
-      attach({ scene, light, files, ...options }) {
-        return attachBakedShadow(scene, light, files, options);
-      },
-      async read() {
-        const pixels = new Float32Array(4 * SIDE * SIDE);
-        renderer.readRenderTargetPixels(target, 0, 0, SIDE, SIDE, pixels);
-        return { pixels, isBottomFirst: true };
-      },
-    };
-  },
-};
-
-async function nodeRenderer({ depth }, forceWebGL) {
-  const { WebGPURenderer, RenderTarget } = await import('three/webgpu');
-  const { BakedShadowNode } = await import('adumbra-three/webgpu');
-  const renderer = new WebGPURenderer({ forceWebGL, ...depthOptions(depth) });
-  await renderer.init();
-  if ('isWebGPUBackend' in renderer.backend === forceWebGL) throw new Error('another backend than asked for');
-  renderer.shadowMap.enabled = true;
-  const target = new RenderTarget(SIDE, SIDE, { type: THREE.FloatType });
-  return {
-    renderer,
-    target,
-    attach({ light, files, scene: _scene, ...options }) {
-      light.castShadow = true;
-      const node = new BakedShadowNode(light, { file: files, ...options });
-      light.shadow.shadowNode = node;
-      return node;
-    },
-    async read() {
-      const pixels = await renderer.readRenderTargetPixelsAsync(target, 0, 0, SIDE, SIDE);
-      return { pixels, isBottomFirst: forceWebGL };
-    },
-  };
-}
-
-function depthOptions(depth) {
-  return { logarithmicDepthBuffer: depth === 'logarithmic', reversedDepthBuffer: depth === 'reversed' };
-}
 
 const materials = {
   standard: (o) => new THREE.MeshStandardMaterial({ roughness: 1, ...o }),
@@ -110,10 +57,12 @@ const objects = {
  * the other, each with a picture of its own. `cycles` detach the shadows and attach those of one of the files.
  */
 window.draw = async (task) => {
-  const { backend, files: urls, lookUp, height, middle, width } = task;
+  const { backend, files: urls, lookUp, height, middle, width, pixelsAcross = SIDE } = task;
   const { ShadowFileLoader } = await import('adumbra-three');
-  const files = await Promise.all(urls.map((url) => new ShadowFileLoader().loadAsync(url)));
-  const parts = await renderers[backend](task);
+  const files = task.stream
+    ? [await openStreamed(urls[0], task.stream)]
+    : await Promise.all(urls.map((url) => new ShadowFileLoader().loadAsync(url)));
+  const parts = await renderers[backend]({ ...task, side: pixelsAcross });
   const scene = new THREE.Scene();
   const light = new THREE.DirectionalLight(0xffffff, 1);
   scene.add(light, light.target);
@@ -124,7 +73,7 @@ window.draw = async (task) => {
   });
   const object = objects[task.object ?? 'mesh'](material);
   object.position.set(middle[0], height, middle[1]);
-  object.scale.setScalar(width);
+  object.scale.setScalar(task.shown ?? width);
   // Seen from behind, a double-sided surface faces the camera all the same.
   if (task.side === 'double') object.rotation.x = Math.PI;
   object.receiveShadow = true;
@@ -135,14 +84,17 @@ window.draw = async (task) => {
   camera.up.set(0, 0, -1);
   camera.lookAt(middle[0], height, middle[1]);
 
-  const picture = async () => {
+  const frame = () => {
     parts.renderer.setRenderTarget(parts.target);
     parts.renderer.render(scene, camera);
+  };
+  const picture = async () => {
+    frame();
     const { pixels, isBottomFirst } = await parts.read();
-    const red = new Float32Array(SIDE * SIDE);
-    for (let y = 0; y < SIDE; y += 1) {
-      const row = isBottomFirst ? SIDE - 1 - y : y;
-      for (let x = 0; x < SIDE; x += 1) red[SIDE * y + x] = pixels[4 * (SIDE * row + x)];
+    const red = new Float32Array(pixelsAcross ** 2);
+    for (let y = 0; y < pixelsAcross; y += 1) {
+      const row = isBottomFirst ? pixelsAcross - 1 - y : y;
+      for (let x = 0; x < pixelsAcross; x += 1) red[pixelsAcross * y + x] = pixels[4 * (pixelsAcross * row + x)];
     }
     return red;
   };
@@ -152,6 +104,13 @@ window.draw = async (task) => {
   const drawn = [await picture()];
   for (const settings of task.later ?? []) {
     baked.setOptions(settings);
+    drawn.push(await picture());
+  }
+  const places = [];
+  for (const place of task.stream ? (task.places ?? [middle]) : []) {
+    object.position.set(place[0], height, place[1]);
+    camera.position.set(place[0], height + 90, place[1]);
+    places.push(await streamAll(files[0], camera, frame, { ...task, middle: place }));
     drawn.push(await picture());
   }
   const memory = [];
@@ -170,14 +129,47 @@ window.draw = async (task) => {
   const unshadowed = await picture();
   const visibility = (red) => red.map((value, i) => value / unshadowed[i]);
   parts.renderer.dispose();
-  return { visibility: drawn.map(visibility).map(encode), memory };
+  if (task.stream) files[0].dispose();
+  return { visibility: drawn.map(visibility).map(encode), memory, places };
 };
 
-function encode(floats) {
-  const bytes = new Uint8Array(floats.buffer);
-  let text = '';
-  for (let at = 0; at < bytes.length; at += 32768) text += String.fromCharCode(...bytes.subarray(at, at + 32768));
-  return btoa(text);
+async function openStreamed(url, options) {
+  const { StreamedShadowFile } = await import('adumbra-three/stream');
+  return StreamedShadowFile.open(url, options);
+}
+
+/**
+ * Draws frames until all is there that the camera needs. Returns the answers on the CPU at its pixels and the levels that gave
+ * them, the longest task of the page meanwhile, and the file's statistics.
+ */
+async function streamAll(file, camera, frame, { settings, cpu, height, middle, width, shown, pixelsAcross = SIDE }) {
+  const atFirst = file.stats;
+  // The task that has drawn and read the first picture is over.
+  await new Promise((done) => setTimeout(done, 100));
+  const tasks = [];
+  const observer = new PerformanceObserver((list) => tasks.push(...list.getEntries().map(({ duration }) => duration)));
+  observer.observe({ type: 'longtask' });
+  let longestUpdate = 0;
+  for (let still = 0, frames = 0; still < 20 && frames < 3000; frames += 1) {
+    const before = performance.now();
+    file.update(camera, pixelsAcross);
+    longestUpdate = Math.max(longestUpdate, performance.now() - before);
+    // Some frames are drawn meanwhile. Reading pixels would wait for the GPU.
+    if (shown || frames % 10 === 0) frame();
+    await new Promise(requestAnimationFrame);
+    still = file.stats.missing === 0 && file.stats.underWay === 0 ? still + 1 : 0;
+  }
+  observer.disconnect();
+  const sampler = file.sampler(cpu ?? settings);
+  const across = (n) => ((n + 0.5) / pixelsAcross - 0.5) * width;
+  const [answers, levels] = [new Float32Array(pixelsAcross ** 2), {}];
+  for (let i = 0; i < pixelsAcross ** 2; i += 1) {
+    const point = { x: middle[0] + across(i % pixelsAcross), y: height, z: middle[1] + across(Math.floor(i / pixelsAcross)) };
+    answers[i] = sampler.visibility(point, { x: 0, y: 1, z: 0 });
+    const level = sampler.levelAt(point, { x: 0, y: 1, z: 0 });
+    levels[level] = (levels[level] ?? 0) + 1;
+  }
+  return { answers: encode(answers), levels, longestTask: Math.max(0, ...tasks), longestUpdate, atFirst, atLast: file.stats };
 }
 
 window.isReady = true;

@@ -1,0 +1,218 @@
+//! A bake that is kept, so that an edit of its scene costs the pages that the edit touches.
+
+use std::collections::HashSet;
+use std::io::{Seek, Write};
+use std::sync::Arc;
+
+use adumbra::{LightGrid, ShadowFile};
+use adumbra_scene::{Edits, Scene};
+
+use crate::bake::Written;
+use crate::error::Result;
+use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory};
+use crate::objects::{MemoryObjects, ObjectKey, Objects};
+use crate::options::BakeOptions;
+use crate::progress::Watch;
+use crate::sink::depths::DepthsBlock;
+use crate::sink::recent::RecentBlocks;
+
+/// A scene, the options of its bake, and the pages that were baked. Unless the options limit the memory, it also holds the
+/// root blocks of pages that have several, about half a kilobyte for each block of 8 × 8 texels that an outline crosses:
+/// such pages are those of coarse levels.
+///
+/// ```no_run
+/// use adumbra_bake::{BakeOptions, Baker, Size, Watch};
+/// use adumbra_scene::{Edits, LoadOptions, Moved, Which, load};
+///
+/// let scene = load("city.glb".as_ref(), &LoadOptions::default())?;
+/// let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
+/// let mut baker = Baker::new(scene, &BakeOptions::new(sun, Size::Resolution(8192)))?;
+/// baker.bake(None, Watch::none())?;
+/// let before = baker.file()?;
+/// let mut world_from_mesh = baker.scene().instances[7].world_from_mesh;
+/// world_from_mesh[0][3] += 1.0;
+/// baker.edit(&Edits { moved: vec![Moved { instance: Which::Number(7), world_from_mesh }], ..Edits::default() })?;
+/// println!("{} pages are to be baked", baker.pages().filter(|page| !page.is_baked).count());
+/// baker.bake(Some([0.0, 0.0, 0.0]), Watch::none())?;
+/// let after = baker.file()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub struct Baker {
+    scene: Scene,
+    /// With the frame that was chosen first.
+    options: BakeOptions,
+    objects: Arc<dyn Objects>,
+    /// The objects, if they are in memory.
+    memory: Option<Arc<MemoryObjects>>,
+    plan: BakePlan,
+    /// Keys whose objects are there.
+    known: HashSet<ObjectKey>,
+    /// What planning has found of the scene, unless memory is limited.
+    prepared: Option<Prepared>,
+    /// The root blocks of the pages that have several, unless memory is limited.
+    recent: Option<Arc<RecentBlocks<DepthsBlock>>>,
+}
+
+/// A part of a [`Baker`]'s file: a page, or several that are baked together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct BakerPage {
+    /// Level of detail, 0 = the finest.
+    pub level: u32,
+    /// The first texel along x and y of the level's grid.
+    pub corner: [u32; 2],
+    /// Number of texels along x and y.
+    pub size: [u32; 2],
+    /// Whether it has been baked as the scene is now.
+    pub is_baked: bool,
+}
+
+impl Baker {
+    /// Plans the bake of a scene, and keeps what is baked in memory. The frame that the options let the bake choose is
+    /// chosen once, for all edits.
+    ///
+    /// # Errors
+    /// Returns the errors of [`BakePlan::new`].
+    pub fn new(scene: Scene, options: &BakeOptions) -> Result<Self> {
+        let memory = Arc::new(MemoryObjects::default());
+        let baker = Self::with_objects(scene, options, memory.clone())?;
+        Ok(Self { memory: Some(memory), ..baker })
+    }
+
+    /// Plans the bake of a scene, and keeps what is baked in `objects`. See [`Baker::new`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`BakePlan::new`].
+    pub fn with_objects(scene: Scene, options: &BakeOptions, objects: Arc<dyn Objects>) -> Result<Self> {
+        let (plan, prepared) = BakePlan::prepared(&scene, options)?;
+        let options = BakeOptions { frame: plan.options().frame, ..options.clone() };
+        let is_unlimited = options.max_memory_bytes.is_none();
+        let (prepared, recent) = (is_unlimited.then_some(prepared), is_unlimited.then(Arc::default));
+        Ok(Self { scene, options, objects, memory: None, plan, known: HashSet::new(), prepared, recent })
+    }
+
+    /// Returns the scene as it is now.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Returns options with which a bake of the scene writes the same bytes.
+    pub fn options(&self) -> &BakeOptions {
+        &self.options
+    }
+
+    /// Returns the placement of each level's voxels in the world, the finest first. An edit that makes the scene larger or
+    /// smaller changes it.
+    pub fn grids(&self) -> Vec<LightGrid> {
+        self.plan.grids()
+    }
+
+    /// Edits the scene. Either all edits are made, or none.
+    ///
+    /// # Errors
+    /// Returns [`Error::Scene`](crate::Error::Scene) if the edits cannot be made, and the errors of [`BakePlan::new`].
+    pub fn edit(&mut self, edits: &Edits) -> Result<()> {
+        let mut scene = self.scene.clone();
+        scene.edit(edits)?;
+        self.replace(scene)
+    }
+
+    /// Takes another scene in place of the one there is: what is equal in both stays baked.
+    ///
+    /// # Errors
+    /// Returns the errors of [`BakePlan::new`]. The scene is as before then.
+    pub fn replace(&mut self, scene: Scene) -> Result<()> {
+        let (plan, prepared) = BakePlan::prepared(&scene, &self.options)?;
+        (self.plan, self.prepared) = (plan, self.prepared.as_ref().map(|_| prepared));
+        self.scene = scene;
+        let keys: HashSet<ObjectKey> = self.plan.parts().iter().map(|part| *part.key()).collect();
+        self.known.retain(|key| keys.contains(key));
+        Ok(())
+    }
+
+    /// Returns the pages of the file, the coarsest level first.
+    pub fn pages(&self) -> impl Iterator<Item = BakerPage> {
+        let levels = (0..self.plan.grids().len() as u32).rev();
+        levels.flat_map(move |level| {
+            let parts = self.plan.parts().iter().filter(move |part| part.level() == level);
+            parts.map(move |part| {
+                let [corner, size] = self.plan.texels_of(part);
+                BakerPage { level, corner, size, is_baked: self.known.contains(part.key()) }
+            })
+        })
+    }
+
+    /// Bakes the pages that are not baked yet: coarse levels first, and of each level those nearest to `focus`, a point in
+    /// the world, first. What was done before an error stays.
+    ///
+    /// # Errors
+    /// Returns the errors of [`PartBaker::bake`].
+    pub fn bake(&mut self, focus: Option<[f64; 3]>, watch: Watch<'_>) -> Result<BakedParts> {
+        self.bake_from(0, focus, watch)
+    }
+
+    /// Bakes the pages of all levels but the finest that are not baked yet. See [`Baker::bake`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`PartBaker::bake`].
+    pub fn bake_coarser(&mut self, focus: Option<[f64; 3]>, watch: Watch<'_>) -> Result<BakedParts> {
+        self.bake_from(1, focus, watch)
+    }
+
+    fn bake_from(&mut self, level: u32, focus: Option<[f64; 3]>, watch: Watch<'_>) -> Result<BakedParts> {
+        let parts = self.plan.parts();
+        let is_due = |&id: &usize| parts[id].level() >= level && !self.known.contains(parts[id].key());
+        let mut ids: Vec<usize> = (0..parts.len()).filter(is_due).collect();
+        if let Some(focus) = focus {
+            ids.sort_by_cached_key(|&id| self.plan.texels_from(id, focus));
+        }
+        if ids.is_empty() {
+            return Ok(BakedParts::default());
+        }
+        let mut baker = match self.prepared.clone() {
+            Some(prepared) => PartBaker::prepared(&self.scene, &self.plan, &self.options, prepared),
+            None => PartBaker::new(&self.scene, &self.plan, &self.options)?,
+        };
+        if let Some(recent) = &self.recent {
+            baker = baker.with_recent(Arc::clone(recent));
+        }
+        let done = baker.bake(&ids, &self.objects, watch)?;
+        self.known.extend(ids.iter().map(|&id| *parts[id].key()));
+        Ok(done)
+    }
+
+    /// Links the pages to a file in `out`, from its position on.
+    ///
+    /// # Errors
+    /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of [`link`].
+    pub fn write_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
+        let written = link(&self.plan, &self.objects, &self.options, watch, out)?;
+        self.tidy();
+        Ok(written)
+    }
+
+    /// Links the pages of all levels but the finest to a file in `out`; of a bake with one level, those of this level.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Baker::write_to`].
+    pub fn write_coarser_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
+        let coarser = self.plan.without_finest();
+        link(coarser.as_ref().unwrap_or(&self.plan), &self.objects, &self.options, watch, out)
+    }
+
+    /// Returns the file in memory.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Baker::write_to`].
+    pub fn file(&self) -> Result<ShadowFile> {
+        let file = link_in_memory(&self.plan, &self.objects, &self.options)?;
+        self.tidy();
+        Ok(file)
+    }
+
+    /// Removes what only earlier scenes needed. Linking has just read everything else.
+    fn tidy(&self) {
+        if let Some(memory) = &self.memory {
+            memory.remove_unused();
+        }
+    }
+}

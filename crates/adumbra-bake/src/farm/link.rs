@@ -1,0 +1,118 @@
+//! Makes the file of a plan.
+
+use std::io::{Seek, Write};
+use std::sync::Arc;
+use std::time::Instant;
+
+use adumbra::layout::depths::DepthTree;
+use adumbra::{LightGrid, ShadowFile};
+
+use super::plan::{BakePlan, PlannedLevel, PlannedPart};
+use crate::bake::{Written, file_writer, stored_grid, write_level};
+use crate::error::{Error, Result};
+use crate::objects::{Keeper, Objects};
+use crate::options::BakeOptions;
+use crate::pages::Spill;
+use crate::progress::{Progress, Report, Watch};
+use crate::sink::Structure;
+use crate::sink::depths::DepthsSink;
+
+/// Links the objects of a plan's parts to a file in `out`, from its position on. The bytes are those of a bake on one
+/// machine. The scene is not needed. Of `limits`, the memory limit and the folder for temporary files count.
+///
+/// # Errors
+/// Returns [`Error::MissingParts`] if objects are missing or damaged, [`Error::Io`] with the errors of `objects`,
+/// [`Error::Output`] with those of `out`, and the errors of the memory limit.
+pub fn link(
+    plan: &BakePlan,
+    objects: &Arc<dyn Objects>,
+    limits: &BakeOptions,
+    watch: Watch<'_>,
+    out: impl Write + Seek,
+) -> Result<Written> {
+    let start = Instant::now();
+    let grids = plan.grids();
+    let mut writer = file_writer(out, plan.settings, &grids, plan.at_rest)?;
+    let mut report = Report { threads: rayon::current_num_threads(), ..Report::default() };
+    let total_tiles = (0..grids.len()).map(|level| tiles_of(plan, level)).sum();
+    for level in (0..grids.len()).rev() {
+        if watch.cancel.load(std::sync::atomic::Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        let spill = Arc::new(spill(limits));
+        let (sink, held_bytes) = found(plan, level, objects, limits, &spill)?;
+        report.accounted_bytes = report.accounted_bytes.max(held_bytes + spill.resident_bytes());
+        report.tiles += tiles_of(plan, level);
+        report.reused_tiles = report.tiles;
+        let graph_bytes = sink.result_bytes();
+        write_level(&mut writer, sink.into_pages(), grids[level].size, plan.at_rest)?;
+        report.spilled_bytes += spill.spilled_bytes();
+        let texels_per_tile = 1 << (2 * plan.levels[level].root_level);
+        (watch.progress)(Progress { done_tiles: report.tiles, total_tiles, texels_per_tile, graph_bytes });
+    }
+    let bytes = writer.finish().map_err(Error::Output)?;
+    report.seconds = start.elapsed().as_secs_f64();
+    Ok(Written { grid: grids[0], settings: plan.settings, levels: grids.len() as u32, bytes, report })
+}
+
+/// Links the objects of a plan's parts to a file in memory. See [`link`].
+pub(crate) fn link_in_memory(
+    plan: &BakePlan,
+    objects: &Arc<dyn Objects>,
+    limits: &BakeOptions,
+) -> Result<ShadowFile> {
+    let tree = |level| -> Result<(LightGrid, DepthTree)> {
+        let (sink, _) = found(plan, level, objects, limits, &Arc::new(spill(limits)))?;
+        Ok((stored_grid(plan.levels[level].grid, plan.settings.region, level), sink.into_pages().tree()?))
+    };
+    let coarser = (1..plan.levels.len()).map(tree).collect::<Result<Vec<_>>>()?;
+    let (grid, finest) = tree(0)?;
+    Ok(ShadowFile::new(grid, plan.settings, finest).with_coarser(coarser))
+}
+
+/// Returns the pages of a level, and the bytes that they and linking need apart from what can be on disk.
+fn found(
+    plan: &BakePlan,
+    level: usize,
+    objects: &Arc<dyn Objects>,
+    limits: &BakeOptions,
+    spill: &Arc<Spill>,
+) -> Result<(DepthsSink, u64)> {
+    let PlannedLevel { grid, root_level } = plan.levels[level];
+    let sink = DepthsSink::new(grid.size, root_level, true, spill).with_objects(keeper(plan, level, objects));
+    sink.check_room()?;
+    let is_missing =
+        |part: &PlannedPart| part.level as usize == level && !sink.has_part(part.number as usize);
+    let mut missing = plan.parts.iter().enumerate().filter(|(_, part)| is_missing(part));
+    if let Some((first, _)) = missing.next() {
+        return Err(Error::MissingParts { missing: 1 + missing.count(), level, first });
+    }
+    let held_bytes = sink.memory_bytes() + sink.finish_bytes();
+    if let Some(limit_bytes) = limits.max_memory_bytes {
+        if held_bytes > limit_bytes {
+            let what = DepthsSink::FINISHING;
+            return Err(Error::MemoryLimit { what, needed_bytes: held_bytes, limit_bytes });
+        }
+        spill.limit_to(limit_bytes - held_bytes);
+        sink.make_room();
+    }
+    Ok((sink, held_bytes))
+}
+
+fn tiles_of(plan: &BakePlan, level: usize) -> usize {
+    plan.placement(level).blocks()[..2].iter().map(|&n| n as usize).product()
+}
+
+fn spill(limits: &BakeOptions) -> Spill {
+    limits.max_memory_bytes.map_or_else(Spill::unlimited, |bytes| {
+        // What linking needs is known when all pages are.
+        Spill::new(bytes / 2, limits.spill_folder.clone().unwrap_or_else(std::env::temp_dir))
+    })
+}
+
+/// Returns the objects of a level.
+fn keeper(plan: &BakePlan, level: usize, objects: &Arc<dyn Objects>) -> Keeper {
+    let own = plan.parts.iter().filter(|part| part.level as usize == level);
+    let keys = own.map(|part| (part.number as usize, part.key));
+    Keeper::new(objects, plan.levels[level].parts(), keys)
+}

@@ -1,0 +1,142 @@
+//! A bake that is kept while its scene is edited.
+
+use std::collections::HashMap;
+use std::io::Cursor;
+use std::sync::{Arc, Mutex};
+
+use adumbra::{AtRest, Bounds, IoError, Sun};
+use adumbra_bake::{
+    BakeOptions, BakePlan, Baker, BakerPage, Error, MemoryObjects, ObjectKey, Objects, Size, Watch, bake_to,
+};
+use adumbra_scene::random::Random;
+use adumbra_scene::{Added, Edits, GeneratedKind, Moved, Which, generate};
+
+fn options(resolution: u64) -> BakeOptions {
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let bounds = Some(Bounds { min: [-150.0, -1.0, -150.0], max: [150.0, 60.0, 150.0] });
+    BakeOptions { bounds, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
+}
+
+fn fresh(baker: &Baker) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    bake_to(baker.scene(), baker.options(), Watch::none(), &mut out).unwrap();
+    out.into_inner()
+}
+
+fn written(baker: &Baker) -> Vec<u8> {
+    let mut out = Cursor::new(Vec::new());
+    baker.write_to(Watch::none(), &mut out).unwrap();
+    out.into_inner()
+}
+
+fn edits(baker: &Baker, random: &mut Random) -> Edits {
+    let instances = &baker.scene().instances;
+    let mut below = |count: usize| (random.unit() * count as f64) as usize;
+    let [first, second, third] = [0, 1, 2].map(|part| 3 * below(instances.len() / 3) + part);
+    let mut place = instances[first].world_from_mesh;
+    place[0][3] += 0.01 * below(1000) as f64;
+    place[1][1] *= 0.8;
+    Edits {
+        moved: vec![Moved { instance: Which::Number(first), world_from_mesh: place }],
+        added: vec![Added { like: Which::Number(second), name: "new".to_owned(), world_from_mesh: place }],
+        removed: vec![Which::Number(third)],
+    }
+}
+
+#[test]
+fn edited_files_are_those_of_fresh_bakes() {
+    let mut baker = Baker::new(generate(GeneratedKind::City, 3), &options(1024)).unwrap();
+    let error = baker.file().map(|_| ()).unwrap_err();
+    assert!(matches!(error, Error::MissingParts { .. }), "{error}");
+    let mut random = Random::for_batch(3, 3);
+    let all = baker.pages().count();
+    let mut drawn_texels = Vec::new();
+    for number in 0..12 {
+        let due = baker.pages().filter(|page| !page.is_baked).count();
+        assert!(if number == 0 { due == all } else { due > 0 && due < all }, "{number}: {due} of {all}");
+        let done = baker.bake(None, Watch::none()).unwrap();
+        // What an earlier scene had in the same place may still be there.
+        assert!(done.baked + done.reused == due && baker.pages().all(|page| page.is_baked));
+        drawn_texels.push(done.drawn_texels);
+        let bytes = written(&baker);
+        assert!(bytes == fresh(&baker), "{number}");
+        assert!(baker.file().unwrap().to_bytes(AtRest::Coded).unwrap() == bytes, "{number}");
+        let edits = edits(&baker, &mut random);
+        baker.edit(&edits).unwrap();
+    }
+    // Of pages with many root blocks, only those are built that an edit touches.
+    let edited = drawn_texels[1..].iter().sum::<u64>() / 11;
+    assert!(12 * edited < drawn_texels[0], "{drawn_texels:?}");
+    let before = baker.scene().instances.len();
+    let wrong = Edits { removed: vec![Which::Named("nobody".to_owned())], ..Edits::default() };
+    assert!(matches!(baker.edit(&wrong).unwrap_err(), Error::Scene(_)));
+    assert_eq!(baker.scene().instances.len(), before);
+}
+
+#[test]
+fn pages_cover_each_level_once() {
+    for resolution in [256, 4096, 32_768] {
+        let baker = Baker::new(generate(GeneratedKind::City, 3), &options(resolution)).unwrap();
+        for (level, grid) in (0..).zip(baker.grids()) {
+            let pages: Vec<BakerPage> = baker.pages().filter(|page| page.level == level).collect();
+            let texels = |page: &BakerPage| u64::from(page.size[0]) * u64::from(page.size[1]);
+            let inside = |page: &BakerPage| (0..2).all(|a| page.corner[a] + page.size[a] <= grid.size[a]);
+            assert!(pages.iter().all(inside));
+            let all = u64::from(grid.size[0]) * u64::from(grid.size[1]);
+            assert_eq!(pages.iter().map(texels).sum::<u64>(), all, "{resolution} {level}");
+        }
+    }
+}
+
+/// Objects that remember the order in which they came.
+#[derive(Debug, Default)]
+struct InOrder(MemoryObjects, Mutex<Vec<ObjectKey>>);
+
+impl Objects for InOrder {
+    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
+        self.0.get(key)
+    }
+
+    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+        self.1.lock().unwrap().push(*key);
+        self.0.put(key, bytes)
+    }
+}
+
+#[test]
+fn coarse_levels_and_pages_near_the_focus_come_first() {
+    let scene = generate(GeneratedKind::City, 3);
+    let objects = Arc::new(InOrder::default());
+    let mut baker = Baker::with_objects(scene.clone(), &options(4096), objects.clone()).unwrap();
+    let focus = [60.0, 0.0, -40.0];
+    // One tile at a time, so that there is an order.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    pool.install(|| baker.bake_coarser(Some(focus), Watch::none())).unwrap();
+    let mut out = Cursor::new(Vec::new());
+    let written = baker.write_coarser_to(Watch::none(), &mut out).unwrap();
+    assert_eq!((written.levels, written.settings.resolution), (2, 1024));
+    let plan = BakePlan::new(&scene, baker.options()).unwrap();
+    let level_of = |key: &ObjectKey| plan.parts().iter().find(|part| part.key() == key).unwrap().level();
+    let came = std::mem::take(&mut *objects.1.lock().unwrap());
+    let levels: Vec<u32> = came.iter().map(level_of).collect();
+    assert!(levels.contains(&1) && levels.contains(&2) && levels.is_sorted_by(|a, b| a >= b), "{levels:?}");
+    pool.install(|| baker.bake(Some(focus), Watch::none())).unwrap();
+    // Pages of a level are in the order of the plan.
+    let finest = plan.parts().iter().filter(|part| part.level() == 0).map(|part| *part.key());
+    let places: HashMap<ObjectKey, BakerPage> =
+        finest.zip(baker.pages().filter(|page| page.level == 0)).collect();
+    let p_grid = baker.grids()[0].to_grid(focus);
+    let distance = |key: &ObjectKey| {
+        let BakerPage { corner, size, .. } = places[key];
+        let beside = |a: usize| {
+            let first = f64::from(corner[a]);
+            (first - p_grid[a]).max(p_grid[a] - first - f64::from(size[a])).max(0.0)
+        };
+        beside(0).hypot(beside(1)).floor()
+    };
+    let distances: Vec<f64> = objects.1.lock().unwrap().iter().map(distance).collect();
+    assert!(
+        distances.len() > 20 && distances.is_sorted() && distances.last() > distances.first(),
+        "{distances:?}"
+    );
+}

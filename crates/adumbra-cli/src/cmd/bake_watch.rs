@@ -1,0 +1,210 @@
+//! `adumbra bake --watch`: bakes again whenever the scene's files change.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use adumbra_bake::{BakeOptions, BakedParts, Baker, Error, Watch};
+use adumbra_files::{self as files, FileWatch, StagedFile};
+use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::output::{format_bytes, print_json_line};
+use adumbra_program::progress::{Reporter, Units};
+use adumbra_program::say;
+use adumbra_program::scene::load_scene_within;
+use adumbra_program::sun::warn_of_low_sun;
+use adumbra_program::threads::with_threads;
+use adumbra_scene::Scene;
+use schemars::JsonSchema;
+use serde::Serialize;
+
+use crate::args::Bake;
+use crate::cmd::staged::staged;
+use crate::cmd::store::objects;
+
+/// How often a program that waits looks for a signal.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// What is printed with `--json` after each bake, in one line.
+#[derive(Serialize, JsonSchema)]
+pub(super) struct BakedAgain {
+    /// The shadow file that was written.
+    file: String,
+    /// Wall time of loading the scene.
+    load_seconds: f64,
+    /// Wall time of finding what the edit touches.
+    plan_seconds: f64,
+    /// Wall time of baking that.
+    bake_seconds: f64,
+    /// Wall time of linking all pages to a file, and of writing it.
+    link_seconds: f64,
+    /// Number of parts that were baked.
+    baked_parts: usize,
+    /// Number of parts of the file.
+    parts: usize,
+    /// Length of the shadow file, in bytes.
+    file_bytes: u64,
+}
+
+/// What the program does while it follows a scene.
+struct Follower<'a> {
+    args: &'a Bake,
+    output: &'a Path,
+    /// Set when a signal asks the program to end.
+    ends: Arc<AtomicBool>,
+    /// Set when the scene has changed.
+    changed: Arc<AtomicBool>,
+    /// Stops a bake, for either reason.
+    stop: Arc<AtomicBool>,
+}
+
+pub(super) fn run(args: &Bake, output: &Path, ends: Arc<AtomicBool>) -> Outcome {
+    with_threads(args.run.threads, || {
+        let (changed, stop) = Default::default();
+        Follower { args, output, ends, changed, stop }.follow()
+    })?
+}
+
+impl Follower<'_> {
+    fn follow(&self) -> Outcome {
+        let start = Instant::now();
+        let scene = self.load()?;
+        let load_seconds = start.elapsed().as_secs_f64();
+        let sun = self.args.settings.sun.choose(&scene, &self.args.scene)?;
+        warn_of_low_sun(&sun.sun);
+        let mut followed = self.follow_files(&scene)?;
+        let start = Instant::now();
+        let options = BakeOptions {
+            max_memory_bytes: self.args.run.memory_limit().share(scene.memory_bytes()).bytes(),
+            spill_folder: Some(files::folder_of(self.output)),
+            ..self.args.settings.options(sun.sun, self.args.load.ignore_alpha)
+        };
+        let mut baker = match &self.args.cache {
+            Some(folder) => Baker::with_objects(scene, &options, objects(folder)?)?,
+            None => Baker::new(scene, &options)?,
+        };
+        let mut times = [load_seconds, start.elapsed().as_secs_f64()];
+        self.write_coarser(&mut baker)?;
+        loop {
+            match self.bake(&mut baker, times) {
+                // There is something newer to bake.
+                Err(Failure::Bake(Error::Interrupted)) if self.changed.load(Ordering::Relaxed) => {}
+                done => done?,
+            }
+            loop {
+                let Some((scene, load_seconds)) = self.next_scene() else { return Ok(Code::Fine) };
+                if followed.0 != self.files_of(&scene) {
+                    followed = self.follow_files(&scene)?;
+                }
+                let start = Instant::now();
+                match baker.replace(scene) {
+                    Ok(()) => {
+                        times = [load_seconds, start.elapsed().as_secs_f64()];
+                        break;
+                    }
+                    Err(error) => eprintln!("warning: {error}; the shadow file is as before"),
+                }
+            }
+        }
+    }
+
+    fn load(&self) -> Result<Scene, Failure> {
+        load_scene_within(self.args.run.memory_limit(), &self.args.scene, &self.args.load.load_options()?)
+    }
+
+    /// Waits until the scene has changed and can be loaded; returns it with the seconds of loading. `None` if a signal ends
+    /// the program.
+    fn next_scene(&self) -> Option<(Scene, f64)> {
+        loop {
+            while !self.changed.swap(false, Ordering::Relaxed) {
+                if self.ends.load(Ordering::Relaxed) {
+                    return None;
+                }
+                thread::sleep(LOOK);
+            }
+            self.stop.store(false, Ordering::Relaxed);
+            let start = Instant::now();
+            match self.load() {
+                Ok(scene) => return Some((scene, start.elapsed().as_secs_f64())),
+                Err(error) => eprintln!("warning: {error}; the shadow file is as before"),
+            }
+        }
+    }
+
+    /// Returns the files that decide what the scene is.
+    fn files_of(&self, scene: &Scene) -> Vec<PathBuf> {
+        let folder = files::folder_of(&self.args.scene);
+        let named = scene.notes.named_files.iter().map(|name| folder.join(name));
+        // A file that is named may be in a folder that is not there.
+        let named = named.filter(|file| files::folder_of(file).is_dir());
+        let own = [Some(&self.args.scene), self.args.load.edit()].into_iter().flatten().cloned();
+        own.chain(named).collect()
+    }
+
+    fn follow_files(&self, scene: &Scene) -> Result<(Vec<PathBuf>, FileWatch), Failure> {
+        let files = self.files_of(scene);
+        let (changed, stop) = (self.changed.clone(), self.stop.clone());
+        let watch = FileWatch::new(&files, move || {
+            changed.store(true, Ordering::Relaxed);
+            stop.store(true, Ordering::Relaxed);
+        })?;
+        Ok((files, watch))
+    }
+
+    /// Writes a file of the coarser levels, which is there long before that of all levels, unless there is a file already.
+    fn write_coarser(&self, baker: &mut Baker) -> Result<(), Failure> {
+        if baker.grids().len() == 1 || self.output.exists() {
+            return Ok(());
+        }
+        let progress = |_| self.look();
+        let watch = Watch::new(&progress, &self.ends);
+        baker.bake_coarser(self.args.focus, watch)?;
+        let (staged, _) = staged(self.output, |out| baker.write_coarser_to(watch, out))?;
+        Ok(StagedFile::place([staged])?)
+    }
+
+    fn bake(&self, baker: &mut Baker, [load_seconds, plan_seconds]: [f64; 2]) -> Result<(), Failure> {
+        let start = Instant::now();
+        let reporter = Reporter::new(self.args.progress, Units::TEXELS);
+        let progress = |p| {
+            self.look();
+            reporter.update(p);
+        };
+        let BakedParts { baked, .. } = baker.bake(self.args.focus, Watch::new(&progress, &self.stop))?;
+        let bake_seconds = start.elapsed().as_secs_f64();
+        let start = Instant::now();
+        let progress = |_| self.look();
+        let watch = Watch::new(&progress, &self.stop);
+        let (staged, written) = staged(self.output, |out| baker.write_to(watch, out))?;
+        StagedFile::place([staged])?;
+        let link_seconds = start.elapsed().as_secs_f64();
+        let parts = baker.pages().count();
+        if self.args.run.json {
+            print_json_line(&BakedAgain {
+                file: self.output.display().to_string(),
+                load_seconds,
+                plan_seconds,
+                bake_seconds,
+                link_seconds,
+                baked_parts: baked,
+                parts,
+                file_bytes: written.bytes,
+            })?;
+        } else {
+            let (file, bytes) = (self.output.display(), format_bytes(written.bytes));
+            say!(
+                "{file} ({bytes}): {baked} of {parts} parts; load {load_seconds:.2} s, plan {plan_seconds:.2} s, bake \
+                 {bake_seconds:.2} s, link {link_seconds:.2} s"
+            );
+        }
+        Ok(())
+    }
+
+    /// Stops the bake if a signal asks for it.
+    fn look(&self) {
+        if self.ends.load(Ordering::Relaxed) {
+            self.stop.store(true, Ordering::Relaxed);
+        }
+    }
+}

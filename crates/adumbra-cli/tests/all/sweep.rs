@@ -1,0 +1,175 @@
+//! `compare --sun-sweep` as a user calls it.
+
+#![cfg(feature = "render")]
+
+use std::fs;
+
+use adumbra_testing::{Folder, adumbra, json};
+use serde_json::Value;
+
+const DAY: &str = "lat=48,lon=11,date=2026-03-20,from=11:00,to=13:00";
+const WITHIN: &str = "lat=48,lon=11,date=2026-03-20,from=11:15,to=12:45";
+
+fn share(row: &Value, field: &str) -> f64 {
+    row[field].as_f64().unwrap_or_else(|| panic!("{field}: {row}"))
+}
+
+fn bake(folder: &Folder, scene: &str, day: &str, more: &[&str]) -> String {
+    let file = folder.path("day.adumbra");
+    let words = ["bake", scene, "--sun-path", day, "--path-error", "0.3", "-o", &file];
+    let (code, said) = adumbra(&[&words[..], more].concat());
+    assert_eq!(code, 0, "{said}");
+    file
+}
+
+#[test]
+fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
+    let folder = Folder::new();
+    let (scene, out) = (folder.generate("city"), folder.path("out"));
+    let day = bake(&folder, &scene, DAY, &["--resolution", "2048"]);
+    let report = json(&[
+        "compare",
+        &scene,
+        "--shadow-file",
+        &day,
+        "--sun-sweep",
+        WITHIN,
+        "--sweep-steps",
+        "40",
+        "--camera",
+        "street",
+        "--size",
+        "160x90",
+        "--frames",
+        "1",
+        "--shadow",
+        "voxel:path:filter=1",
+        "--shadow",
+        "csm:size=1024",
+        "--shadow",
+        "none",
+        "--json",
+        "-o",
+        &out,
+    ]);
+    assert_eq!(report["sun_origin"]["source"], "sun-sweep");
+    let sweep = &report["sweep"];
+    let rows = sweep["techniques"].as_array().unwrap();
+    let names: Vec<&str> = rows.iter().map(|row| row["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["voxel:path:filter=1", "csm:size=1024", "none"]);
+    let [path, csm, none] = [0, 1, 2].map(|row| &rows[row]);
+    let figures = ["wrong", "worst_wrong", "changes", "excess", "more_often"];
+    for row in rows {
+        eprintln!("{}: {:?}", row["name"], figures.map(|field| share(row, field)));
+    }
+    assert_eq!((&sweep["steps"], &sweep["nights"]), (&40.into(), &0.into()));
+    assert!(sweep["keys"].as_u64().unwrap() >= 2 && sweep["pixels"].as_u64().unwrap() > 5000, "{sweep}");
+    assert_eq!(sweep["seconds"].as_array().unwrap().len(), 40);
+
+    let rays = share(sweep, "rays_changes");
+    assert!(rays > 1e-3, "the rays change at {rays} of the pixels");
+    assert!(share(path, "wrong") < 0.03 && share(path, "worst_wrong") >= share(path, "wrong"), "{path}");
+    assert!(share(path, "excess") < 0.005 && (share(path, "changes") - rays).abs() < 0.01, "{path}");
+    // Without shadows next to nothing changes, and what the rays find dark is wrong.
+    assert!(["changes", "excess", "more_often"].iter().all(|field| share(none, field) < 1e-3), "{none}");
+    assert!([path, csm].iter().all(|row| share(none, "wrong") > 4.0 * share(row, "wrong")), "{none}");
+    // A step's share is that of the pixels that change from the step before.
+    let by_step = path["changes_by_step"].as_array().unwrap();
+    assert!(by_step[0].is_null() && by_step[1..].iter().all(Value::is_number), "{by_step:?}");
+
+    for file in ["sweep.svg", "voxel_path_filter=1.changes.png", "csm_size=1024.changes.png"] {
+        assert!(folder.exists(&format!("out/{file}")), "{file}");
+    }
+    let text = fs::read_to_string(folder.path("out/report.md")).unwrap();
+    assert!(
+        text.contains("40 steps from 11:15 to 12:45") && text.contains("\n| `voxel:path:filter=1` |"),
+        "{text}"
+    );
+    assert!(fs::read_to_string(folder.path("out/sweep.svg")).unwrap().contains("Wrong pixels"));
+
+    let picture = folder.path("noon.png");
+    let render = ["render", &scene, "--size", "32x18", "--shadow", "voxel:path:filter=1", "-o", &picture];
+    let (code, said) = adumbra(&[&render[..], &["--shadow-file", &day, "--sun-time", "12:00"]].concat());
+    assert_eq!(code, 0, "{said}");
+    let (code, said) = adumbra(&[&render[..], &["--resolution", "256"]].concat());
+    assert!(code == 2 && said.contains("it needs a moment of a sun path"), "{said}");
+}
+
+#[test]
+fn a_sweep_bakes_what_it_needs_and_leaves_the_night_out() {
+    let folder = Folder::new();
+    let (scene, out) = (folder.generate("primitives"), folder.path("out"));
+    let compare = |day: &str, shadow: &str, steps: &str| {
+        json(&[
+            "compare",
+            &scene,
+            "--sun-sweep",
+            day,
+            "--sweep-steps",
+            steps,
+            "--shadow",
+            shadow,
+            "--resolution",
+            "256",
+            "--size",
+            "64x48",
+            "--frames",
+            "1",
+            "--json",
+            "-o",
+            &out,
+        ])
+    };
+    let baked = compare("lat=48,lon=11,date=2026-03-20,from=12:00,to=12:30,step=300", "voxel:path", "3");
+    assert!(baked["sweep"]["keys"].as_u64().unwrap() >= 1, "{baked}");
+    assert!(share(&baked["sweep"]["techniques"][0], "wrong") < 0.1, "{baked}");
+
+    // The sun rises at about 6:20.
+    let morning = compare("lat=48,lon=11,date=2026-03-20,from=5:00,to=8:00", "none", "13");
+    let sweep = &morning["sweep"];
+    assert!(sweep["keys"].is_null(), "{sweep}");
+    let up = sweep["elevation_degrees"].as_array().unwrap();
+    assert!(up.iter().all(|degrees| degrees.as_f64().unwrap() > 0.0), "{up:?}");
+    assert_eq!((up.len(), &sweep["nights"]), (7, &6.into()));
+}
+
+#[test]
+fn sweeps_that_make_no_sense_are_refused() {
+    let folder = Folder::new();
+    let (scene, out) = (folder.generate("primitives"), folder.path("out"));
+    let day = bake(
+        &folder,
+        &scene,
+        "lat=48,lon=11,date=2026-03-20,from=12,to=13,step=300",
+        &["--resolution", "256"],
+    );
+    let one = folder.path("one.adumbra");
+    assert_eq!(adumbra(&["bake", &scene, "--resolution", "256", "-o", &one]).0, 0);
+    let base = ["compare", &scene, "--shadow", "none", "--size", "32x32", "-o", &out];
+    for (more, words) in [
+        (vec!["--sun-sweep", DAY, "--path", "orbit"], "cannot be used with"),
+        (vec!["--sun-sweep", DAY, "--sun", "1,1,1"], "cannot be used with"),
+        (vec!["--sun-sweep", DAY, "--azimuth", "90", "--elevation", "30"], "cannot be used with"),
+        (vec!["--sun-sweep", DAY, "--sweep-steps", "1"], "1 is not in 2..="),
+        (vec!["--sweep-steps", "9"], "--sun-sweep"),
+        (vec!["--sun-sweep"], "give a day, such as lat="),
+        (vec!["--sun-sweep", "lat=48,lon=11"], "date"),
+        (
+            vec!["--sun-sweep", "lat=48,lon=11,date=2026-03-20,from=0,to=3"],
+            "in 0 of 600 steps; choose other hours",
+        ),
+        (vec!["--sun-sweep", "--shadow-file", &one], "is not a sun path; bake one with bake --sun-path"),
+        (vec!["--sun-sweep", "--shadow-file", &day, "--shadow-file", &day], "takes one"),
+        (vec!["--sun-sweep", DAY, "--shadow-file", &day], "is from 12:00 to 13:00 of its day"),
+        (
+            vec!["--sun-sweep", "lat=38,lon=11,date=2026-03-20,from=12,to=13", "--shadow-file", &day],
+            "has other suns; give the place",
+        ),
+        (vec!["--shadow-file", &day], "move the sun with compare --sun-sweep"),
+    ] {
+        let (code, error) = adumbra(&[&base[..], &more].concat());
+        assert_eq!(code, 2, "{more:?}: {error}");
+        assert!(error.contains(words), "{more:?}: {error}");
+    }
+    assert!(!folder.exists("out/report.md"));
+}

@@ -1,0 +1,222 @@
+//! Streamed files on the GPU: where a file is resident, pictures and words read are those of the file; where it is not,
+//! the answers are those of the CPU from the same pool.
+
+use std::io::Cursor;
+use std::sync::Arc;
+use std::time::Duration;
+
+use adumbra::query::{FixedReceiver, receiver};
+use adumbra::stream::{BytesSource, StreamOptions, Streamer, View};
+use adumbra::{AtRest, Filter, LightGrid, ShadowFile};
+use adumbra_render::maps::twin::Surface;
+use adumbra_render::voxel::{BakedLight, LightFile, StreamedFile, VoxelSettings};
+use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_testing::full;
+
+use crate::kit;
+use crate::kit::surfaces::surfaces;
+use crate::voxel_points::BakedScene;
+
+const LIMIT: Duration = Duration::from_secs(60);
+
+fn shot() -> Shot {
+    Shot { camera: kit::camera(240, 160), towards_sun: kit::sun(), number: 0 }
+}
+
+fn city() -> BakedScene {
+    BakedScene::new(kit::city(), [0.5, 0.8, 0.35], 8192)
+}
+
+/// Streams a file, of which `view` is resident before the first frame.
+fn streamed(file: &ShadowFile, budget_bytes: u64, upload_bytes: usize, view: &[View]) -> Arc<StreamedFile> {
+    let options = StreamOptions { budget_bytes, ..StreamOptions::default() };
+    streamed_with(file, options, upload_bytes, view)
+}
+
+fn streamed_with(
+    file: &ShadowFile,
+    options: StreamOptions,
+    upload_bytes: usize,
+    view: &[View],
+) -> Arc<StreamedFile> {
+    let mut bytes = Cursor::new(Vec::new());
+    file.write_to(&mut bytes, AtRest::Coded).unwrap();
+    let mut streamer = Streamer::new(BytesSource(bytes.into_inner()), options);
+    if !view.is_empty() {
+        assert!(streamer.settle(view, LIMIT, |_| ()));
+    }
+    Arc::new(StreamedFile::open(streamer, upload_bytes, LIMIT).unwrap())
+}
+
+fn baked(file: &Arc<StreamedFile>) -> Baked<'_> {
+    Baked { light: Some(LightFile::Streamed(file)), other: None }
+}
+
+/// Returns a technique's answers for all pixels of a frame.
+fn drawn(renderer: &mut Renderer, name: &str, file: Baked<'_>, answer: Answer) -> Vec<f32> {
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), file).unwrap();
+    let mut prepared = renderer.prepare(technique).unwrap();
+    renderer.draw(&shot(), &mut prepared, answer).unwrap();
+    renderer.read_factor(&prepared).unwrap()
+}
+
+#[test]
+fn a_resident_file_draws_what_the_whole_file_draws() {
+    let scene = city();
+    let file = streamed(&scene.light, 64 << 20, 1 << 18, &[View::everything()]);
+    let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
+    for name in ["voxel:filter=1", "voxel", "voxel:filter=17", "voxel:soft:angle=2", "voxel+csm"] {
+        for answer in [Answer::Visibility, Answer::Voxel] {
+            let whole = drawn(&mut renderer, name, Baked::of(&scene.light), answer);
+            let found = drawn(&mut renderer, name, baked(&file), answer);
+            let differing = whole.iter().zip(&found).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
+            assert_eq!(differing, 0, "{name}, {answer:?}");
+            assert!(whole.iter().any(|v| *v != whole[0]), "{name}");
+        }
+    }
+    let levels = drawn(&mut renderer, "voxel", baked(&file), Answer::Resident);
+    assert!(levels.iter().all(|level| [-1.0, 0.0].contains(level)) && levels.contains(&0.0));
+    assert!(
+        build(renderer.gpu(), &"voxel".parse().unwrap(), Baked::of(&scene.light))
+            .unwrap()
+            .sources(Answer::Resident)
+            .is_none()
+    );
+}
+
+#[test]
+fn a_resident_file_reads_at_most_a_fiftieth_more_words() {
+    let gpu = kit::gpu();
+    let scenes =
+        || [8192, 16_384].map(|resolution| BakedScene::new(kit::city(), [0.5, 0.8, 0.35], resolution));
+    for scene in if full() { scenes().into() } else { vec![city()] } {
+        let (grid, bias) = (&scene.light.grid, scene.light.settings.bias);
+        let fixed = |(p, n)| FixedReceiver::new(&receiver(grid, &bias, p, n), grid.size);
+        let receivers: Vec<_> = scene.points(3000).into_iter().map(fixed).collect();
+        let file = streamed(&scene.light, 64 << 20, 1 << 18, &[View::everything()]);
+        for filter in [Filter::Nearest, Filter::Box5, Filter::Box17] {
+            let settings = VoxelSettings::taps(filter, bias);
+            let words = |file| {
+                let light = BakedLight::new(&gpu, file, settings).unwrap();
+                let reads = light.reads(&gpu, &receivers).unwrap();
+                let taps: Vec<u32> = reads.iter().map(|reads| reads.lit_taps).collect();
+                (taps, reads.iter().map(|reads| reads.words.len()).sum::<usize>())
+            };
+            let (whole_taps, whole) = words(LightFile::Whole(&scene.light));
+            let (taps, found) = words(LightFile::Streamed(&file));
+            println!("{filter:?}: {found} words, {whole} of the whole file");
+            assert_eq!(taps, whole_taps);
+            assert!(found * 50 <= whole * 51, "{filter:?}: {found} words, {whole} of the whole file");
+        }
+    }
+}
+
+/// Compares a frame with the CPU's look-ups in the same words. Returns how many pixels each level answered.
+fn hold(
+    renderer: &Renderer,
+    file: &StreamedFile,
+    filter: Filter,
+    [factor, levels]: [&[f32]; 2],
+) -> Vec<usize> {
+    let shot = shot();
+    let anchor = shot.camera.view().eye.map(|c| f64::from(c as f32));
+    let streamer = file.streamer();
+    let sampler = streamer.sampler(filter).unwrap();
+    let grids: Vec<LightGrid> = streamer.resident().grids().into_iter().map(|(_, grid)| grid).collect();
+    let mut seen = vec![0; grids.len()];
+    let (mut checked, mut differing) = (0, 0);
+    for (at, surface) in surfaces(renderer, &shot).iter().enumerate() {
+        let Some(Surface { p_relative, normal, .. }) = surface else { continue };
+        let p: [f64; 3] = std::array::from_fn(|a| anchor[a] + f64::from(p_relative[a]));
+        let answer = sampler.look_up(streamer.words(), p, Some(normal.map(f64::from)));
+        checked += 1;
+        seen[answer.level as usize] += 1;
+        let is_level = levels.is_empty() || levels[at] < 0.0 || levels[at] == answer.level as f32;
+        // A tap on a face may fall to either side in f32.
+        let taps = (filter.width() * filter.width()) as f32;
+        let is_near = (answer.visibility - factor[at]).abs() * taps <= 2.0;
+        differing += usize::from(!is_level || !is_near);
+    }
+    assert!(checked > 15_000 && differing * 500 < checked, "{differing} of {checked} differ; {seen:?}");
+    seen
+}
+
+#[test]
+fn frames_between_are_never_wrong_and_the_last_is_sharp() {
+    let scene = city();
+    // Less than a page per frame, so most frames are drawn while a page is half written.
+    let file = streamed(&scene.light, 8 << 20, 1 << 13, &[]);
+    let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
+    let technique = build(renderer.gpu(), &"voxel".parse().unwrap(), baked(&file)).unwrap();
+    let mut prepared = renderer.prepare(technique).unwrap();
+    let mut mixed = 0;
+    for frame in 0.. {
+        renderer.draw(&shot(), &mut prepared, Answer::Visibility).unwrap();
+        if frame % 20 == 0 || file.is_settled() {
+            let factor = renderer.read_factor(&prepared).unwrap();
+            let seen = hold(&renderer, &file, Filter::Box5, [&factor, &[]]);
+            mixed += u32::from(seen[0] > 0 && seen[1..].iter().sum::<usize>() > 100);
+        }
+        if file.is_settled() {
+            break;
+        }
+        assert!(frame < 5000, "{:?}", file.counts());
+    }
+    assert!(mixed > 0, "no frame was between");
+    let levels = drawn(&mut renderer, "voxel", baked(&file), Answer::Resident);
+    let factor = drawn(&mut renderer, "voxel", baked(&file), Answer::Visibility);
+    hold(&renderer, &file, Filter::Box5, [&factor, &levels]);
+    // At rest every pixel has the level that it wants, or a finer one.
+    let view = adumbra_render::voxel::view_of(&shot().camera);
+    let depth = renderer.read_surface(&shot()).unwrap().view_depth;
+    let voxel_world = scene.light.grid.voxel_size;
+    for (level, depth) in levels.iter().zip(&depth).filter(|(level, _)| **level > 0.0) {
+        let texel_world = voxel_world * 4_f64.powf(f64::from(*level));
+        assert!(texel_world <= 1.3 * view.pixel_per_distance * f64::from(*depth), "{level} at {depth}");
+    }
+}
+
+#[test]
+fn levels_that_fade_are_mixed_as_on_the_cpu_and_change_by_and_by() {
+    let scene = city();
+    let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
+    for (name, fade_frames) in [("voxel", 0), ("voxel", 12), ("voxel:soft:angle=2", 12)] {
+        let options = StreamOptions { budget_bytes: 8 << 20, fade_frames, ..StreamOptions::default() };
+        let file = streamed_with(&scene.light, options, 1 << 16, &[]);
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), baked(&file)).unwrap();
+        let mut prepared = renderer.prepare(technique).unwrap();
+        let mut before: Vec<f32> = Vec::new();
+        let mut largest = 0.0_f32;
+        for frame in 0.. {
+            renderer.draw(&shot(), &mut prepared, Answer::Visibility).unwrap();
+            let factor = renderer.read_factor(&prepared).unwrap();
+            if name == "voxel" && frame % 4 == 0 {
+                hold(&renderer, &file, Filter::Box5, [&factor, &[]]);
+            }
+            let changes = before.iter().zip(&factor).map(|(a, b)| (a - b).abs());
+            largest = changes.fold(largest, f32::max);
+            before = factor;
+            if file.is_settled() {
+                break;
+            }
+            assert!(frame < 500, "{:?}", file.counts());
+        }
+        let levels = file.streamer().resident().grids().len();
+        // Each level but the coarsest may fade by a step.
+        let by_and_by = (levels - 1) as f32 * 22.0 / 256.0 + 1e-5;
+        println!("{name}, {fade_frames} frames, {levels} levels: at most {largest} from frame to frame");
+        if fade_frames == 0 {
+            assert!(largest > by_and_by, "nothing jumps: {largest}");
+        } else {
+            assert!(largest > 0.0 && largest <= by_and_by, "{name}: {largest}");
+        }
+    }
+}
+
+#[test]
+fn a_stream_that_cannot_be_opened_says_why() {
+    let mut streamer = Streamer::new(BytesSource(b"no shadow file".to_vec()), StreamOptions::default());
+    streamer.settle(&[], Duration::from_millis(200), |_| ());
+    let Err(error) = StreamedFile::open(streamer, 1 << 18, Duration::ZERO) else { panic!("it was opened") };
+    assert!(error.to_string().contains("not a shadow file"), "{error}");
+}

@@ -1,0 +1,211 @@
+//! Keeps the objects of bakes in a store that many machines share: S3, Google Cloud Storage, Azure Blob Storage, a server
+//! with HTTP, or whatever else the crate `object_store` knows.
+//!
+//! ```no_run
+//! use std::sync::Arc;
+//!
+//! use adumbra_bake::{BakeOptions, Objects, Size, Watch, bake_with_objects};
+//! use adumbra_store::StoreObjects;
+//!
+//! let scene = adumbra_scene::load("city.glb".as_ref(), &adumbra_scene::LoadOptions::default())?;
+//! let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
+//! let objects: Arc<dyn Objects> = Arc::new(StoreObjects::open("s3://bucket/city")?);
+//! let out = std::fs::File::create("city.adumbra")?;
+//! bake_with_objects(&scene, &BakeOptions::new(sun, Size::Resolution(65_536)), &objects, Watch::none(), out)?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+use std::error::Error as _;
+use std::fmt;
+use std::future::Future;
+use std::io::{self, ErrorKind};
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use adumbra::IoError;
+use adumbra_bake::{FolderContents, ObjectKey, Objects};
+use object_store::path::Path;
+use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload};
+use tokio::runtime::{Builder, Runtime};
+use url::Url;
+
+/// Objects in a store, below a URL: `ab/cdef….object` for the key `abcdef…`.
+pub struct StoreObjects {
+    /// What messages call the store: the URL without a password.
+    name: String,
+    store: Arc<dyn ObjectStore>,
+    below: Path,
+    runtime: Runtime,
+}
+
+impl fmt::Debug for StoreObjects {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("StoreObjects").field(&self.name).finish()
+    }
+}
+
+impl StoreObjects {
+    /// Opens a store: `s3://bucket/prefix`, `gs://bucket/prefix`, `az://container/prefix`, `https://server/folder` and so
+    /// on. The process's environment has what else is needed, such as `AWS_ACCESS_KEY_ID`, `AWS_ENDPOINT` and
+    /// `AWS_ALLOW_HTTP`, under the names that the crate `object_store` defines. Nothing is read yet.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if the URL is not one of a store.
+    pub fn open(url: &str) -> Result<Self, IoError> {
+        let parsed = Url::parse(url);
+        let mut shown = parsed.clone().map_or_else(|_| url.to_owned(), |url| url.to_string());
+        if let Ok(mut url) = parsed.clone()
+            && url.set_password(None).is_ok()
+        {
+            shown = url.to_string();
+        }
+        let refuse = |error: String| {
+            let what = format!("{error}; give a folder, or a URL such as s3://bucket/prefix");
+            IoError::at("open", &shown)(io::Error::new(ErrorKind::InvalidInput, what))
+        };
+        let parsed = parsed.map_err(|error| refuse(error.to_string()))?;
+        // An error means that the process has chosen a provider already, which is then used.
+        let _ = rustls::crypto::ring::default_provider().install_default();
+        let environment = std::env::vars().map(|(name, value)| (name.to_ascii_lowercase(), value));
+        let (store, below) =
+            object_store::parse_url_opts(&parsed, environment).map_err(|error| refuse(error.to_string()))?;
+        Self::new(shown, Arc::from(store), below)
+    }
+
+    /// Keeps objects in a store of the crate `object_store`, below a path. Messages call it `name`.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if no threads can be started.
+    pub fn new(name: String, store: Arc<dyn ObjectStore>, below: Path) -> Result<Self, IoError> {
+        let runtime = Builder::new_multi_thread().worker_threads(2).enable_all().build();
+        let runtime = runtime.map_err(IoError::at("open", &name))?;
+        Ok(Self { name, store, below, runtime })
+    }
+
+    /// Counts the objects.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if the store cannot be read.
+    pub fn contents(&self) -> Result<FolderContents, IoError> {
+        let mut contents = FolderContents::default();
+        for ObjectMeta { size, .. } in self.list()? {
+            contents.objects += 1;
+            contents.bytes += size;
+        }
+        Ok(contents)
+    }
+
+    /// Removes objects until the others have at most `most_bytes`; those that were written longest ago go first, because
+    /// stores do not know what was read. Returns what was removed.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if the store cannot be read, or an object cannot be removed.
+    pub fn prune(&self, most_bytes: u64) -> Result<FolderContents, IoError> {
+        let mut list = self.list()?;
+        list.sort_by(|a, b| (a.last_modified, &a.location).cmp(&(b.last_modified, &b.location)));
+        let mut left: u64 = list.iter().map(|object| object.size).sum();
+        let mut removed = FolderContents::default();
+        for ObjectMeta { location, size, .. } in list {
+            if left <= most_bytes {
+                break;
+            }
+            match self.wait(self.store.delete(&location)) {
+                // Another program was faster.
+                Ok(()) | Err(Error::NotFound { .. }) => {}
+                Err(error) => return Err(self.failed("remove", &location, error)),
+            }
+            left -= size;
+            removed.objects += 1;
+            removed.bytes += size;
+        }
+        Ok(removed)
+    }
+
+    fn list(&self) -> Result<Vec<ObjectMeta>, IoError> {
+        let mut folders = vec![self.below.clone()];
+        let mut found = Vec::new();
+        // Two levels: what else is in the store is not ours.
+        for _ in 0..2 {
+            for folder in std::mem::take(&mut folders) {
+                let listed = self.wait(self.store.list_with_delimiter(Some(&folder)));
+                let listed = listed.map_err(|error| self.failed("list", &folder, error))?;
+                folders.extend(listed.common_prefixes);
+                let is_object = |object: &ObjectMeta| object.location.extension() == Some("object");
+                found.extend(listed.objects.into_iter().filter(is_object));
+            }
+        }
+        Ok(found)
+    }
+
+    fn path(&self, key: &ObjectKey) -> Path {
+        let name = key.to_string();
+        let (folder, rest) = name.split_at(2);
+        self.below.clone().join(folder).join(format!("{rest}.object"))
+    }
+
+    fn wait<T>(&self, work: impl Future<Output = T>) -> T {
+        self.runtime.block_on(work)
+    }
+
+    async fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
+        Ok(self.store.get(path).await?.bytes().await?.to_vec())
+    }
+
+    /// Puts an object where there is none. If there is one with the same bytes, nothing is written; another one is damaged,
+    /// and is replaced.
+    async fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
+        let payload = || PutPayload::from(bytes.to_vec());
+        let create = PutOptions { mode: PutMode::Create, ..PutOptions::default() };
+        match self.store.put_opts(path, payload(), create).await {
+            Ok(_) => return Ok(()),
+            Err(Error::AlreadyExists { .. } | Error::Precondition { .. }) => {
+                if self.read(path).await.is_ok_and(|found| found == bytes) {
+                    return Ok(());
+                }
+            }
+            Err(Error::NotImplemented { .. } | Error::NotSupported { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        self.store.put(path, payload()).await.map(|_| ())
+    }
+
+    fn failed(&self, action: &'static str, path: &Path, error: Error) -> IoError {
+        let kind = match &error {
+            Error::NotFound { .. } => ErrorKind::NotFound,
+            Error::PermissionDenied { .. } | Error::Unauthenticated { .. } => ErrorKind::PermissionDenied,
+            Error::NotImplemented { .. } | Error::NotSupported { .. } => ErrorKind::Unsupported,
+            _ => kind_of_cause(&error),
+        };
+        let place = format!("{}/{}", self.name.trim_end_matches('/'), path.filename().unwrap_or_default());
+        IoError::at(action, PathBuf::from(place))(io::Error::new(kind, error))
+    }
+}
+
+/// Returns the kind of the error of the operating system behind another. What has none failed again and again on its way
+/// to the store, and may succeed later.
+fn kind_of_cause(error: &Error) -> ErrorKind {
+    let mut cause = error.source();
+    while let Some(inner) = cause {
+        if let Some(found) = inner.downcast_ref::<io::Error>() {
+            return found.kind();
+        }
+        cause = inner.source();
+    }
+    ErrorKind::TimedOut
+}
+
+impl Objects for StoreObjects {
+    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
+        let path = self.path(key);
+        match self.wait(self.read(&path)) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(Error::NotFound { .. }) => Ok(None),
+            Err(error) => Err(self.failed("read", &path, error)),
+        }
+    }
+
+    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+        let path = self.path(key);
+        self.wait(self.write(&path, bytes)).map_err(|error| self.failed("write", &path, error))
+    }
+}

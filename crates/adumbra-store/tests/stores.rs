@@ -1,0 +1,115 @@
+//! Objects in stores. The server of S3 is in `python/tests`, because it comes with Python.
+
+use std::io::Cursor;
+use std::sync::Arc;
+use std::thread;
+
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, ObjectKey, Objects, Size, Watch, bake_to, bake_with_objects};
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_store::StoreObjects;
+use object_store::memory::InMemory;
+use object_store::path::Path;
+
+fn key(digit: char) -> ObjectKey {
+    digit.to_string().repeat(64).parse().expect("64 digits")
+}
+
+fn in_memory() -> StoreObjects {
+    StoreObjects::new("memory".to_owned(), Arc::new(InMemory::new()), Path::from("below/here")).unwrap()
+}
+
+#[test]
+fn objects_are_kept_and_damaged_ones_are_replaced() {
+    let store = in_memory();
+    assert_eq!(store.get(&key('a')).unwrap(), None);
+    store.put(&key('a'), b"first").unwrap();
+    store.put(&key('a'), b"first").unwrap();
+    assert_eq!(store.get(&key('a')).unwrap().as_deref(), Some(&b"first"[..]));
+    // Whoever puts other bytes has found the object damaged.
+    store.put(&key('a'), b"whole").unwrap();
+    assert_eq!(store.get(&key('a')).unwrap().as_deref(), Some(&b"whole"[..]));
+    let all = store.contents().unwrap();
+    assert_eq!((all.objects, all.bytes), (1, 5));
+}
+
+#[test]
+fn writers_of_one_object_are_all_right() {
+    let store = in_memory();
+    let bytes = vec![7; 100_000];
+    thread::scope(|scope| {
+        for _ in 0..8 {
+            scope.spawn(|| store.put(&key('b'), &bytes).unwrap());
+        }
+    });
+    assert!(store.get(&key('b')).unwrap().as_deref() == Some(&bytes));
+}
+
+#[test]
+fn pruned_stores_have_what_was_written_last() {
+    let store = in_memory();
+    for digit in '0'..='9' {
+        store.put(&key(digit), &[1; 10]).unwrap();
+        thread::sleep(std::time::Duration::from_millis(3));
+    }
+    let removed = store.prune(35).unwrap();
+    assert_eq!((removed.objects, removed.bytes), (7, 70));
+    assert_eq!(store.contents().unwrap().objects, 3);
+    assert!(store.get(&key('6')).unwrap().is_none() && store.get(&key('7')).unwrap().is_some());
+}
+
+#[test]
+fn bakes_with_a_store_write_the_same_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let url = format!("file://{}/a%20b", folder.path().display());
+    let scene = generate(GeneratedKind::City, 2);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(2048));
+    let mut fresh = Cursor::new(Vec::new());
+    bake_to(&scene, &options, Watch::none(), &mut fresh).unwrap();
+    for number in 0..2 {
+        std::fs::create_dir_all(folder.path().join("a b")).unwrap();
+        let objects: Arc<dyn Objects> = Arc::new(StoreObjects::open(&url).unwrap());
+        let mut out = Cursor::new(Vec::new());
+        let written = bake_with_objects(&scene, &options, &objects, Watch::none(), &mut out).unwrap();
+        assert!(out.into_inner() == *fresh.get_ref());
+        let expected = if number == 0 { 0 } else { written.report.tiles };
+        assert_eq!(written.report.reused_tiles, expected);
+    }
+}
+
+#[test]
+fn urls_that_are_no_stores_are_errors() {
+    for (url, expected) in
+        [("ftp://server/a", "ftp://server/a"), ("s3://", "s3:"), ("nonsense://x", "nonsense")]
+    {
+        let error = StoreObjects::open(url).unwrap_err().to_string();
+        assert!(error.contains(expected) && error.contains("s3://bucket/prefix"), "{error}");
+    }
+}
+
+/// A server that is not there is a matter of time, not of the input.
+#[test]
+fn servers_that_are_away_can_be_asked_again() {
+    // As `StoreObjects::open` does. Another test may have done it already.
+    let _ = rustls::crypto::ring::default_provider().install_default();
+    let store = object_store::http::HttpBuilder::new()
+        .with_url("http://127.0.0.1:9/objects")
+        .with_client_options(object_store::ClientOptions::new().with_allow_http(true))
+        .with_retry(object_store::RetryConfig {
+            max_retries: 1,
+            retry_timeout: std::time::Duration::from_secs(1),
+            ..object_store::RetryConfig::default()
+        })
+        .build()
+        .unwrap();
+    let store =
+        StoreObjects::new("http://127.0.0.1:9/objects".to_owned(), Arc::new(store), Path::default()).unwrap();
+    let error = store.get(&key('c')).unwrap_err();
+    let kind = error.source.kind();
+    assert!(
+        matches!(kind, std::io::ErrorKind::ConnectionRefused | std::io::ErrorKind::TimedOut),
+        "{kind:?}: {error}"
+    );
+    assert!(error.to_string().contains("127.0.0.1:9"), "{error}");
+}

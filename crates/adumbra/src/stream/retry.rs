@@ -1,0 +1,153 @@
+//! Faults, and when what failed is asked for again.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::time::Duration;
+
+use crate::error::FormatError;
+use crate::stream::SourceError;
+
+/// Why a part of a file is not there.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum StreamError {
+    /// The source yields no bytes.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// The bytes are not valid.
+    #[error(transparent)]
+    Format(#[from] FormatError),
+    /// The budget is too small for the coarsest level.
+    #[error(
+        "the coarsest level takes {needed} bytes, but the budget is {budget}; give it more, or bake more levels (`bake --levels`)"
+    )]
+    Budget {
+        /// Bytes that are needed.
+        needed: u64,
+        /// Bytes that may be used.
+        budget: u64,
+    },
+}
+
+impl StreamError {
+    /// Whether asking again is of no use.
+    pub(super) fn is_final(&self) -> bool {
+        matches!(self, Self::Source(SourceError::Changed) | Self::Budget { .. })
+    }
+}
+
+/// A part of a file that could not be had. A coarser level answers in its place.
+#[derive(Debug)]
+pub struct StreamFault {
+    /// The part: "beginning", "common section of level 0", "bundle 7 of level 0".
+    pub part: String,
+    /// Why.
+    pub error: StreamError,
+    /// When it is asked for again; `None`: never.
+    pub retry_in: Option<Duration>,
+}
+
+impl fmt::Display for StreamFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "the {} is missing: {}", self.part, self.error)?;
+        match self.retry_in {
+            Some(wait) => write!(f, "; it is asked for again in {} s", wait.as_secs_f64()),
+            None => Ok(()),
+        }
+    }
+}
+
+impl std::error::Error for StreamFault {
+    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
+        Some(&self.error)
+    }
+}
+
+/// A part of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Part {
+    Beginning,
+    Common { level: u32 },
+    Bundle(BundleId),
+}
+
+/// A bundle by level and index.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(super) struct BundleId {
+    pub(super) level: u32,
+    pub(super) index: u32,
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Beginning => f.write_str("beginning"),
+            Self::Common { level } => write!(f, "common section of level {level}"),
+            Self::Bundle(BundleId { level, index }) => write!(f, "bundle {index} of level {level}"),
+        }
+    }
+}
+
+/// What failed, and when it is asked for again.
+#[derive(Debug, Default)]
+pub(super) struct Retries {
+    failed: HashMap<Part, Failed>,
+}
+
+#[derive(Debug)]
+struct Failed {
+    times: u32,
+    not_before: Duration,
+}
+
+impl Retries {
+    /// Notes that a part failed. Returns how long it is left alone: 1 s, 2 s, 4 s … at most 60 s.
+    pub(super) fn fail(&mut self, part: Part, now: Duration) -> Duration {
+        const LONGEST_S: u64 = 60;
+        let failed = self.failed.entry(part).or_insert(Failed { times: 0, not_before: now });
+        let wait = Duration::from_secs((1 << failed.times.min(6)).min(LONGEST_S));
+        failed.times += 1;
+        failed.not_before = now + wait;
+        wait
+    }
+
+    /// Notes that a part is there.
+    pub(super) fn succeed(&mut self, part: Part) {
+        if !self.failed.is_empty() {
+            self.failed.remove(&part);
+        }
+    }
+
+    /// Whether a part may be asked for.
+    pub(super) fn allow(&self, part: Part, now: Duration) -> bool {
+        self.failed.get(&part).is_none_or(|failed| failed.not_before <= now)
+    }
+
+    /// Whether all parts that were asked for are there, or have not been answered yet.
+    pub(super) fn is_empty(&self) -> bool {
+        self.failed.is_empty()
+    }
+
+    /// Has all that failed be asked for at once.
+    pub(super) fn forget(&mut self) {
+        self.failed.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn waits_double_up_to_a_minute() {
+        let mut retries = Retries::default();
+        let part = Part::Common { level: 1 };
+        let waits: Vec<u64> = (0..9).map(|_| retries.fail(part, Duration::ZERO).as_secs()).collect();
+        assert_eq!(waits, [1, 2, 4, 8, 16, 32, 60, 60, 60]);
+        assert!(!retries.allow(part, Duration::from_secs(59)));
+        assert!(retries.allow(part, Duration::from_secs(60)));
+        assert!(retries.allow(Part::Beginning, Duration::ZERO));
+        retries.succeed(part);
+        assert_eq!(retries.fail(part, Duration::ZERO).as_secs(), 1);
+    }
+}

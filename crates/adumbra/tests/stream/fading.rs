@@ -1,0 +1,83 @@
+//! Levels that fade: answers change by and by while pages come and go, and are those of a stream without fading at rest.
+
+use adumbra::stream::{BytesSource, StreamOptions, Streamer, View};
+use adumbra::{Filter, ShadowFile};
+use adumbra_scene::random::Random;
+
+use crate::kit::{LIMIT, Point, camera, city, compare, points};
+
+const FRAMES: u32 = 16;
+
+fn fading(budget_bytes: u64, fade_frames: u32) -> Streamer {
+    let options = StreamOptions { budget_bytes, fade_frames, ..StreamOptions::default() };
+    Streamer::new(BytesSource(city()), options)
+}
+
+/// Makes a frame, and returns the visibility of points after it.
+fn frame(streamer: &mut Streamer, views: &[View], points: &[Point]) -> Vec<f32> {
+    std::thread::sleep(std::time::Duration::from_millis(1));
+    streamer.update(views);
+    streamer.take_writes(1 << 18);
+    let sampler = streamer.sampler(Filter::Box5).expect("an open file");
+    points.iter().map(|&(p, normal)| sampler.look_up(streamer.words(), p, normal).visibility).collect()
+}
+
+/// Returns the largest change of a point's visibility from one frame to the next, while a camera goes along a street and
+/// jumps back.
+fn largest_change(budget_bytes: u64, fade_frames: u32) -> f32 {
+    let file = ShadowFile::from_bytes(city()).unwrap();
+    let points = points(&file, 3000, 11);
+    let mut streamer = fading(budget_bytes, fade_frames);
+    assert!(streamer.settle(&[], LIMIT, |_| ()), "{:?}", streamer.take_faults());
+    let mut before = frame(&mut streamer, &[], &points);
+    let mut largest = 0.0_f32;
+    for step in 0..240 {
+        let along = f64::from(step % 80) / 80.0;
+        let views = [camera(&file, [0.1 + 0.8 * along, 0.3 + 0.2 * along], 3.0, [1.0, -0.1, 0.3])];
+        let after = frame(&mut streamer, &views, &points);
+        let changes = before.iter().zip(&after).map(|(a, b)| (a - b).abs());
+        largest = largest.max(changes.fold(0.0, f32::max));
+        before = after;
+    }
+    assert!(streamer.take_faults().is_empty());
+    largest
+}
+
+#[test]
+fn visibility_fades_where_pages_come_and_go() {
+    for budget in [1 << 20, 64 << 20] {
+        let at_once = largest_change(budget, 0);
+        assert!(at_once > 0.5, "a camera that makes nothing jump proves nothing: {at_once}");
+        // Three levels above the coarsest may fade together, each by a step.
+        let by_and_by = largest_change(budget, FRAMES);
+        assert!(by_and_by > 0.0 && by_and_by <= 3.0 / FRAMES as f32 + 1e-6, "{budget}: {by_and_by}");
+    }
+}
+
+#[test]
+fn a_stream_that_has_faded_answers_bit_for_bit() {
+    let file = ShadowFile::from_bytes(city()).unwrap();
+    let points = points(&file, 5000, 12);
+    let mut streamer = fading(64 << 20, FRAMES);
+    assert!(streamer.settle(&[View::everything()], LIMIT, |_| ()));
+    assert_eq!(compare(&streamer, &file, &points, Filter::Box5)[0], 5000);
+    // With little room, bundles go by and by, and others wait for theirs.
+    let mut random = Random::new(13, 0);
+    for budget in [1 << 20, 2 << 20] {
+        let mut streamer = fading(budget, 4);
+        for jump in 0..60 {
+            let forward = [random.unit() - 0.5, -0.2, random.unit() - 0.5];
+            let views = [camera(&file, [random.unit(), random.unit()], 1.0 + 40.0 * random.unit(), forward)];
+            if jump % 5 == 4 {
+                assert!(streamer.settle(&views, LIMIT, |_| ()), "{budget}: {:?}", streamer.counts());
+                compare(&streamer, &file, &points, Filter::Box5);
+                let counts = streamer.counts();
+                assert!(counts.resident_bytes <= budget && counts.queued_bytes == 0, "{counts:?}");
+            } else {
+                streamer.update(&views);
+                streamer.take_writes(1 << 14);
+            }
+        }
+        assert!(streamer.take_faults().is_empty());
+    }
+}

@@ -1,0 +1,69 @@
+//! A city with all of its levels, points, and the comparison of a stream with its file.
+
+use std::io::Cursor;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use adumbra::stream::{ShadowSource, StreamOptions, Streamer, View};
+use adumbra::{AtRest, Filter, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, Size};
+use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, generate};
+use adumbra_testing::bake_file;
+
+pub(crate) const LIMIT: Duration = Duration::from_secs(60);
+
+/// A city of 64 bundles in its finest level, and three coarser levels.
+pub(crate) fn city() -> &'static [u8] {
+    static CITY: OnceLock<Vec<u8>> = OnceLock::new();
+    CITY.get_or_init(|| {
+        let sun = Sun::from_angles(130.0, 35.0).unwrap();
+        let options = BakeOptions { levels: 4, ..BakeOptions::new(sun, Size::Resolution(16_384)) };
+        let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
+        let mut bytes = Cursor::new(Vec::new());
+        file.write_to(&mut bytes, AtRest::Coded).unwrap();
+        bytes.into_inner()
+    })
+}
+
+pub(crate) type Point = ([f64; 3], Option<[f64; 3]>);
+
+/// Points in and around a file's grid, half of them on surfaces.
+pub(crate) fn points(file: &ShadowFile, count: usize, seed: u64) -> Vec<Point> {
+    let mut random = Random::new(seed, 0);
+    (0..count)
+        .map(|i| {
+            let at = file.grid.size.map(|n| (1.1 * random.unit() - 0.05) * f64::from(n));
+            let normal = [0; 3].map(|_| random.unit() - 0.5);
+            let length = normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+            (file.grid.to_world(at), (i % 2 == 0).then(|| normal.map(|c| c / length)))
+        })
+        .collect()
+}
+
+/// Checks that each answer of a stream is that of the level that it says it is from. Returns how many answers each level
+/// gave.
+pub(crate) fn compare(streamer: &Streamer, file: &ShadowFile, points: &[Point], filter: Filter) -> Vec<u32> {
+    let levels: Vec<_> = (0..file.level_count()).map(|n| file.level(n).unwrap().sampler(filter)).collect();
+    let mut counts = vec![0; levels.len()];
+    let sampler = streamer.sampler(filter).expect("an open file");
+    for &(p_world, normal) in points {
+        let answer = sampler.look_up(streamer.words(), p_world, normal);
+        let expected = levels[answer.level as usize].visibility(p_world, normal);
+        assert_eq!(answer.visibility.to_bits(), expected.to_bits(), "{p_world:?} {normal:?} {answer:?}");
+        counts[answer.level as usize] += 1;
+    }
+    counts
+}
+
+pub(crate) fn stream(source: impl ShadowSource + 'static, budget_bytes: u64) -> Streamer {
+    Streamer::new(source, StreamOptions { budget_bytes, ..StreamOptions::default() })
+}
+
+/// A camera over the middle of a file's grid.
+pub(crate) fn camera(file: &ShadowFile, [x, y]: [f64; 2], height: f64, forward: [f64; 3]) -> View {
+    let [nx, ny, nz] = file.grid.size.map(f64::from);
+    let mut eye = file.grid.to_world([x * nx, y * ny, 0.5 * nz]);
+    eye[1] = height;
+    View::perspective(eye, forward, [0.0, 1.0, 0.0], 60.0, [640, 360])
+}

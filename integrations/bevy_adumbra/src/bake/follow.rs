@@ -1,0 +1,136 @@
+//! Bakes keys ahead of a light that is followed.
+
+use std::fmt;
+use std::sync::{Arc, Mutex};
+
+use adumbra::Sun;
+use adumbra_bake::{BakeOptions, Size};
+use adumbra_path::{FollowOptions, Followed, SunFollower};
+use adumbra_scene::Scene;
+use bevy::asset::Assets;
+use bevy::ecs::prelude::*;
+use bevy::image::Image;
+use bevy::log::info;
+use bevy::math::Vec3;
+use bevy::mesh::Mesh;
+use bevy::pbr::StandardMaterial;
+use bevy::prelude::{DirectionalLight, GlobalTransform};
+use bevy::time::{Real, Time};
+
+use super::gather::{Placed, gather};
+use super::progress::{BakeError, BakeProgress};
+use super::{BakeSettings, BakeShadow, Keys, Meshes, Seen, StaticKeys, fail, is_still};
+use crate::components::BakedShadow;
+use crate::moving::SunKeys;
+
+/// A follower, and the meshes in its keys.
+pub(super) struct Following {
+    /// A component has to be shared between threads, and channels cannot be.
+    follower: Mutex<SunFollower>,
+    meshes: Arc<Keys>,
+}
+
+impl fmt::Debug for Following {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Following").field("meshes", &self.meshes.len()).finish_non_exhaustive()
+    }
+}
+
+/// Lights that may be followed.
+type Lights<'w, 's> = Query<
+    'w,
+    's,
+    (
+        Entity,
+        &'static GlobalTransform,
+        &'static mut BakeShadow,
+        &'static mut BakeProgress,
+        Option<&'static BakedShadow>,
+        Option<&'static mut SunKeys>,
+    ),
+    With<DirectionalLight>,
+>;
+
+/// Follows lights: begins anew when meshes change, and takes the keys that answer in this frame.
+pub(crate) fn follow_suns(
+    mut commands: Commands,
+    mut lights: Lights,
+    placed: Meshes,
+    (meshes, materials, images): (Res<Assets<Mesh>>, Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
+    (keys, time): (Res<StaticKeys>, Res<Time<Real>>),
+) {
+    for (light, transform, mut bake, mut progress, shadow, sun_keys) in &mut lights {
+        let bake = bake.bypass_change_detection();
+        if !shadow.is_some_and(|shadow| shadow.follow) {
+            if sun_keys.is_some() {
+                (bake.following, bake.seen, bake.in_use) = (None, None, None);
+                commands.entity(light).remove::<SunKeys>();
+            }
+            continue;
+        }
+        let Some(mut sun_keys) = sun_keys else {
+            // A bake for one sun is of no more use.
+            (bake.job, bake.seen) = (None, None);
+            commands.entity(light).insert(SunKeys::default());
+            continue;
+        };
+        let towards_light = transform.back().as_vec3();
+        // Keys do not depend on where the light is now.
+        let now = Seen { settings: bake.settings, towards_light: Vec3::ZERO, keys: Arc::clone(&keys.0) };
+        if bake.seen.as_ref() == Some(&now) {
+            bake.pending = None;
+        } else if is_still(&mut bake.pending, &now, bake.seen.is_none(), time.elapsed()) {
+            bake.pending = None;
+            match gather(placed.iter().map(Placed::from), &meshes, &materials, &images) {
+                // Some meshes are not loaded yet.
+                Ok(None) => {}
+                Ok(Some(scene)) => {
+                    match start(Arc::new(scene), now.settings) {
+                        Ok(follower) => {
+                            let (follower, meshes) = (Mutex::new(follower), Arc::clone(&now.keys));
+                            bake.following = Some(Following { follower, meshes });
+                        }
+                        Err(error) => fail(light, &mut progress, error),
+                    }
+                    bake.seen = Some(now);
+                }
+                Err(error) => {
+                    fail(light, &mut progress, error);
+                    bake.seen = Some(now);
+                }
+            }
+        }
+        let towards_sun = towards_light.as_dvec3().normalize().to_array();
+        let Some(Following { follower, meshes }) = &mut bake.following else { continue };
+        let follower = follower.get_mut().unwrap_or_else(|e| e.into_inner());
+        match follower.follow(time.elapsed_secs_f64(), towards_sun) {
+            Followed::Night => sun_keys.set_night(),
+            // The keys of the follower before it answer meanwhile.
+            Followed::Waiting => sun_keys.turn(towards_sun),
+            Followed::Moment(moment) => {
+                sun_keys.set(moment.keys, moment.towards_sun);
+                if !bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes)) {
+                    bake.in_use = Some(Arc::clone(meshes));
+                    info!("the shadow of light {light} follows the sun: its first key is baked");
+                }
+                let (is_baking, coarser) = (follower.is_baking(), moment.coarser as u32);
+                progress.set_if_neq(BakeProgress::Following { is_baking, coarser });
+            }
+        }
+        if let Some(error) = follower.take_fault() {
+            fail(light, &mut progress, BakeError::Follow(error.into()));
+        }
+    }
+}
+
+/// Starts to bake keys of a scene.
+fn start(scene: Arc<Scene>, settings: BakeSettings) -> Result<SunFollower, BakeError> {
+    // Keys have suns of their own.
+    let any = Sun::from_direction([0.0, 1.0, 0.0]).map_err(|e| BakeError::Sun(e.into()))?;
+    let bake = BakeOptions {
+        thickness_world: settings.thickness_world.into(),
+        ..BakeOptions::new(any, Size::Resolution(settings.resolution.into()))
+    };
+    let options = FollowOptions { threads: settings.threads.max(1), ..FollowOptions::new(bake) };
+    SunFollower::start(scene, options, || {}).map_err(|e| BakeError::Follow(e.into()))
+}

@@ -1,0 +1,130 @@
+//! The files in use in an app, and how a light's files are added to them.
+
+use adumbra::gpu::{LookUp, Penumbra};
+use bevy::ecs::prelude::*;
+use bevy::math::Vec3;
+
+use crate::components::BakedShadow;
+use crate::error::BakedShadowError;
+use crate::shaders::Way;
+use crate::texels::{PoolTexels, Texels};
+use crate::{BakedShadowFile, DeviceLimits};
+
+/// Largest number of files in use at once.
+pub(crate) const MAX_FILES: usize = 8;
+
+/// A light has a file's sun if the distance of their unit vectors is at most this, 0.05 degrees.
+const SAME_SUN: f32 = 1e-3;
+
+/// A file that is in use.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct FileInUse {
+    pub(crate) texels: Texels,
+    pub(crate) way: Way,
+    /// The first texels: the headers of a look-up texture, with the light's filter and bias.
+    pub(crate) header: Vec<u8>,
+    pub(crate) towards_sun: Vec3,
+    /// Whether every point has an answer. Otherwise the file has its place already, but is not looked up.
+    pub(crate) is_ready: bool,
+    /// For a key of a sun that moves: the way to the sun.
+    pub(crate) march: Option<March>,
+}
+
+/// The way from a key to a sun beside its own.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct March {
+    /// Texels aside per voxel nearer to the sun, in 2^-16.
+    pub(crate) slope: [i32; 2],
+    /// The key that is asked where this one does not know.
+    pub(crate) other: PoolTexels,
+}
+
+impl FileInUse {
+    /// A whole file with a light's settings.
+    pub(crate) fn whole(file: &BakedShadowFile, shadow: &BakedShadow) -> Result<Self, BakedShadowError> {
+        let texture = file.texture().map_err(|error| BakedShadowError::File(error.clone()))?;
+        let anchor = texture.anchor_world().map(f64::from);
+        let parameters = file.file().gpu().parameters(&look_up(shadow), anchor);
+        let parameters = parameters.map_err(|error| BakedShadowError::Setting(error.into()))?;
+        Ok(Self {
+            texels: Texels::Whole(texture.clone()),
+            way: way(shadow),
+            header: texture.header_with(parameters),
+            towards_sun: file.towards_sun(),
+            is_ready: true,
+            march: None,
+        })
+    }
+
+    /// Whether no other file that is looked up has this sun.
+    pub(crate) fn is_alone(&self, all: &[Self]) -> bool {
+        let same_sun =
+            |other: &&Self| other.is_ready && other.towards_sun.distance(self.towards_sun) <= 2.0 * SAME_SUN;
+        all.iter().filter(same_sun).count() == 1
+    }
+}
+
+/// Returns what a light asks of look-ups.
+pub(crate) fn look_up(shadow: &BakedShadow) -> LookUp {
+    let penumbra = shadow.softness.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
+    LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra }
+}
+
+/// Returns the way in which a light's files are looked up.
+pub(crate) fn way(shadow: &BakedShadow) -> Way {
+    if shadow.softness.is_some() { Way::Soft } else { Way::Filtered }
+}
+
+/// The files in use, for the render world.
+#[derive(Resource, Default, PartialEq)]
+pub(crate) struct FilesInUse(pub(crate) Vec<FileInUse>);
+
+/// Adds a light's files to those in use.
+pub(crate) struct LightFiles<'a> {
+    pub(crate) in_use: &'a mut Vec<FileInUse>,
+    pub(crate) limits: DeviceLimits,
+    /// Of the light.
+    pub(crate) towards_light: Vec3,
+    /// Files that are looked up.
+    pub(crate) added: usize,
+    /// Angle to the nearest sun of a file that the light does not have.
+    pub(crate) nearest_degrees: f32,
+    /// Why a file is not in use.
+    pub(crate) error: Option<BakedShadowError>,
+}
+
+impl LightFiles<'_> {
+    /// Adds a file if the light has its sun.
+    pub(crate) fn add(
+        &mut self,
+        towards_sun: Vec3,
+        file: impl FnOnce() -> Result<FileInUse, BakedShadowError>,
+    ) {
+        if towards_sun.distance(self.towards_light) > SAME_SUN {
+            let degrees = towards_sun.angle_between(self.towards_light).to_degrees();
+            self.nearest_degrees = self.nearest_degrees.min(degrees);
+            return;
+        }
+        match file().and_then(|file| self.put(file)) {
+            Ok(is_ready) => self.added += usize::from(is_ready),
+            Err(error) => self.error = Some(error),
+        }
+    }
+
+    /// Puts a file in use. Returns whether it is looked up.
+    pub(crate) fn put(&mut self, new: FileInUse) -> Result<bool, BakedShadowError> {
+        let limit = self.limits.max_texture_side;
+        let rows: u32 = self.in_use.iter().chain([&new]).map(|file| file.texels.height()).sum();
+        if let Some(known) = self.in_use.iter().find(|other| other.texels == new.texels) {
+            Ok(known.is_ready)
+        } else if self.in_use.len() == MAX_FILES {
+            Err(BakedShadowError::TooManyFiles { limit: MAX_FILES })
+        } else if rows >= limit {
+            Err(BakedShadowError::TooManyRows { rows, limit })
+        } else {
+            let is_ready = new.is_ready;
+            self.in_use.push(new);
+            Ok(is_ready)
+        }
+    }
+}

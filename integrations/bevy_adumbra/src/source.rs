@@ -1,0 +1,117 @@
+//! Where a streamed file is read from.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use adumbra::stream::ShadowSource;
+use bevy::asset::AssetPath;
+use bevy::reflect::prelude::*;
+
+/// Where a streamed file is read from.
+#[derive(Clone, Reflect)]
+#[reflect(opaque)]
+#[reflect(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub enum StreamSource {
+    /// An asset, by its path. It is opened once, and ranges of it are read if its reader can seek. Otherwise it is read
+    /// whole, once, and streamed from memory, as are assets of Bevy's `http` and `https` sources. Bevy's reader of files
+    /// may read up to 8 MiB more than what is asked for; [`StreamSource::Disk`] does not.
+    Asset(AssetPath<'static>),
+    /// A file on a disk, by its path in the file system.
+    Disk(PathBuf),
+    /// A source of the app's own, such as an HTTP client that asks for ranges. It is called on threads that may wait.
+    Ranges(Arc<dyn ShadowSource>),
+}
+
+impl StreamSource {
+    /// A source of the app's own. Its clones are the same source, so lights that share one share its bytes.
+    pub fn ranges(source: impl ShadowSource + 'static) -> Self {
+        Self::Ranges(Arc::new(source))
+    }
+}
+
+/// Two sources of the app's own are equal if they are clones of one.
+impl PartialEq for StreamSource {
+    fn eq(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Asset(a), Self::Asset(b)) => a == b,
+            (Self::Disk(a), Self::Disk(b)) => a == b,
+            (Self::Ranges(a), Self::Ranges(b)) => Arc::ptr_eq(a, b),
+            _ => false,
+        }
+    }
+}
+
+impl fmt::Display for StreamSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Asset(path) => path.fmt(f),
+            Self::Disk(path) => path.display().fmt(f),
+            Self::Ranges(_) => f.write_str("a source of ranges"),
+        }
+    }
+}
+
+impl fmt::Debug for StreamSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "StreamSource({self})")
+    }
+}
+
+/// The path of an asset.
+impl From<&'static str> for StreamSource {
+    fn from(path: &'static str) -> Self {
+        Self::Asset(path.into())
+    }
+}
+
+/// The path of an asset.
+impl From<String> for StreamSource {
+    fn from(path: String) -> Self {
+        Self::Asset(path.into())
+    }
+}
+
+impl From<AssetPath<'static>> for StreamSource {
+    fn from(path: AssetPath<'static>) -> Self {
+        Self::Asset(path)
+    }
+}
+
+/// A path in the file system.
+impl From<PathBuf> for StreamSource {
+    fn from(path: PathBuf) -> Self {
+        Self::Disk(path)
+    }
+}
+
+/// A path in the file system.
+impl From<&Path> for StreamSource {
+    fn from(path: &Path) -> Self {
+        Self::Disk(path.to_owned())
+    }
+}
+
+impl From<Arc<dyn ShadowSource>> for StreamSource {
+    fn from(source: Arc<dyn ShadowSource>) -> Self {
+        Self::Ranges(source)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use adumbra::stream::BytesSource;
+
+    use super::*;
+
+    #[test]
+    fn sources_are_the_same_by_path_or_by_identity() {
+        assert_eq!(StreamSource::from("city.adumbra"), StreamSource::from("city.adumbra".to_owned()));
+        assert_ne!(StreamSource::from("city.adumbra"), StreamSource::from(Path::new("city.adumbra")));
+        let own = StreamSource::ranges(BytesSource(Vec::new()));
+        assert_eq!(own, own.clone());
+        assert_ne!(own, StreamSource::ranges(BytesSource(Vec::new())));
+        assert_eq!(StreamSource::from("a/city.adumbra").to_string(), "a/city.adumbra");
+    }
+}

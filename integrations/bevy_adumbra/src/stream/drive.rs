@@ -1,0 +1,98 @@
+//! What streams do once per frame.
+
+use std::time::{Duration, Instant};
+
+use adumbra::stream::{PoolWrite, StreamCounts, View};
+use bevy::asset::AssetServer;
+use bevy::camera::primitives::Frustum;
+use bevy::camera::{Camera, Camera3d};
+use bevy::diagnostic::Diagnostics;
+use bevy::ecs::prelude::*;
+use bevy::transform::components::GlobalTransform;
+
+use super::bytes::Bytes;
+use super::counters::StreamDiagnostics;
+use super::file::{Stream, bytes_of};
+use super::streams::Slot;
+use super::views::view;
+use super::{ShadowStreams, StreamBudget};
+use crate::components::BakedShadow;
+use crate::texels::PoolTexels;
+use crate::{DeviceLimits, StreamSource};
+
+/// How long answers are taken in a frame, after which others wait for the next one.
+const RECEIVING: Duration = Duration::from_micros(700);
+
+/// What the render world takes of streams in every frame.
+#[derive(Resource, Default)]
+pub(crate) struct PoolUploads {
+    /// Pools that there are.
+    pub(crate) pools: Vec<PoolTexels>,
+    /// What is to be written to them now.
+    pub(crate) writes: Vec<(PoolTexels, Vec<PoolWrite>)>,
+}
+
+/// Opens and closes streams as lights name them, and takes what cameras see and what has been read.
+pub(crate) fn drive_streams(
+    lights: Query<&BakedShadow>,
+    cameras: Query<(&Camera, &GlobalTransform, &Frustum), With<Camera3d>>,
+    server: Res<AssetServer>,
+    (budget, limits): (Res<StreamBudget>, Res<DeviceLimits>),
+    (mut streams, mut uploads): (ResMut<ShadowStreams>, ResMut<PoolUploads>),
+    mut diagnostics: Diagnostics,
+) {
+    let start = Instant::now();
+    uploads.pools.clear();
+    let sources = || lights.iter().flat_map(|shadow| &shadow.streams);
+    if streams.slots.is_empty() && sources().next().is_none() {
+        return;
+    }
+    let ShadowStreams { slots, begun } = &mut *streams;
+    slots.retain(|slot| sources().any(|source| *source == slot.source));
+    let options = budget.options();
+    let new = |source: &StreamSource| Stream::new(Bytes::new(source, &server), options);
+    for source in sources() {
+        if slots.iter().all(|slot| slot.source != *source) {
+            slots.push(Slot {
+                source: source.clone(),
+                options,
+                stream: new(source),
+                next: None,
+                is_stale: false,
+            });
+        }
+    }
+    let views: Vec<View> =
+        cameras.iter().filter_map(|(camera, at, frustum)| view(camera, at, frustum)).collect();
+    // Without a render world nothing takes what is to be written.
+    let mut left = if uploads.writes.is_empty() { budget.upload_bytes_per_frame } else { 0 };
+    let mut uploaded = 0;
+    let count = slots.len();
+    for (i, slot) in slots.iter_mut().enumerate() {
+        if slot.options != options || slot.is_stale {
+            slot.next = Some(new(&slot.source));
+            (slot.options, slot.is_stale) = (options, false);
+        }
+        let stream = slot.active();
+        stream.receive(start + RECEIVING);
+        stream.open(|words| PoolTexels::new(words, limits.max_texture_side));
+        stream.ask(&views, start.duration_since(*begun));
+        // What one leaves is for those after it.
+        let writes = stream.take_writes(left / (count - i));
+        let bytes = bytes_of(&writes);
+        left -= bytes as usize;
+        uploaded += bytes;
+        if let Some(pool) = stream.pool().filter(|_| bytes > 0) {
+            uploads.writes.push((pool, writes));
+        }
+        let has_none = slot.stream.pool().is_none();
+        if let Some(next) = slot.next.take_if(|next| has_none || next.is_ready()) {
+            slot.stream = next;
+        }
+        uploads
+            .pools
+            .extend([Some(&slot.stream), slot.next.as_ref()].into_iter().flatten().filter_map(Stream::pool));
+    }
+    let counts: Vec<StreamCounts> = slots.iter().map(|slot| slot.stream.resident().counts()).collect();
+    StreamDiagnostics::add(&mut diagnostics, &counts, uploaded, start);
+}

@@ -1,0 +1,39 @@
+//! A streamed file that is open.
+
+use adumbra::Receivers;
+use adumbra::stream::Resident;
+use bevy::math::Vec3;
+
+use crate::components::BakedShadow;
+use crate::error::BakedShadowError;
+use crate::in_use::{FileInUse, look_up, way};
+use crate::texels::{PoolTexels, Texels};
+
+/// A streamed file that is open.
+pub(crate) struct OpenFile<'a> {
+    pub(super) resident: &'a Resident,
+    pub(super) pool: PoolTexels,
+    pub(super) is_ready: bool,
+    /// Unit vector towards the sun.
+    pub(crate) towards_sun: Vec3,
+}
+
+impl OpenFile<'_> {
+    /// Returns what the file answers for.
+    pub(crate) fn receivers(&self) -> Option<Receivers> {
+        self.resident.settings().map(|settings| settings.receivers)
+    }
+
+    /// Returns the file with a light's settings.
+    pub(crate) fn in_use(&self, shadow: &BakedShadow) -> Result<FileInUse, BakedShadowError> {
+        let header = self.resident.texture_headers(&look_up(shadow));
+        Ok(FileInUse {
+            texels: Texels::Pool(self.pool),
+            way: way(shadow),
+            header: header.map_err(|error| BakedShadowError::Setting(error.into()))?,
+            towards_sun: self.towards_sun,
+            is_ready: self.is_ready,
+            march: None,
+        })
+    }
+}

@@ -1,0 +1,43 @@
+// What a light needs of a file that is streamed. The file itself is in `adumbra-three/stream`, so that pages without it do not
+// carry it.
+
+import type { Box2, DataTexture, Texture, Vector2 } from 'three';
+
+import type { BakedShadowFile } from '../file/shadow-file.js';
+import type { GpuLookUpOptions, LookUpHeader } from '../gpu/look-up-header.js';
+import type { LookUp } from '../look-ups/look-up.js';
+
+/** What draws: a WebGLRenderer or a WebGPURenderer. */
+export interface AnyRenderer {
+  /** Copies part of a texture to a place in another. */
+  copyTextureToTexture(source: Texture, target: Texture, region?: Box2 | null, place?: Vector2 | null): void;
+  /** The state of WebGL, which a WebGLRenderer has. */
+  readonly state?: { activeTexture(unit?: number): void };
+}
+
+/** The words of a streamed file for one light, whose texture follows the file. */
+export interface StreamedWords {
+  /** The words, one per texel. */
+  readonly texture: DataTexture;
+  /** The header of each level, the finest first. The rows of coarser levels are in them. */
+  readonly lookUps: readonly LookUpHeader[];
+  /** Has the texture follow the file in a renderer too. */
+  follow(renderer: AnyRenderer): void;
+  /** Frees what the GPU holds. */
+  dispose(): void;
+}
+
+/** A file whose pages come and go while it is in use. */
+export interface StreamedFile extends Pick<BakedShadowFile, 'grid' | 'settings'> {
+  /** The shader text that reads its words, in place of all others. */
+  readonly lookUp?: LookUp;
+  /**
+   * For lights: gives the words of the file to a light.
+   *
+   * @throws ShadowFileError of the kind `TooLarge`, if a side of the texture would be longer than `maxSide`.
+   */
+  openWords(options: GpuLookUpOptions, maxSide: number): StreamedWords;
+}
+
+/** A file that a light can have. */
+export type LightFile = BakedShadowFile | StreamedFile;

@@ -1,0 +1,306 @@
+// A shadow file of any size, of which a pool of limited size holds what cameras need.
+
+import { EventDispatcher } from 'three';
+import type { Camera } from 'three';
+
+import type { ShadowFileError } from '../error.js';
+import { LEVEL_STEP } from '../file/directory.js';
+import { HEADER_BYTES } from '../file/faults.js';
+import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
+import type { LightGrid } from '../grid/light-grid.js';
+import { asList } from '../light/options.js';
+import type { StreamedFile, StreamedWords } from '../light/streamed.js';
+import { warnOnce } from '../light/warn.js';
+import type { FileSettings, LookUpOptions } from '../settings.js';
+import { bundlesOf } from './bundles.js';
+import type { Bundle } from './bundles.js';
+import { choose } from './choose.js';
+import { Decoder } from './decoder.js';
+import { Fetching } from './fetching.js';
+import { poolHeaders } from './headers.js';
+import { poolLayout } from './layout.js';
+import { readFront, withUrl } from './opening.js';
+import type { Front } from './opening.js';
+import { Pool } from './pool.js';
+import { Residency } from './residency.js';
+import { StreamedSampler } from './sampler.js';
+import { Source } from './source.js';
+import type { FetchOptions } from './source.js';
+import { viewOf } from './views.js';
+import { PoolWords } from './words.js';
+
+/** How a file is streamed. */
+export interface StreamOptions {
+  /** Bytes of the pool, 4 KiB to 256 MiB. Each light with the file takes as many on the GPU. */
+  readonly budget: number;
+  /** Largest number of pixels that a texel may cover before a finer level is fetched; 1 by default. */
+  readonly detail?: number;
+  /** Ends the opening, and later the streaming, once it aborts. */
+  readonly signal?: AbortSignal;
+  /** What `fetch` is called with besides the range, such as `credentials`. */
+  readonly fetch?: FetchOptions;
+  /** Seconds after which a request without an answer has failed; 30 by default. */
+  readonly timeout?: number;
+  /** About the most bytes that an update brings into the pool, and so to the GPU; 256 KiB by default. */
+  readonly bytesPerUpdate?: number;
+  /** Updates over which pages come and go, so that shadows do not jump; 0, the default, changes them at once. */
+  readonly fadeUpdates?: number;
+  /** Whether a worker decodes, where one can be had: true by default. Otherwise the page does, in slices of ten milliseconds. */
+  readonly worker?: boolean;
+}
+
+/** The events of a {@link StreamedShadowFile}. */
+export interface StreamEvents {
+  /** Bundles have come. The next {@link StreamedShadowFile.update} takes them in, so a page that draws on demand should draw. */
+  arrived: object;
+  /** Parts could not be fetched, or are damaged. A coarser level is shown there, and they are asked for again later. */
+  error: { readonly error: ShadowFileError; readonly parts: readonly string[] };
+  /** The file on the server is another than when it was opened. Nothing more is fetched, and what is there stays. */
+  changed: { readonly error: ShadowFileError };
+}
+
+/** A level in use. */
+export interface LevelStats {
+  /** Its number in the file, 0 for the finest. */
+  readonly level: number;
+  /** Edge of a texel, world units. */
+  readonly texel: number;
+  /** Number of its bundles, which are squares of 2048 × 2048 texels. */
+  readonly bundles: number;
+  /** How many of them are resident. */
+  readonly resident: number;
+}
+
+/** What was fetched and is held. */
+export interface StreamStats {
+  /** Number of requests so far. */
+  readonly requests: number;
+  /** Number of requests that are under way. */
+  readonly underWay: number;
+  /** Bytes that have come so far. */
+  readonly fetchedBytes: number;
+  /** Bytes of the pool. */
+  readonly poolBytes: number;
+  /** Bytes of the pool that are in use. */
+  readonly usedBytes: number;
+  /** Number of bundles that the last update chose. */
+  readonly chosen: number;
+  /** How many of these are not there. */
+  readonly missing: number;
+  /** Number of bundles that fade. As long as there are any, a page that draws on demand should go on. */
+  readonly fading: number;
+  /** The levels in use, the finest first. */
+  readonly levels: readonly LevelStats[];
+}
+
+/**
+ * A `.adumbra` file on a server with range requests. Lights take it as they take a whole file. The coarsest level is there from
+ * the beginning; {@link StreamedShadowFile.update}, called before each frame, has what cameras need of the finer ones fetched.
+ */
+export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements StreamedFile {
+  /** Where the file is. */
+  readonly url: string;
+  /** Length of the whole file, bytes. */
+  readonly byteLength: number;
+  /** Placement of the finest level that the budget allows. */
+  readonly grid: LightGrid;
+  /** Settings of the bake, of that level. */
+  readonly settings: FileSettings;
+  readonly #source: Source;
+  readonly #decoder: Decoder;
+  readonly #pool: Pool;
+  /** Placement of the levels in use, the finest first. */
+  readonly #grids: readonly LightGrid[];
+  /** Their bundles. */
+  readonly #levels: readonly (readonly Bundle[])[];
+  readonly #residency: Residency;
+  readonly #fetching: Fetching;
+  readonly #detail: number;
+  readonly #wordsPerUpdate: number;
+  readonly #signal: AbortSignal | undefined;
+  readonly #onAbort = (): void => this.dispose();
+  /** What the lights of this file have. */
+  readonly #lights = new Set<PoolWords>();
+  #chosen: readonly Bundle[] = [];
+  /** Number of the last choice. */
+  #choice = 0;
+  #isDisposed = false;
+
+  /**
+   * Opens the file at `url` with two requests. After that every point has an answer.
+   *
+   * @throws ShadowFileError if the file cannot be fetched, is not valid, or has a coarsest level that does not fit the budget.
+   * @throws RangeError if an option is out of its range.
+   * @throws the reason of `signal`, once it aborts.
+   */
+  static async open(url: string | URL, options: StreamOptions): Promise<StreamedShadowFile> {
+    checkOptions(options);
+    const { signal, budget, fadeUpdates = 0, worker = true, timeout = 30, fetch = {} } = options;
+    signal?.throwIfAborted();
+    const source = new Source(String(url), fetch, 1000 * timeout);
+    const decoder = new Decoder(worker);
+    const abort = (): void => {
+      source.abort();
+      decoder.dispose();
+    };
+    signal?.addEventListener('abort', abort);
+    try {
+      const front = await readFront(source);
+      const pool = new Pool(poolLayout(budget, front.entries, front.tables, fadeUpdates > 1));
+      const file = new StreamedShadowFile(source, decoder, pool, front, options);
+      await file.#settleCoarsest(front);
+      signal?.throwIfAborted();
+      signal?.addEventListener('abort', file.#onAbort);
+      return file;
+    } catch (error) {
+      abort();
+      signal?.throwIfAborted();
+      throw withUrl(error, source.url);
+    } finally {
+      signal?.removeEventListener('abort', abort);
+    }
+  }
+
+  private constructor(source: Source, decoder: Decoder, pool: Pool, { header, entries, tables, bytes }: Front, options: StreamOptions) {
+    super();
+    const { layout } = pool;
+    this.#source = source;
+    this.#decoder = decoder;
+    this.#pool = pool;
+    this.#grids = layout.levels.map(({ level }) => entries[level]!.grid);
+    this.#levels = layout.levels.map((place, rank) => bundlesOf(rank, place, entries, tables[place.level]!));
+    this.#residency = new Residency(pool, this.#levels, options.fadeUpdates ?? 0);
+    this.#detail = options.detail ?? 1;
+    this.#wordsPerUpdate = (options.bytesPerUpdate ?? 256 * 1024) / 4;
+    this.#signal = options.signal;
+    this.url = source.url;
+    this.byteLength = header.fileBytes;
+    this.grid = this.#grids[0]!;
+    this.settings = { ...header.settings, resolution: Math.ceil(header.settings.resolution / LEVEL_STEP ** layout.levels[0]!.level) };
+    const fetched = { source, decoder, header: bytes.slice(0, HEADER_BYTES), isCoded: header.isCoded, entries, layout, levels: this.#levels };
+    this.#fetching = new Fetching(fetched, {
+      onCommon: (rank, words) => pool.setCommon(layout.levels[rank]!, words),
+      onBundle: (bundle, words) => {
+        this.#residency.arrive(bundle, words);
+        this.dispatchEvent({ type: 'arrived' });
+      },
+      onError: (error, parts) => {
+        warnOnce(`${error.message}; a coarser level is shown until it comes`, `stream ${this.url}`);
+        this.dispatchEvent({ type: 'error', error, parts });
+      },
+      onChanged: (error) => {
+        warnOnce(error.message, `stream ${this.url}`);
+        this.dispatchEvent({ type: 'changed', error });
+      },
+    });
+  }
+
+  /** What was fetched and is held. */
+  get stats(): StreamStats {
+    const { words, pageWords, layout } = this.#pool;
+    const isResident = ({ state }: Bundle): boolean => state === 'resident';
+    return {
+      requests: this.#source.requests,
+      underWay: this.#fetching.underWay,
+      fetchedBytes: this.#source.bytes,
+      poolBytes: words.byteLength,
+      usedBytes: words.byteLength - 4 * pageWords.free,
+      chosen: this.#chosen.length,
+      missing: this.#chosen.filter((bundle) => !isResident(bundle)).length,
+      fading: this.#residency.fading,
+      levels: this.#levels.map((bundles, rank) => ({
+        level: layout.levels[rank]!.level,
+        texel: this.#grids[rank]!.voxelSize,
+        bundles: bundles.length,
+        resident: bundles.filter(isResident).length,
+      })),
+    };
+  }
+
+  /**
+   * Chooses what cameras need, takes in what has come, and asks for more. Call it before each frame, outside of the renderer's
+   * own work. Cost: a pass over the bundles of the file, and what is taken in.
+   *
+   * @param cameras One camera, or all that see the world in this frame. Of a camera array, name its cameras.
+   * @param rows Rows of pixels of the picture; those of the page's window by default.
+   */
+  update(cameras: Camera | readonly Camera[], rows: number = windowRows()): void {
+    if (this.#isDisposed) return;
+    const { all } = this.#pool.pageWords;
+    const coarsest = this.#levels.at(-1)!.reduce((sum, { words }) => sum + words, 0);
+    /** The share of the words for pages that what is chosen may take. */
+    const CHOSEN_SHARE = 0.9;
+    this.#choice += 1;
+    this.#chosen = choose(this.#residency.comers, asList(cameras).map((camera) => viewOf(camera, rows)), {
+      coarserTexel: ({ rank }) => this.#grids[rank + 1]!.voxelSize,
+      detail: this.#detail,
+      words: CHOSEN_SHARE * all - coarsest,
+    });
+    for (const bundle of this.#chosen) bundle.chosenAt = this.#choice;
+    this.#residency.bringIn(this.#wordsPerUpdate, this.#choice);
+    this.#fetching.request(this.#chosen, ({ chosenAt, blockedAt }) => chosenAt === this.#choice && blockedAt !== this.#pool.givenUp);
+    for (const light of this.#lights) light.upload();
+  }
+
+  /** Has the next update ask for what failed at once, without waiting any longer. */
+  retry(): void {
+    this.#fetching.retry();
+  }
+
+  /**
+   * Returns look-ups on the CPU in what is resident.
+   *
+   * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17.
+   */
+  sampler(options: LookUpOptions): StreamedSampler {
+    return new StreamedSampler({ pool: this.#pool, grids: this.#grids, bias: this.settings.bias }, options);
+  }
+
+  /** For lights: a texture that follows the pool. */
+  openWords(options: GpuLookUpOptions, maxSide: number): StreamedWords {
+    const headers = poolHeaders(this.#pool.layout, this.#grids, this.settings, options);
+    const words = new PoolWords(this.#pool, headers, maxSide, () => this.#lights.delete(words));
+    this.#lights.add(words);
+    return words;
+  }
+
+  /** Ends requests and the worker. Lights go on with what is resident. */
+  dispose(): void {
+    this.#isDisposed = true;
+    this.#signal?.removeEventListener('abort', this.#onAbort);
+    this.#fetching.end();
+    this.#source.abort();
+    this.#decoder.dispose();
+  }
+
+  /** Takes the coarsest level in, which is part of the beginning of the file. */
+  async #settleCoarsest({ header: { isCoded }, entries, bytes }: Front): Promise<void> {
+    const place = this.#pool.layout.levels.at(-1)!;
+    const { level } = place;
+    const { common, commonRawBytes: rawBytes } = entries[level]!;
+    const part = (offset: number, length: number): Uint8Array => bytes.slice(offset, offset + length);
+    const { name, checksum } = common;
+    const stored = part(common.offset, common.length);
+    this.#pool.setCommon(place, await this.#decoder.decode({ kind: 'common', level, isCoded, stored, name, checksum, rawBytes }));
+    for (const bundle of this.#levels.at(-1)!) {
+      const { entry, offset, state } = bundle;
+      if (state === 'resident') continue;
+      this.#residency.settle(bundle, await this.#decoder.decode({ kind: 'bundle', level, stored: part(offset, entry.storedBytes), entry }));
+    }
+  }
+}
+
+/** Rows of pixels of the page's window, or of a common screen where there is none. */
+function windowRows(): number {
+  const { innerHeight, devicePixelRatio } = globalThis as { innerHeight?: number; devicePixelRatio?: number };
+  return innerHeight === undefined || devicePixelRatio === undefined ? 1080 : innerHeight * devicePixelRatio;
+}
+
+function checkOptions({ budget, detail = 1, timeout = 30, bytesPerUpdate = 1, fadeUpdates = 0 }: StreamOptions): void {
+  const [LEAST, MOST] = [4096, 256 * 1024 * 1024];
+  if (!(budget >= LEAST && budget <= MOST)) throw new RangeError(`the budget is ${budget} bytes, but must be from ${LEAST} to ${MOST}`);
+  for (const [name, value] of Object.entries({ detail, timeout, bytesPerUpdate })) {
+    if (!(value > 0)) throw new RangeError(`${name} is ${value}, but must be above 0`);
+  }
+  if (!(Number.isInteger(fadeUpdates) && fadeUpdates >= 0)) throw new RangeError(`fadeUpdates is ${fadeUpdates}, but must be a whole number, 0 or more`);
+}

@@ -1,0 +1,52 @@
+// What a camera sees, as far as the choice of pages needs it.
+
+import { Matrix4, Vector3 } from 'three';
+import type { Camera } from 'three';
+
+import { dot } from '../grid/vec3.js';
+import type { Vec3 } from '../grid/vec3.js';
+import type { Box } from './box.js';
+
+/** A plane: points with normal · p + offset below 0 are not seen. */
+export interface Plane {
+  readonly normal: Vec3;
+  readonly offset: number;
+}
+
+/** A view of the world. */
+export interface View {
+  readonly position: Vec3;
+  /** The planes that bound what is seen. */
+  readonly planes: readonly Plane[];
+  /** Size of a pixel in the world at the view, which a parallel projection has everywhere. */
+  readonly pixel: number;
+  /** By how much it grows per unit of distance. */
+  readonly pixelPerDistance: number;
+}
+
+/** Returns the view of a camera whose picture has so many rows of pixels. */
+export function viewOf(camera: Camera, rows: number): View {
+  camera.updateWorldMatrix(true, false);
+  const { projectionMatrix, matrixWorldInverse, matrixWorld } = camera;
+  const position = new Vector3().setFromMatrixPosition(matrixWorld).toArray();
+  const m = new Matrix4().multiplyMatrices(projectionMatrix, matrixWorldInverse).elements;
+  /** A row of the matrix added to its last row, or taken from it: a side of the picture. */
+  const side = (row: number, sign: number): Plane => {
+    const sum = (column: number): number => m[4 * column + 3]! + sign * m[4 * column + row]!;
+    return { normal: [sum(0), sum(1), sum(2)], offset: sum(3) };
+  };
+  const planes = [side(0, 1), side(0, -1), side(1, 1), side(1, -1)];
+  // The last row of a perspective is the distance from the camera, of a parallel projection 1.
+  const isPerspective = projectionMatrix.elements[11] !== 0;
+  const size = 2 / (projectionMatrix.elements[5]! * rows);
+  return { position, planes, pixel: isPerspective ? 0 : size, pixelPerDistance: isPerspective ? size : 0 };
+}
+
+/** Whether a box touches the inner sides of all planes of a view. */
+export function isSeen({ corner, edges }: Box, { planes }: View): boolean {
+  return planes.every(({ normal, offset }) => {
+    let most = offset + dot(normal, corner);
+    for (const edge of edges) most += Math.max(dot(normal, edge), 0);
+    return most >= 0;
+  });
+}

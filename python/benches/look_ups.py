@@ -1,0 +1,81 @@
+"""Times look-ups in Python against the same look-ups by the Rust crate.
+
+    cargo build --release --example look_ups
+    python benches/look_ups.py SCENE target/release/examples/look_ups
+
+It bakes the scene, draws 10 million points on its surfaces, and has both look all of them up with normals, over 5 x 5 texels, in
+turns. The least time of each counts. Points are in the order in which they were drawn, and then sorted along the scene.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import adumbra
+
+
+def points_on(scene: adumbra.Scene, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return random points on the scene's surfaces by area, and their normals."""
+    random = np.random.default_rng(1)
+    vertices, faces = scene.mesh()
+    corners = vertices[faces]
+    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(across, axis=1)
+    chosen = random.choice(len(area), count, p=area / area.sum())
+    u, v = np.sqrt(random.random(count)), random.random(count)
+    weights = np.stack([1 - u, u * (1 - v), u * v], 1)
+    points = np.einsum("nk,nkc->nc", weights, corners[chosen])
+    return points, (across / np.maximum(area, 1e-300)[:, None])[chosen]
+
+
+def least(shadows: adumbra.ShadowFile, points: NDArray[Any], normals: NDArray[Any]) -> float:
+    """Return the seconds of one call."""
+    start = time.perf_counter()
+    shadows.visibility(points, normals)
+    return time.perf_counter() - start
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("scene", type=Path)
+    parser.add_argument("program", type=Path)
+    parser.add_argument("--points", type=int, default=10_000_000)
+    parser.add_argument("--repeats", type=int, default=5)
+    options = parser.parse_args()
+    scene = adumbra.Scene.load(options.scene)
+    shadows = adumbra.bake(scene, progress=False)
+    points, normals = points_on(scene, options.points)
+    orders: list[tuple[Any, str]] = [(slice(None), "as drawn"), (np.lexsort(np.floor(points.T[[0, 2]])), "sorted")]
+    for order, name in orders:
+        points, normals = points[order], normals[order]
+        with tempfile.TemporaryDirectory() as folder:
+            file, places, upright = (Path(folder) / part for part in ("file", "points", "normals"))
+            shadows.save(file)
+            points.tofile(places)
+            normals.tofile(upright)
+            rust: list[float] = []
+            double: list[float] = []
+            single: list[float] = []
+            narrow = points.astype(np.float32), normals.astype(np.float32)
+            for _ in range(options.repeats):
+                words = [options.program, file, places, upright, "3"]
+                done = subprocess.run(words, capture_output=True, text=True, check=True)
+                rust.extend(map(float, done.stdout.split()))
+                double.extend(least(shadows, points, normals) for _ in range(3))
+                single.extend(least(shadows, *narrow) for _ in range(3))
+        print(
+            f"{options.points:,} points {name}: Rust {min(rust):.3f} s, Python float64 {min(double):.3f} s "
+            f"({min(double) / min(rust):.3f}), float32 {min(single):.3f} s ({min(single) / min(rust):.3f})"
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,32 @@
+//! The Rust side of `look_ups.py`: times `Sampler::par_visibilities` over the points of a file.
+//!
+//! `look_ups FILE POINTS NORMALS REPEATS`: a shadow file, its points and normals as little-endian float64 triples. Prints the
+//! seconds of each repeat, from an empty result to a full one.
+
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+
+use adumbra::{Filter, ShadowFile};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [file, points, normals, repeats] = &*arguments else {
+        return Err("usage: look_ups FILE POINTS NORMALS REPEATS".into());
+    };
+    let sampler = ShadowFile::read(file)?.sampler(Filter::Box5);
+    let (points, normals) = (triples(points.as_ref())?, triples(normals.as_ref())?);
+    for _ in 0..repeats.parse::<u32>()? {
+        let start = Instant::now();
+        let mut out = vec![0.0; points.len()];
+        sampler.par_visibilities(&points, Some(&normals), &mut out)?;
+        println!("{}", start.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
+
+fn triples(path: &Path) -> std::io::Result<Vec<[f64; 3]>> {
+    let bytes = std::fs::read(path)?;
+    let triples = bytes.as_chunks::<8>().0.as_chunks::<3>().0.iter();
+    Ok(triples.map(|triple| triple.map(f64::from_le_bytes)).collect())
+}

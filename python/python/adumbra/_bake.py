@@ -1,0 +1,207 @@
+"""Bakes."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _native
+from ._arrays import numbers, whole
+from ._file import ShadowFile
+from ._progress import Progress, reporting
+from ._scene import LoadOptions, Scene, SceneLike, scene_of, threads_of
+from ._sun import choose_sun
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+DEFAULT_RESOLUTION = 8192
+
+
+class BakeOptions(LoadOptions, total=False):
+    """Options of a bake of a scene that is given by its path: those of :func:`bake`, and those of the loader."""
+
+    sun: ArrayLike | None
+    azimuth: float | None
+    elevation: float | None
+    resolution: int
+    voxel_size: float | None
+    thickness: float
+    switch_within: int
+    levels: int
+    assume_ground: bool
+    closed_regions: bool
+    receivers: Literal["all", "static"]
+    bounds: ArrayLike | None
+    frame: Literal["auto", "light", "oblique"]
+    yaw: float | None
+    at_rest: Literal["coded", "raw"]
+    max_memory: int | None
+
+
+def bake(
+    scene: SceneLike | ArrayLike,
+    faces: ArrayLike | None = None,
+    *,
+    sun: ArrayLike | None = None,
+    azimuth: float | None = None,
+    elevation: float | None = None,
+    resolution: int = DEFAULT_RESOLUTION,
+    voxel_size: float | None = None,
+    thickness: float = 0.0,
+    switch_within: int = 0,
+    levels: int = 3,
+    assume_ground: bool = True,
+    closed_regions: bool = True,
+    receivers: Literal["all", "static"] = "all",
+    bounds: ArrayLike | None = None,
+    frame: Literal["auto", "light", "oblique"] = "auto",
+    yaw: float | None = None,
+    at_rest: Literal["coded", "raw"] = "coded",
+    output: str | os.PathLike[str] | None = None,
+    cache: str | os.PathLike[str] | None = None,
+    max_memory: int | None = None,
+    threads: int | None = None,
+    progress: Progress = None,
+    **loading: Unpack[LoadOptions],
+) -> ShadowFile:
+    """Bake the sun's shadows of a scene.
+
+    The same scene and options give the same bytes as ``adumbra bake``, on any number of threads. Other Python threads run
+    meanwhile. Ctrl-C stops the bake, and leaves an earlier output as it was.
+
+    Args:
+        scene: The path of a ``.glb``, ``.gltf``, ``.obj`` or ``.ply`` file, a :class:`Scene`, or vertices: positions in world
+            space, shape (N, 3), of any real type.
+        faces: The vertices of each triangle, shape (M, 3), of any integer type, if vertices are given.
+        sun: Direction towards the sun in world space, three numbers, of any length, with y above 0. Without it and
+            ``elevation``, that of the scene's first directional light, or else (0.5, 0.8, 0.35).
+        azimuth: Azimuth of the sun in degrees, clockwise from -Z as seen from above: 90 is +X. 0 unless it is given.
+        elevation: Elevation of the sun in degrees above the horizon, above 0 and at most 90.
+        resolution: Texels on the longest side of the scene as the sun sees it: a power of two, 8 to 262144.
+        voxel_size: Edge of a voxel in metres, above 0, instead of a resolution.
+        thickness: How far below an open surface its shadow may begin, in metres along the light, at least 0. The bias at the
+            surface's slope applies if that is more. More gives smaller files.
+        switch_within: How far behind the first surface its shadow may begin, in voxels, up to 65535. 0 allows anywhere that no
+            filter around a surface reads.
+        levels: Number of levels of detail, 1 to 8, each with voxels four times as large as the one before. Levels of fewer
+            than 256 texels are left out.
+        assume_ground: Whether shadows below the last surface of a column may be left out.
+        closed_regions: Whether points inside closed solids may be lit or shadowed, whichever is smaller.
+        receivers: ``"all"``: every point in space is answered. ``"static"``: only points on static surfaces, with normals,
+            for filters up to 9.
+        bounds: Cover this box instead of the scene: (x0, y0, z0, x1, y1, z1), or two corners. Casters outside it towards the
+            sun still cast shadows into it.
+        frame: ``"light"``: columns along the light, in a plane across it. ``"oblique"``: over level ground. ``"auto"``:
+            whichever file a forecast says is smaller, and light below 5 degrees of sun.
+        yaw: Oblique frame: turn of the grid in degrees, -180 to 180, from +X to the grid's x axis, towards +Z. Without it,
+            along most of the scene's edges.
+        at_rest: How ``output`` is stored, and how :meth:`ShadowFile.save` stores it by default. ``"coded"`` is about a third
+            of the bytes of ``"raw"``.
+        output: The shadow file to write. An earlier file is replaced whole, once the bake has succeeded.
+        cache: Folder with what earlier bakes have made. It is created if it is not there. An edit of a scene bakes only the
+            parts that the edit touches.
+        max_memory: Largest number of bytes that the bake may hold. What does not fit is kept in temporary files, beside
+            ``output`` if that is given.
+        threads: Number of threads, 1 to 1024. All cores unless it is given.
+        progress: ``None``: a bar if ``tqdm`` is installed and stderr is a terminal. ``True``: a bar. ``False``: nothing. A
+            function is called with the number of finished tiles and of all, on the calling thread; what it raises stops the
+            bake.
+        **loading: Options for a scene that is given by its path, see :class:`LoadOptions`.
+
+    Returns:
+        The shadow file, in memory.
+
+    Raises:
+        ValueError: A value is out of its range, an index is out of range, or ``output`` is part of the scene.
+        TypeError: An array has the wrong kind of numbers, or options do not belong together.
+        FormatError: The scene's file is broken, or holds nothing that casts a shadow.
+        OSError: A file cannot be read or written.
+        MemoryLimitError: The bake does not fit its memory limit.
+        KeyboardInterrupt: Ctrl-C was pressed.
+    """
+    loaded = scene_of(scene, faces, dict(loading))
+    options = options_of(
+        loaded,
+        sun=sun,
+        azimuth=azimuth,
+        elevation=elevation,
+        resolution=resolution,
+        voxel_size=voxel_size,
+        thickness=thickness,
+        switch_within=switch_within,
+        levels=levels,
+        assume_ground=assume_ground,
+        closed_regions=closed_regions,
+        receivers=receivers,
+        bounds=bounds,
+        frame=frame,
+        yaw=yaw,
+        at_rest=at_rest,
+        max_memory=max_memory,
+    )
+    with reporting(progress) as report:
+        native = _native.bake(
+            loaded._native,
+            options,
+            None if output is None else os.fspath(output),
+            None if cache is None else os.fspath(cache),
+            threads_of(threads),
+            report,
+        )
+    return ShadowFile(native)
+
+
+def options_of(
+    scene: Scene,
+    *,
+    sun: ArrayLike | None = None,
+    azimuth: float | None = None,
+    elevation: float | None = None,
+    resolution: int = DEFAULT_RESOLUTION,
+    voxel_size: float | None = None,
+    thickness: float = 0.0,
+    switch_within: int = 0,
+    levels: int = 3,
+    assume_ground: bool = True,
+    closed_regions: bool = True,
+    receivers: str = "all",
+    bounds: ArrayLike | None = None,
+    frame: str = "auto",
+    yaw: float | None = None,
+    at_rest: str = "coded",
+    max_memory: int | None = None,
+) -> dict[str, Any]:
+    """Return the options of a bake as the native part takes them."""
+    if voxel_size is not None and resolution != DEFAULT_RESOLUTION:
+        raise ValueError("voxel_size: give it or a resolution, not both")
+    return {
+        "sun": choose_sun(scene, sun, azimuth, elevation),
+        "resolution": whole("resolution", resolution, 0, 2**63),
+        "voxel_size": None if voxel_size is None else float(voxel_size),
+        "thickness": float(thickness),
+        "switch_within": whole("switch_within", switch_within, 0, 65535),
+        "levels": whole("levels", levels, 1, 8),
+        "assume_ground": bool(assume_ground),
+        "closed_regions": bool(closed_regions),
+        "receivers": receivers,
+        "bounds": None if bounds is None else _corners(bounds),
+        "frame": frame,
+        "yaw": None if yaw is None else float(yaw),
+        "at_rest": at_rest,
+        "max_memory": memory_of(max_memory),
+    }
+
+
+def memory_of(max_memory: int | None) -> int | None:
+    """Return a number of bytes within its range."""
+    return None if max_memory is None else whole("max_memory", max_memory, 0, 2**63)
+
+
+def _corners(bounds: ArrayLike) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    box = np.asarray(bounds)
+    six = numbers("bounds", box.reshape(-1) if box.shape == (2, 3) else box, 6)
+    return six[:3], six[3:]

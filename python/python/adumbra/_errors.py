@@ -1,0 +1,25 @@
+"""The package's own exceptions and warnings."""
+
+
+class AdumbraError(Exception):
+    """Any error that Python has no exception of its own for, such as a bake that does not fit its memory limit."""
+
+
+class FormatError(AdumbraError, ValueError):
+    """A shadow file or a scene is broken, or is of another kind. The message says where, and what to do."""
+
+
+class MemoryLimitError(AdumbraError):
+    """A scene or a bake does not fit its memory limit, or has more than a file can hold."""
+
+
+class MissingPartsError(AdumbraError):
+    """Parts of a plan have not been baked yet, or their objects are damaged. Bake them, then link again."""
+
+
+class SceneWarning(UserWarning):
+    """A scene was loaded, but not all of it as it stands in its file."""
+
+
+for _class in (AdumbraError, FormatError, MemoryLimitError, MissingPartsError, SceneWarning):
+    _class.__module__ = "adumbra"

@@ -1,0 +1,280 @@
+"""Shadow files."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any, Literal
+from urllib.request import Request, urlopen
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _native
+from ._arrays import same_length, triples, whole
+from ._scene import LoadOptions, SceneLike, scene_of, threads_of
+from ._verify import Verification
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+Stored = Literal["coded", "raw"]
+Vector = tuple[float, float, float]
+
+
+class ShadowFile:
+    """A baked sun's shadows: which points see the sun.
+
+    :func:`bake` and :meth:`open` return one. It never changes, may be used from any number of threads, and can be pickled.
+    """
+
+    def __init__(self, native: _native.File) -> None:
+        self._native = native
+
+    @classmethod
+    def open(cls, path: str | os.PathLike[str], *, timeout: float = 60.0) -> ShadowFile:
+        """Read a shadow file.
+
+        Args:
+            path: The file, or an address that begins with ``http://`` or ``https://``.
+            timeout: Seconds after which a server that does not answer is given up.
+
+        Raises:
+            OSError: The file cannot be read; ``FileNotFoundError`` if there is none, ``urllib.error.URLError`` for an address.
+            FormatError: It is not a whole and valid shadow file.
+        """
+        if isinstance(path, str) and path.lower().startswith(("http://", "https://")):
+            with urlopen(Request(path, headers={"User-Agent": "adumbra"}), timeout=timeout) as answer:
+                return cls.from_bytes(answer.read())
+        return cls(_native.File.read(os.fspath(path)))
+
+    @classmethod
+    def from_bytes(cls, data: bytes) -> ShadowFile:
+        """Decode the bytes of a shadow file.
+
+        Raises:
+            FormatError: They are not exactly one valid shadow file.
+        """
+        return cls(_native.File.from_bytes(bytes(data)))
+
+    def to_bytes(self, at_rest: Stored | None = None) -> bytes:
+        """Return the bytes that :meth:`save` writes."""
+        return self._native.to_bytes(self.at_rest if at_rest is None else at_rest)
+
+    def save(self, path: str | os.PathLike[str], at_rest: Stored | None = None) -> int:
+        """Write the file, and return its length in bytes. An earlier file is replaced whole.
+
+        Args:
+            path: The file.
+            at_rest: ``"coded"``, which is about a third of the bytes, or ``"raw"``, as it is in memory. Without it, as the file
+                was baked or read.
+
+        Raises:
+            OSError: The file cannot be written.
+            ValueError: There is no such way to store it.
+        """
+        return self._native.write(os.fspath(path), self.at_rest if at_rest is None else at_rest)
+
+    def level(self, level: int) -> ShadowFile:
+        """Return a level of detail with all coarser ones. It shares the voxels, so this is cheap.
+
+        Args:
+            level: 0 is the finest. Each has voxels four times as large as the one before.
+
+        Raises:
+            IndexError: There is no such level.
+        """
+        found = self._native.level(level) if 0 <= level < self.levels else None
+        if found is None:
+            raise IndexError(f"level {level} is out of range; it must be from 0 to {self.levels - 1}")
+        return ShadowFile(found)
+
+    def visibility(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike | None = None,
+        filter: int = 5,
+        *,
+        bias_constant: float | None = None,
+        bias_slope: float | None = None,
+        bias_normal: float | None = None,
+    ) -> NDArray[np.float32]:
+        """Look up which points see the sun.
+
+        Runs on all cores; other Python threads run meanwhile. Contiguous arrays of float32 or float64 are read in place, and
+        must not be changed meanwhile; others are copied first. Points in the order of their places take less time.
+
+        Args:
+            points: Positions in world space, shape (N, 3), of any real type. Far from the origin, float32 rounds them to whole
+                voxels. A point that is not finite is lit.
+            normals: Unit normals of the surfaces that the points are on, shape (N, 3). They serve the slope bias and the plane
+                that the filter follows. A normal that is not finite is ignored. Leave them out for points in free space.
+            filter: Texels along the side of the square whose mean is returned: 1, 3, 5, 9 or 17.
+            bias_constant: Distance towards the sun by which points are moved first, 0 to 16 texels. The file's unless given.
+            bias_slope: Such a distance per unit of slope, 0 to 16 texels. The file's unless given.
+            bias_normal: Distance along the normal, 0 to 16 texels. The file's unless given.
+
+        Returns:
+            Visibilities, shape (N,), float32: 1 sees the sun, 0 does not.
+
+        Raises:
+            ValueError: A shape, the filter or a bias is out of range.
+            TypeError: An array does not hold real numbers.
+        """
+        places = triples("points", points)
+        upright = None if normals is None else triples("normals", normals)
+        same_length(places, upright)
+        look_up = _look_up(filter, bias_constant, bias_slope, bias_normal)
+        return self._native.visibility(places, upright, look_up)
+
+    def verify(
+        self,
+        scene: SceneLike,
+        *,
+        samples: int = 1_000_000,
+        seed: int = 1,
+        volume: bool = False,
+        filter: int = 1,
+        bias_constant: float | None = None,
+        bias_slope: float | None = None,
+        bias_normal: float | None = None,
+        min_interior: float | None = None,
+        threads: int | None = None,
+        **loading: Unpack[LoadOptions],
+    ) -> Verification:
+        """Compare the file with rays at random points, as ``adumbra verify`` does.
+
+        Other Python threads run meanwhile. Ctrl-C takes effect at the end: 100,000 samples are a matter of seconds.
+
+        Args:
+            scene: The scene that the file was baked from, loaded with the same options.
+            samples: Number of points, 1 to 10**9.
+            seed: Seed of the points, 0 to 2**64 - 1.
+            volume: Take points in free space instead of points on surfaces, for files baked with ``assume_ground=False``.
+            filter: Filter of the look-ups, see :meth:`visibility`.
+            bias_constant: See :meth:`visibility`.
+            bias_slope: See :meth:`visibility`.
+            bias_normal: See :meth:`visibility`.
+            min_interior: Agreement of interior points, 0 to 1, below which :attr:`Verification.holds` is false. 0.999, or 0.995
+                with a filter, unless it is given.
+            threads: Number of threads, 1 to 1024. All cores unless it is given.
+            **loading: Options for a scene that is given by its path, see :class:`LoadOptions`.
+
+        Raises:
+            ValueError: A value is out of range, or ``volume`` is asked of a file that was baked with ground assumed.
+            OSError: The scene cannot be read.
+            FormatError: The scene is broken.
+        """
+        if volume and self._native.assume_ground:
+            raise ValueError(
+                "volume: the file was baked with ground assumed, so it promises nothing about points in free space; "
+                "bake it with assume_ground=False"
+            )
+        if min_interior is not None and not 0.0 <= min_interior <= 1.0:
+            raise ValueError(f"min_interior: {min_interior} is out of range; it must be from 0 to 1")
+        options = {
+            "samples": whole("samples", samples, 1, 10**9),
+            "seed": whole("seed", seed, 0, 2**64 - 1),
+            "volume": bool(volume),
+            "min_interior": None if min_interior is None else float(min_interior),
+            "threads": threads_of(threads),
+        }
+        look_up = _look_up(filter, bias_constant, bias_slope, bias_normal)
+        loaded = scene_of(scene, None, dict(loading))
+        json, checked, holds = _native.verify(self._native, loaded._native, look_up, options)
+        return Verification._of(json, checked, holds)
+
+    @property
+    def sun(self) -> Vector:
+        """The unit vector towards the sun, in world space."""
+        x, y, z = self._native.sun
+        return x, y, z
+
+    @property
+    def resolution(self) -> int:
+        """Texels on the longest side of the scene as the sun sees it."""
+        return self._native.resolution
+
+    @property
+    def size(self) -> tuple[int, int, int]:
+        """Number of voxels along x, y and z of the grid; z is along the light."""
+        x, y, z = self._native.size
+        return x, y, z
+
+    @property
+    def voxel_size(self) -> float:
+        """Edge of a voxel, in world units."""
+        return self._native.voxel_size
+
+    @property
+    def levels(self) -> int:
+        """Number of levels of detail, at least 1."""
+        return self._native.levels
+
+    @property
+    def bytes(self) -> int:
+        """Length of the file in bytes, stored as :attr:`at_rest` says."""
+        return self._native.stored_bytes
+
+    @property
+    def at_rest(self) -> Stored:
+        """How the file was baked or read, and how :meth:`save` writes it by default: ``"coded"`` or ``"raw"``."""
+        return self._native.at_rest
+
+    @property
+    def frame(self) -> Literal["light", "oblique"]:
+        """How the grid lies in the world: across the light, or over level ground."""
+        return self._native.frame
+
+    @property
+    def yaw(self) -> float | None:
+        """Turn of an oblique grid in degrees, from +X to its x axis, towards +Z."""
+        return self._native.yaw
+
+    @property
+    def bounds(self) -> tuple[Vector, Vector] | None:
+        """The two corners of the box that was given to the bake, in world units, if one was."""
+        found = self._native.bounds
+        if found is None:
+            return None
+        low, high = found
+        return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+    @property
+    def bias(self) -> Vector:
+        """The look-up bias that the file was baked for, in texels: constant, per unit of slope, along the normal."""
+        return self._native.bias
+
+    @property
+    def triangles(self) -> int:
+        """Number of triangles that were baked, with those of every instance."""
+        return self._native.triangles
+
+    @property
+    def settings(self) -> dict[str, Any]:
+        """The other settings of the bake, named as the arguments of :func:`bake`."""
+        names = ("thickness", "switch_within", "assume_ground", "closed_regions", "receivers", "ignore_alpha")
+        return {name: getattr(self._native, name) for name in names}
+
+    def __eq__(self, other: object) -> bool:
+        return self._native == other._native if isinstance(other, ShadowFile) else NotImplemented
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _with_bytes, (self.to_bytes(),)
+
+    def __repr__(self) -> str:
+        sun = ", ".join(f"{c:.4g}" for c in self.sun)
+        return f"<adumbra.ShadowFile of {self.resolution} texels for the sun ({sun}), voxels of {self.voxel_size:.4g}>"
+
+
+def _with_bytes(data: bytes) -> ShadowFile:
+    """Make a file of its bytes again, when it is unpickled."""
+    return ShadowFile.from_bytes(data)
+
+
+def _look_up(
+    filter: int, constant: float | None, slope: float | None, normal: float | None
+) -> tuple[int, tuple[float | None, float | None, float | None]]:
+    terms = [None if term is None else float(term) for term in (constant, slope, normal)]
+    return whole("filter", filter, 0, 2**32 - 1), (terms[0], terms[1], terms[2])

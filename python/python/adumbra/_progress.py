@@ -1,0 +1,44 @@
+"""Bars of progress."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Union
+
+Report = Callable[[int, int], object]
+"""Called with the number of finished tiles, or parts of a plan, and of all."""
+
+Progress = Union[bool, Report, None]
+"""Whether to show progress, or what to tell it."""
+
+
+@contextmanager
+def reporting(progress: Progress, unit: str = "tile") -> Iterator[Report | None]:
+    """Provide what is told of the progress: a bar of ``tqdm``, the caller's own function, or nothing."""
+    if callable(progress):
+        yield progress
+        return
+    if progress is None:
+        progress = sys.stderr is not None and sys.stderr.isatty()
+        wanted = False
+    else:
+        wanted = progress
+    if not progress:
+        yield None
+        return
+    try:
+        from tqdm.auto import tqdm
+    except ImportError:
+        if wanted:
+            raise ImportError("progress=True shows a bar of tqdm, which is not installed; pip install tqdm") from None
+        yield None
+        return
+    with tqdm(desc="bake", unit=unit, leave=False) as bar:
+
+        def report(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        yield report

@@ -1,0 +1,163 @@
+//! Bakes.
+
+use std::io::{Cursor, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use adumbra::{Bounds, Receivers, Sun};
+use adumbra_bake::{
+    BakeOptions, FolderObjects, FrameChoice, Objects, Size, Watch, bake_to, bake_with_objects,
+};
+use adumbra_files::{check_output, folder_of, same_file, target_of};
+use pyo3::prelude::*;
+
+use crate::errors::Failure;
+use crate::file::{File, at_rest};
+use crate::pool::pool;
+use crate::scene::Scene;
+use crate::watch::watched;
+
+/// The options of a bake, as Python gives them.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub(crate) struct Options {
+    sun: [f64; 3],
+    resolution: u64,
+    voxel_size: Option<f64>,
+    thickness: f64,
+    switch_within: u32,
+    levels: u32,
+    assume_ground: bool,
+    closed_regions: bool,
+    receivers: String,
+    bounds: Option<([f64; 3], [f64; 3])>,
+    frame: String,
+    yaw: Option<f64>,
+    at_rest: String,
+    max_memory: Option<u64>,
+}
+
+impl Options {
+    /// Returns the options of a bake.
+    pub(crate) fn for_bake(
+        &self,
+        ignore_alpha: bool,
+        spill_folder: Option<PathBuf>,
+    ) -> Result<BakeOptions, Failure> {
+        let size = self.voxel_size.map_or(Size::Resolution(self.resolution), Size::VoxelSize);
+        let frame = match (&*self.frame, self.yaw) {
+            ("auto", None) => FrameChoice::Auto,
+            ("light", None) => FrameChoice::Light,
+            ("oblique", None) => FrameChoice::Oblique,
+            ("oblique", Some(degrees)) => FrameChoice::ObliqueAt(degrees.to_radians()),
+            ("auto" | "light", Some(_)) => {
+                let what = format!("yaw does not apply to frame={:?}; give frame=\"oblique\"", self.frame);
+                return Err(Failure::Value(what));
+            }
+            (other, _) => {
+                let what = format!("frame: {other:?} must be \"auto\", \"light\" or \"oblique\"");
+                return Err(Failure::Value(what));
+            }
+        };
+        let receivers = match &*self.receivers {
+            "all" => Receivers::All,
+            "static" => Receivers::Static,
+            other => {
+                return Err(Failure::Value(format!("receivers: {other:?} must be \"all\" or \"static\"")));
+            }
+        };
+        Ok(BakeOptions {
+            frame,
+            thickness_world: self.thickness,
+            switch_within_voxels: self.switch_within,
+            levels: self.levels,
+            at_rest: at_rest(&self.at_rest)?,
+            assume_ground: self.assume_ground,
+            closed_regions: self.closed_regions,
+            ignore_alpha,
+            receivers,
+            bounds: self.bounds.map(|(min, max)| Bounds { min, max }),
+            max_memory_bytes: self.max_memory,
+            spill_folder,
+            ..BakeOptions::new(Sun::from_direction(self.sun)?, size)
+        })
+    }
+}
+
+/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished tiles and of all.
+#[pyfunction]
+pub(crate) fn bake(
+    py: Python<'_>,
+    scene: &Scene,
+    options: Options,
+    output: Option<PathBuf>,
+    cache: Option<PathBuf>,
+    threads: Option<usize>,
+    report: Option<Py<PyAny>>,
+) -> PyResult<File> {
+    // The system's temporary folder may be in memory. The folder of the output is on a disk.
+    let spill = output.as_deref().map(|path| folder_of(&target_of(path).unwrap_or_else(|_| path.to_owned())));
+    let options = options.for_bake(scene.ignore_alpha, spill)?;
+    watched(py, report, |watch| {
+        if let Some(output) = &output {
+            check(scene, output)?;
+        }
+        let cache = cache.map(FolderObjects::create).transpose()?;
+        let cache = cache.map(|folder| Arc::new(folder) as Arc<dyn Objects>);
+        let job = Job { scene: &scene.scene, options: &options, cache: cache.as_ref(), watch };
+        pool(threads)?.install(|| match &output {
+            Some(output) => File::staged(output, |out| job.write(out)),
+            None => job.in_memory(),
+        })
+    })
+}
+
+/// Refuses an output that cannot be written.
+#[pyfunction]
+pub(crate) fn check_path(py: Python<'_>, scene: &Scene, output: PathBuf) -> PyResult<()> {
+    watched(py, None, |_| check(scene, &output))
+}
+
+/// Refuses an output that cannot be written, and one that would replace the scene or a file that it names.
+fn check(scene: &Scene, output: &Path) -> Result<(), Failure> {
+    refuse_scene(scene, output)?;
+    Ok(check_output(output)?)
+}
+
+fn refuse_scene(scene: &Scene, output: &Path) -> Result<(), Failure> {
+    let Some(path) = &scene.path else { return Ok(()) };
+    let folder = folder_of(path);
+    let named = scene.scene.notes.named_files.iter().map(|name| folder.join(name));
+    match std::iter::once(path.clone()).chain(named).find(|input| same_file(input, output)) {
+        Some(input) => Err(Failure::Value(format!(
+            "output {:?} would overwrite {:?}, which is part of the scene; give another path",
+            output.display(),
+            input.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// A bake.
+struct Job<'a> {
+    scene: &'a adumbra_scene::Scene,
+    options: &'a BakeOptions,
+    cache: Option<&'a Arc<dyn Objects>>,
+    watch: Watch<'a>,
+}
+
+impl Job<'_> {
+    fn in_memory(&self) -> Result<File, Failure> {
+        let mut bytes = Cursor::new(Vec::new());
+        self.write(&mut bytes)?;
+        Ok(File::decode(&bytes.into_inner())?)
+    }
+
+    fn write(&self, out: impl Write + Seek) -> adumbra_bake::Result<u64> {
+        let written = match self.cache {
+            Some(cache) => bake_with_objects(self.scene, self.options, cache, self.watch, out),
+            None => bake_to(self.scene, self.options, self.watch, out),
+        };
+        written.map(|written| written.bytes)
+    }
+}

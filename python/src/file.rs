@@ -1,0 +1,308 @@
+//! Shadow files and look-ups in them.
+
+use std::path::{Path, PathBuf};
+use std::{fs, io};
+
+use adumbra::file::sections::read_file;
+use adumbra::file::{HEADER_BYTES, Header};
+use adumbra::{AtRest, Bias, Filter, Frame, IoError, Receivers, Sampler, ShadowFile};
+use adumbra_files::{StagedFile, replace_file};
+use numpy::{PyArray1, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use rayon::prelude::*;
+
+use crate::arrays::{Triples, TriplesArray};
+use crate::errors::Failure;
+use crate::pool::pool;
+use crate::watch::watched;
+
+/// Points that are looked up one after the other: a look-up remembers the position of the last.
+const BATCH: usize = 1 << 12;
+/// Points that are looked up before Python is asked whether it was interrupted.
+const BLOCK: usize = 1 << 20;
+
+/// A shadow file in memory.
+#[pyclass(frozen, module = "adumbra._native")]
+pub(crate) struct File {
+    pub(crate) file: ShadowFile,
+    at_rest: AtRest,
+    /// Length of the file that it was read from or baked into. A level was in no file by itself.
+    stored_bytes: Option<u64>,
+}
+
+/// A bias in texels: constant, per unit of slope, along the normal. What is not given is the file's.
+pub(crate) type GivenBias = (Option<f64>, Option<f64>, Option<f64>);
+
+/// How a look-up filters, and the bias that it was given.
+pub(crate) type LookUp = (u32, GivenBias);
+
+impl File {
+    /// Decodes the bytes of a file.
+    pub(crate) fn decode(bytes: &[u8]) -> Result<Self, adumbra::FormatError> {
+        let file = ShadowFile::from_bytes(bytes)?;
+        let at_rest = Header::parse(bytes)?.at_rest;
+        Ok(Self { file, at_rest, stored_bytes: Some(bytes.len() as u64) })
+    }
+
+    /// Writes a file that replaces an earlier one once it is whole, and reads it.
+    pub(crate) fn staged(
+        output: &Path,
+        write: impl FnOnce(&mut fs::File) -> adumbra_bake::Result<u64>,
+    ) -> Result<Self, Failure> {
+        let mut stopped = None;
+        let staged = StagedFile::new(output, |out| match write(out) {
+            Ok(bytes) => Ok(bytes),
+            Err(adumbra_bake::Error::Output(error)) => Err(error),
+            Err(error) => {
+                stopped = Some(error);
+                Err(io::Error::other("the file was not finished"))
+            }
+        });
+        // What stopped the work says more than that its file is not complete.
+        if let Some(error) = stopped {
+            return Err(error.into());
+        }
+        StagedFile::place([staged?])?;
+        let bytes = fs::read(output).map_err(IoError::at("read", output))?;
+        Ok(Self::decode(&bytes)?)
+    }
+
+    /// Returns look-ups.
+    pub(crate) fn sampler(&self, (filter, (constant, slope, normal)): LookUp) -> Result<Sampler, Failure> {
+        let of_file = self.file.settings.bias;
+        let bias = Bias {
+            constant_texels: constant.unwrap_or(of_file.constant_texels),
+            slope_texels: slope.unwrap_or(of_file.slope_texels),
+            normal_offset_texels: normal.unwrap_or(of_file.normal_offset_texels),
+        };
+        Ok(self.file.sampler(Filter::try_from(filter)?).with_bias(bias)?)
+    }
+}
+
+/// Returns how a file is stored, by its name.
+pub(crate) fn at_rest(name: &str) -> Result<AtRest, Failure> {
+    match name {
+        "coded" => Ok(AtRest::Coded),
+        "raw" => Ok(AtRest::Raw),
+        _ => Err(Failure::Value(format!("at_rest: {name:?} must be \"coded\" or \"raw\""))),
+    }
+}
+
+#[pymethods]
+impl File {
+    /// Reads a file.
+    #[staticmethod]
+    fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        watched(py, None, |_| {
+            // The header first, so that a large file of another kind is refused without being read.
+            let bytes = read_file(&path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
+            let file = pool(None)?.install(|| Self::decode(&bytes));
+            file.map_err(|source| Failure::Reader(adumbra::Error::Format { path, source: Box::new(source) }))
+        })
+    }
+
+    /// Decodes the bytes of a file.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, data: &[u8]) -> PyResult<Self> {
+        watched(py, None, |_| Ok(pool(None)?.install(|| Self::decode(data))?))
+    }
+
+    /// Returns the bytes of the file.
+    fn to_bytes<'py>(&self, py: Python<'py>, stored: &str) -> PyResult<Bound<'py, PyBytes>> {
+        let at_rest = at_rest(stored)?;
+        let bytes = watched(py, None, |_| Ok(pool(None)?.install(|| self.file.to_bytes(at_rest))?))?;
+        Ok(PyBytes::new(py, &bytes))
+    }
+
+    /// Writes the file. An earlier file is replaced whole.
+    fn write(&self, py: Python<'_>, path: PathBuf, stored: &str) -> PyResult<u64> {
+        let at_rest = at_rest(stored)?;
+        watched(py, None, |_| {
+            let write = || replace_file(&path, |out| self.file.write_to(out, at_rest));
+            Ok(pool(None)?.install(write)?)
+        })
+    }
+
+    /// Returns a level of detail with the coarser ones, or `None` if there is no such level.
+    fn level(&self, level: u32) -> Option<Self> {
+        let file = self.file.level(level)?;
+        Some(Self { file, at_rest: self.at_rest, stored_bytes: self.stored_bytes.filter(|_| level == 0) })
+    }
+
+    /// Returns the visibility of points.
+    fn visibility<'py>(
+        &self,
+        py: Python<'py>,
+        points: TriplesArray<'py>,
+        normals: Option<TriplesArray<'py>>,
+        given: LookUp,
+    ) -> PyResult<Bound<'py, PyArray1<f32>>> {
+        let sampler = self.sampler(given)?;
+        look_up(py, &points, normals.as_ref(), |points, normals, out| {
+            sampler.visibilities(points, normals, out)
+        })
+    }
+
+    /// The unit vector towards the sun.
+    #[getter]
+    fn sun(&self) -> [f64; 3] {
+        self.file.sun().towards()
+    }
+
+    /// Texels on the longest side of the scene in the light's plane.
+    #[getter]
+    fn resolution(&self) -> u32 {
+        self.file.settings.resolution
+    }
+
+    /// Voxels along x, y and z of the grid.
+    #[getter]
+    fn size(&self) -> [u32; 3] {
+        self.file.grid.size
+    }
+
+    /// Edge of a voxel, world units.
+    #[getter]
+    fn voxel_size(&self) -> f64 {
+        self.file.grid.voxel_size
+    }
+
+    /// Number of levels of detail.
+    #[getter]
+    fn levels(&self) -> u32 {
+        self.file.level_count()
+    }
+
+    /// Length in bytes, stored as the file was.
+    #[getter]
+    fn stored_bytes(&self, py: Python<'_>) -> PyResult<u64> {
+        match self.stored_bytes {
+            Some(bytes) => Ok(bytes),
+            None => watched(py, None, |_| {
+                Ok(pool(None)?.install(|| self.file.to_bytes(self.at_rest))?.len() as u64)
+            }),
+        }
+    }
+
+    /// How the file was stored: "coded" or "raw".
+    #[getter]
+    fn at_rest(&self) -> &'static str {
+        match self.at_rest {
+            AtRest::Coded => "coded",
+            AtRest::Raw => "raw",
+        }
+    }
+
+    /// "light" or "oblique".
+    #[getter]
+    fn frame(&self) -> &'static str {
+        self.file.grid.frame.name()
+    }
+
+    /// Turn of an oblique grid, degrees.
+    #[getter]
+    fn yaw(&self) -> Option<f64> {
+        match self.file.grid.frame {
+            Frame::Light => None,
+            Frame::Oblique { yaw_radians } => Some(yaw_radians.to_degrees()),
+        }
+    }
+
+    /// The box that was given to the bake.
+    #[getter]
+    fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
+        self.file.settings.bounds.map(|bounds| (bounds.min, bounds.max))
+    }
+
+    /// The bias in texels: constant, per unit of slope, along the normal.
+    #[getter]
+    fn bias(&self) -> (f64, f64, f64) {
+        let bias = self.file.settings.bias;
+        (bias.constant_texels, bias.slope_texels, bias.normal_offset_texels)
+    }
+
+    /// Number of triangles that were baked.
+    #[getter]
+    fn triangles(&self) -> u64 {
+        self.file.settings.triangles
+    }
+
+    /// Depth below open surfaces at which shadows may begin, world units.
+    #[getter]
+    fn thickness(&self) -> f64 {
+        self.file.settings.thickness_world
+    }
+
+    /// Whether no surface was assumed behind the last one of a column.
+    #[getter]
+    fn assume_ground(&self) -> bool {
+        self.file.settings.assume_ground
+    }
+
+    /// Whether the insides of closed solids are free.
+    #[getter]
+    fn closed_regions(&self) -> bool {
+        self.file.settings.closed_regions
+    }
+
+    /// Whether masked materials count as opaque.
+    #[getter]
+    fn ignore_alpha(&self) -> bool {
+        self.file.settings.ignore_alpha
+    }
+
+    /// Which points the file answers: "all" or "static".
+    #[getter]
+    fn receivers(&self) -> &'static str {
+        match self.file.settings.receivers {
+            Receivers::All => "all",
+            Receivers::Static => "static",
+        }
+    }
+
+    /// Voxels within which a column switches to shadow; 0 is no limit.
+    #[getter]
+    fn switch_within(&self) -> u32 {
+        self.file.settings.switch_within_voxels
+    }
+
+    fn __eq__(&self, other: &Self) -> bool {
+        self.file == other.file
+    }
+}
+
+/// Returns the visibility of points on all cores. `fill` looks up some that follow each other.
+pub(crate) fn look_up<'py>(
+    py: Python<'py>,
+    points: &TriplesArray<'py>,
+    normals: Option<&TriplesArray<'py>>,
+    fill: impl Fn(&[[f64; 3]], Option<&[[f64; 3]]>, &mut [f32]) -> adumbra::Result<()> + Sync,
+) -> PyResult<Bound<'py, PyArray1<f32>>> {
+    let points = points.rows()?;
+    let normals = normals.map(TriplesArray::rows).transpose()?;
+    if let Some(other) = normals.map(Triples::len).filter(|&n| n != points.len()) {
+        let what = format!("normals: {other} rows for {} points; give one for each point", points.len());
+        return Err(Failure::Value(what).into());
+    }
+    let pool = pool(None)?;
+    let array = PyArray1::<f32>::zeros(py, points.len(), false);
+    let mut out = array.readwrite();
+    for (block, out) in out.as_slice_mut()?.chunks_mut(BLOCK).enumerate() {
+        let batches = out.par_chunks_mut(BATCH).enumerate();
+        let work = || {
+            batches.try_for_each_init(
+                || (Vec::new(), Vec::new()),
+                |(of_points, of_normals), (batch, out)| {
+                    let start = block * BLOCK + batch * BATCH;
+                    let range = start..start + out.len();
+                    let normals = normals.map(|normals| normals.range(range.clone(), of_normals));
+                    fill(points.range(range, of_points), normals, out)
+                },
+            )
+        };
+        py.detach(|| pool.install(work)).map_err(Failure::from)?;
+        py.check_signals()?;
+    }
+    Ok(array)
+}

@@ -1,0 +1,68 @@
+"""The notebook and the guides: what they show works."""
+
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import time
+from pathlib import Path
+from typing import Any
+
+import nbclient
+import nbformat
+import pytest
+from conftest import Program
+
+from adumbra_farm.__main__ import parser
+
+ROOT = Path(__file__).parent.parent
+GUIDES = ROOT.parent / "docs" / "guides"
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_notebook_runs() -> None:
+    scene = Path(os.environ.get("ADUMBRA_SHARED", "shared")) / "scenes" / "delft.glb"
+    if not scene.is_file():
+        pytest.skip(f"{scene.absolute()} is not there; let ADUMBRA_SHARED name the folder that has scenes/delft.glb")
+    notebook = nbformat.read(ROOT / "notebooks" / "shade_on_delft.ipynb", as_version=4)  # type: ignore[no-untyped-call]
+    start = time.perf_counter()
+    client = nbclient.NotebookClient(notebook, timeout=60)
+    done: Any = client.execute(cwd=str(scene.parent))
+    assert time.perf_counter() - start < 60
+    outputs = [output for cell in done.cells for output in cell.get("outputs", [])]
+    assert sum("image/png" in output.get("data", {}) for output in outputs) == 2
+    agreements = [float(a) for o in outputs for a in re.findall(r"([\d.]+) % of the points that face", o.get("text", ""))]
+    assert len(agreements) == 3 and min(agreements) > 99
+
+
+@pytest.mark.parametrize(("name", "least"), [("python.md", 5), ("farms.md", 2)])
+def test_the_guides_run(name: str, least: int, program: Program, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    program("generate", "city", "-o", tmp_path / "city.glb")
+    monkeypatch.chdir(tmp_path)
+    guide = GUIDES / name
+    blocks = re.findall(r"^```python\n(.*?)^```$", guide.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE)
+    assert len(blocks) >= least
+    names: dict[str, Any] = {}
+    for block in blocks:
+        exec(compile(block, str(guide), "exec"), names)
+    output = "city.adumbra" if name == "python.md" else "steps.adumbra"
+    assert names["shadows"].bytes == (tmp_path / output).stat().st_size
+
+
+def test_the_guide_to_sun_hours_runs(city: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("pandas")
+    monkeypatch.chdir(city.parent)
+    (block,) = re.findall(r"^```python\n(.*?)^```$", (GUIDES / "sun-on-my-street.md").read_text("utf-8"), re.DOTALL | re.MULTILINE)
+    names: dict[str, Any] = {}
+    exec(compile(block, "sun-on-my-street.md", "exec"), names)
+    assert names["day"].hours.shape == (2,) and names["skies"].patches.shape == (2, 577)
+
+
+def test_the_commands_of_adumbra_farm_are_right() -> None:
+    guide = (GUIDES / "farms.md").read_text(encoding="utf-8")
+    commands = re.findall(r"^adumbra-farm (.*)$", guide, re.MULTILINE)
+    assert len(commands) >= 2
+    for command in commands:
+        given = parser().parse_args(shlex.split(command))
+        assert given.output.endswith("city.adumbra")

@@ -1,0 +1,37 @@
+"""Sun paths: the bytes and the answers of the program."""
+
+from __future__ import annotations
+
+from datetime import datetime, timezone
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import Program
+
+import adumbra
+
+
+def test_a_path_is_that_of_the_program(city: Path, program: Program, tmp_path: Path) -> None:
+    output, saved = tmp_path / "day.adumbra", tmp_path / "saved.adumbra"
+    words = "lat=48,lon=11,date=2026-03-20,from=12,to=12:30"
+    program("bake", city, "--sun-path", words, "--resolution", 512, "-o", output)
+    path = adumbra.bake_path(city, lat=48, lon=11, date="2026-03-20", from_=12, to="12:30", resolution=512)
+    assert path.save(saved) == output.stat().st_size and saved.read_bytes() == output.read_bytes()
+    again = adumbra.SunPath.open(output)
+    assert np.array_equal(again.keys, path.keys) and len(path.keys) >= 2
+    points = np.random.default_rng(1).uniform((-100, 0, -100), (100, 30, 100), (20_000, 3))
+    points.tofile(tmp_path / "points")
+    time = datetime(2026, 3, 20, 11, 13, tzinfo=timezone.utc)
+    for width in (1, 5):
+        given = ["--points-f64", tmp_path / "points", "--filter", width, "-o", tmp_path / "answers"]
+        program("query", output, "--time", "12:13", *given)
+        found = again.visibility(points, time, filter=width)
+        assert np.array_equal(found, np.fromfile(tmp_path / "answers", np.float32)) and 0 < found.mean() < 1
+    sun = path.sun_at(time)
+    assert sun is not None and sun[1] > 0.5 and path.sun_at(datetime(2026, 3, 20, 20, 0)) is None
+    assert (path.visibility(points, time, filter=1, quick=True) == path.visibility(points, time, filter=1)).mean() > 0.99
+    with pytest.raises(ValueError, match="not on the path"):
+        path.visibility(points, datetime(2026, 3, 21))
+    with pytest.raises(ValueError, match="path_error"):
+        adumbra.bake_path(city, lat=48, lon=11, date="2026-03-20", from_=12, to=13, path_error=0)
