@@ -44,6 +44,7 @@ fn edits(baker: &Baker, random: &mut Random) -> Edits {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn edited_files_are_those_of_fresh_bakes() {
     let mut baker = Baker::new(generate(GeneratedKind::City, 3), &options(1024)).unwrap();
     let error = baker.file().map(|_| ()).unwrap_err();

@@ -28,6 +28,7 @@ fn depths_file_is_read_as_it_was_written() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn coded_file_has_the_words_of_the_raw_one() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let kinds = [GeneratedKind::City, GeneratedKind::Landscape];

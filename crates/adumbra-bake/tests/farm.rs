@@ -41,6 +41,7 @@ fn store() -> Arc<dyn Objects> {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn parts_in_any_order_link_to_the_bytes_of_one_bake() {
     let bounds = Some(Bounds { min: [-90.0, -1.0, -80.0], max: [70.0, 60.0, 90.0] });
     let cases = [
@@ -176,6 +177,7 @@ fn plans_that_were_changed_are_refused() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(4096));
     let plan = BakePlan::new(&scene, &options).unwrap();
@@ -199,6 +201,7 @@ fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn memory_limit_of_linking_spills_and_changes_no_byte() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(8192));
     let plan = BakePlan::new(&scene, &options).unwrap();

@@ -118,6 +118,7 @@ fn options(frame: FrameChoice, voxels: f64) -> BakeOptions {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn regions_answer_as_one_file_does() {
     let shadowed = assert_answers_are_equal(
         &generate(GeneratedKind::City, 3),
@@ -189,6 +190,7 @@ fn worlds_too_wide_for_a_file_are_cut_into_regions() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn parts_of_a_region_link_to_the_bytes_of_its_bake() {
     let scene = generate(GeneratedKind::City, 3);
     let plan = RegionPlan::new(&scene, &options(FrameChoice::Oblique, 4096.0), TEXELS).unwrap();

@@ -124,6 +124,7 @@ fn look_ups_beside_a_file_end_nowhere() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn look_ups_in_trees_end_in_the_largest_cube_that_is_uniform() {
     let rings = Detail::Rings { center_xz: [0.0, 0.0], radii: vec![20.0, 60.0] };
     for detail in [Detail::Uniform, rings] {

@@ -32,6 +32,7 @@ fn share_of_packed(dag: &Dag) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn packed_bakes_answer_alike_whatever_the_options() {
     for kind in [GeneratedKind::City, GeneratedKind::Primitives] {
         let scene = generate(kind, 1);

@@ -387,6 +387,7 @@ impl Classify for Noise {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn texture_round_trip_of_a_tree_of_a_hundred_megabytes() {
     let depth = 10;
     let tree = Builder::Pooled.tree(&Noise { height: 176 }, depth, true).unwrap().number(depth);

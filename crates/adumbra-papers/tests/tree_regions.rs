@@ -125,6 +125,7 @@ fn tree_regions_side_by_side_have_no_coarse_seam() {
 
 /// Every cube that the pyramid decides has cells with the same answer: with regions, given bounds, and several suns.
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn tree_pruned_and_exhaustive_builds_agree_everywhere() {
     let regions = Detail::Regions(vec![
         Region { x: [-3.3, 4.1], z: [-2.2, 5.9], depth: 8 },
@@ -155,6 +156,7 @@ fn tree_pruned_and_exhaustive_builds_agree_everywhere() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn tree_regions_are_queried_without_seams() {
     let scene = generate(GeneratedKind::Landscape, 1);
     let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![20.0, 45.0] };

@@ -42,6 +42,7 @@ fn city() -> Scene {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn moments_between_keys_are_about_as_right_as_the_keys() {
     let scene = city();
     let steps = afternoon(0, 40);
@@ -162,6 +163,7 @@ fn keys_are_not_close_where_closer_ones_do_no_better() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_follower_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
     let scene = Arc::new(generate(GeneratedKind::City, 1));
     let tracer = Tracer::build(&scene, TraceOptions::default());

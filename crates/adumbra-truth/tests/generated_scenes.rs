@@ -100,6 +100,7 @@ fn all_but_the_terrain_and_cards_is_solid() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn scenes_have_the_sizes_they_promise() {
     let count = |s: &Scene, what: &str| s.instances.iter().filter(|i| i.name.starts_with(what)).count();
     for seed in 0..6 {
@@ -148,6 +149,7 @@ fn forest_has_a_million_cards_on_a_thousand_solid_trunks() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn scenes_without_a_ground_rest_on_zero() {
     for (kind, seed) in WITHOUT_GROUND.into_iter().flat_map(|k| [1, 2, 3].map(|s| (k, s))) {
         let scene = generate(kind, seed);

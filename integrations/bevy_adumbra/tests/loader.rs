@@ -34,7 +34,7 @@ fn load(app: &mut App, path: String) -> Option<String> {
         match app.world().resource::<AssetServer>().load_state(&handle) {
             LoadState::Loaded => return None,
             LoadState::Failed(error) => return Some(error.to_string()),
-            _ => assert!(start.elapsed() < Duration::from_secs(30), "{path} does not load"),
+            _ => assert!(start.elapsed() < Duration::from_secs(300), "{path} does not load"),
         }
     }
 }

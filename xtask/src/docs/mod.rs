@@ -2,9 +2,8 @@
 //!
 //! The `sh` blocks of the README, of `docs/` and of `docs/guides/` run in order in a copy of the repository, one copy
 //! per document. The comment after each block says how it is checked ([`check`]). A block without such a comment is an
-//! error, and so is one that takes longer than [`MINUTES`]. A quick run uses what is already built, replaces numbers
-//! with smaller ones where a check gives them, and only has the arguments parsed of blocks marked `long`. The task also
-//! follows every link, looks up every verb and option that the text names in its program's help, and runs the examples.
+//! error, and so is one that takes longer than its [`Depth`] allows. The task also follows every link, looks up every verb
+//! and option that the text names in its program's help, and runs the examples.
 
 mod check;
 mod display;
@@ -25,6 +24,8 @@ use limit::{Interrupt, Limit};
 use markdown::{Block, Document};
 use shell::Clone;
 
+use crate::steps::{Cargo, PROFILE, target_folder};
+
 /// Folders whose documents are read.
 const FOLDERS: [&str; 6] = ["", "docs", "docs/guides", "docs/bench", "spec", "fuzz"];
 /// Folders whose documents' commands are run. Those of the fuzzer need another compiler.
@@ -39,29 +40,63 @@ const RUN_LABORATORY: &str = "cargo run --release -p adumbra-lab -- ";
 /// Option of both programs that ends them once their arguments are parsed.
 const PARSE_ONLY: &str = "--check-arguments";
 
-/// Time limit of a block in minutes: in a full run and in a quick run.
-const MINUTES: [u64; 2] = [20, 5];
+/// The document that is run however little is.
+const README: &str = "README.md";
+
+/// How much of the documents is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Depth {
+    /// Every command as it stands, in 20 minutes a block.
+    Full,
+    /// What is already built, with smaller numbers where a check gives them; of blocks marked `long` only the arguments are
+    /// parsed. 5 minutes a block.
+    Quick,
+    /// As `Quick`, but of all documents but the README only the arguments are parsed.
+    Parse,
+}
+
+impl Depth {
+    fn limit(self) -> Duration {
+        Duration::from_secs(60 * if self == Self::Full { 20 } else { 5 })
+    }
+
+    /// The profile of the programs, by the name of its folder.
+    fn profile(self) -> &'static str {
+        if self == Self::Full { "release" } else { PROFILE }
+    }
+}
 
 pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
     let interrupt = Interrupt::install()?;
-    let quick = words.first() == Some(&"--quick");
-    let named = &words[usize::from(quick)..];
+    let (depth, named) = match words {
+        ["--quick", named @ ..] => (Depth::Quick, named),
+        ["--parse", named @ ..] => (Depth::Parse, named),
+        named => (Depth::Full, named),
+    };
     let documents = read(root, named)?;
     let mut faults = links::faults(root, &documents);
-    build(root)?;
+    if depth == Depth::Full {
+        Cargo::new(root).run(&["build", "--release", "--workspace", "--bins", "--examples"])?;
+    } else {
+        Cargo::linting(root)?.run(&BUILD)?;
+    }
     let mut order: Vec<&PathBuf> = documents.keys().collect();
     order.sort();
     for path in order {
         if path.parent().is_some_and(|folder| RUN.iter().any(|run| Path::new(run) == folder)) {
-            faults.extend(run_document(root, path, &documents[path], quick, &interrupt)?);
+            faults.extend(run_document(root, path, &documents[path], depth, &interrupt)?);
         }
     }
     for name in [PRODUCT, LABORATORY] {
-        let program = Program { name, path: root.join("target/release").join(name), help: BTreeMap::new() };
+        let program = Program {
+            name,
+            path: target_folder(root).join(depth.profile()).join(name),
+            help: BTreeMap::new(),
+        };
         faults.extend(program.faults(&documents, named.is_empty()));
     }
     if named.is_empty() {
-        faults.extend(run_examples(root, &interrupt)?);
+        faults.extend(run_examples(root, depth, &interrupt)?);
     }
     if faults.is_empty() {
         return Ok(());
@@ -90,32 +125,29 @@ fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<d
 }
 
 /// Arguments of cargo that build the programs and the examples as the tests do.
-pub(crate) const BUILD: [&str; 5] = ["build", "--release", "--workspace", "--bins", "--examples"];
-
-fn build(root: &Path) -> Result<(), Box<dyn Error>> {
-    let status = crate::outside_cargo(&mut Command::new("cargo")).args(BUILD).current_dir(root).status()?;
-    if status.success() { Ok(()) } else { Err("the program does not build".into()) }
-}
+pub(crate) const BUILD: [&str; 7] =
+    ["build", "--quiet", "--profile", PROFILE, "--workspace", "--bins", "--examples"];
 
 /// Runs a document's blocks and returns everything that does not hold.
 fn run_document(
     root: &Path,
     path: &Path,
     document: &Document,
-    quick: bool,
+    depth: Depth,
     interrupt: &Interrupt,
 ) -> std::io::Result<Vec<String>> {
     let mut faults = Vec::new();
     if document.blocks.is_empty() {
         return Ok(faults);
     }
-    let mut clone = Clone::of(root, quick)?;
+    let mut clone = Clone::of(root, depth)?;
     if document.blocks.iter().flat_map(|b| &b.commands).any(|c| c.starts_with("adumbra view ")) {
         clone.open_display()?;
     }
     for block in &document.blocks {
         let start = Instant::now();
-        let found = run_block(&clone, block, quick, &interrupt.after(minutes(quick)));
+        let is_parsed_only = depth == Depth::Parse && path != Path::new(README);
+        let found = run_block(&clone, block, depth, is_parsed_only, &interrupt.after(depth.limit()));
         interrupt.check()?;
         let (place, seconds) = (format!("{}:{}", path.display(), block.line), start.elapsed().as_secs_f64());
         eprintln!("{place}: {} ({seconds:.1} s)", if found.is_empty() { "ok" } else { "failed" });
@@ -124,17 +156,14 @@ fn run_document(
     Ok(faults)
 }
 
-fn minutes(quick: bool) -> Duration {
-    Duration::from_secs(60 * MINUTES[usize::from(quick)])
-}
-
-fn run_block(clone: &Clone, block: &Block, quick: bool, limit: &Limit) -> Vec<String> {
+fn run_block(clone: &Clone, block: &Block, depth: Depth, is_parsed_only: bool, limit: &Limit) -> Vec<String> {
     let check =
         match block.check.as_deref().ok_or("no check follows this block".to_owned()).and_then(Check::parse) {
             Ok(check) => check,
             Err(fault) => return vec![fault],
         };
-    let parse_only = check.parse || quick && check.long;
+    let quick = depth != Depth::Full;
+    let parse_only = is_parsed_only || check.parse || quick && check.long;
     let mut commands = block.commands.clone();
     if quick {
         for (from, to) in &check.quick {
@@ -176,12 +205,12 @@ fn program_and_rest(command: &str) -> Option<(&'static str, &str)> {
     begins.into_iter().find_map(|(begin, program)| Some((program, command.strip_prefix(begin)?)))
 }
 
-fn run_examples(root: &Path, interrupt: &Interrupt) -> std::io::Result<Vec<String>> {
-    let clone = Clone::of(root, true)?;
+fn run_examples(root: &Path, depth: Depth, interrupt: &Interrupt) -> std::io::Result<Vec<String>> {
+    let clone = Clone::of(root, depth)?;
     let mut faults = Vec::new();
     for name in EXAMPLES {
         let start = Instant::now();
-        let output = clone.run(&format!("target/release/examples/{name}"), &interrupt.after(minutes(true)));
+        let output = clone.run(&format!("target/release/examples/{name}"), &interrupt.after(depth.limit()));
         interrupt.check()?;
         let fault = match output {
             Ok(output) if output.status.success() => None,
@@ -215,7 +244,7 @@ impl Program {
             }
         }
         if all {
-            let readme = documents.get(Path::new("README.md"));
+            let readme = documents.get(Path::new(README));
             let listed: Vec<&str> =
                 readme.map_or_else(Vec::new, |d| d.spans.iter().map(|s| s.1.as_str()).collect());
             for verb in self.verbs() {

@@ -9,17 +9,18 @@ use std::process::{Command, Output};
 
 use tempfile::TempDir;
 
+use super::Depth;
 use super::display::Display;
 use super::limit::Limit;
+use crate::steps::target_folder;
 
-/// A copy of what git would clone, with the `target` folder of the checkout that it is made from.
+/// A copy of what git would clone, with the programs of the checkout that it is made from in `target/release`.
 pub(crate) struct Clone {
     /// The checkout.
     root: PathBuf,
     folder: TempDir,
     path: OsString,
-    /// Whether files that are already built replace building them.
-    quick: bool,
+    depth: Depth,
     /// The display of documents that open windows.
     display: Option<Display>,
 }
@@ -36,7 +37,7 @@ pub(crate) enum Run {
 }
 
 impl Clone {
-    pub(crate) fn of(root: &Path, quick: bool) -> io::Result<Self> {
+    pub(crate) fn of(root: &Path, depth: Depth) -> io::Result<Self> {
         let folder = tempfile::Builder::new().prefix("adumbra-docs-").tempdir()?;
         let files = Command::new("git")
             .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
@@ -49,12 +50,14 @@ impl Clone {
             fs::create_dir_all(to.parent().unwrap_or(folder.path()))?;
             fs::copy(root.join(name), to)?;
         }
-        link(&root.join("target"), &folder.path().join("target"))?;
+        fs::create_dir(folder.path().join("target"))?;
+        let built = target_folder(root).join(depth.profile());
+        link(&built, &folder.path().join("target/release"))?;
         let programs = folder.path().join("target/release");
         let before = env::var_os("PATH").unwrap_or_default();
         let path = env::join_paths([programs].into_iter().chain(env::split_paths(&before)));
         let path = path.map_err(io::Error::other)?;
-        Ok(Self { root: root.to_owned(), path, folder, quick, display: None })
+        Ok(Self { root: root.to_owned(), path, folder, depth, display: None })
     }
 
     /// Starts a virtual display, on which windows open from now on.
@@ -70,7 +73,7 @@ impl Clone {
     /// Runs a command. A file that should have been built but was not is an error, and so is exceeding the time limit.
     pub(crate) fn run(&self, command: &str, limit: &Limit) -> Result<Output, String> {
         let done = Output { status: Default::default(), stdout: Vec::new(), stderr: Vec::new() };
-        match Run::of(command, &self.root, self.quick) {
+        match Run::of(command, &self.root, self.depth != Depth::Full) {
             Run::Task => Ok(done),
             Run::Built(file) if self.folder().join(&file).is_file() => Ok(done),
             Run::Built(file) => Err(format!("{file} is not built")),
@@ -109,7 +112,7 @@ impl Run {
             ["cargo", "run", "--release", "-p", "adumbra-lab", "--", rest @ ..] if quick => {
                 Self::Shell(format!("adumbra-lab {}", rest.join(" ")))
             }
-            // Builds in the checkout, whose `target` folder is linked here. The copy's sources would be built again and
+            // Builds in the checkout, whose programs are linked here. The copy's sources would be built again and
             // left behind there.
             ["cargo", verb @ ("build" | "run"), rest @ ..] => {
                 let manifest = root.join("Cargo.toml");

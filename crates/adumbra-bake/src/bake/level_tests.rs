@@ -54,6 +54,7 @@ fn answers(file: &ShadowFile) -> Vec<bool> {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn levels_answer_as_bakes_of_their_voxel_size() {
     let scene = generate(GeneratedKind::City, 1);
     for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.3)] {

@@ -70,6 +70,7 @@ impl Drop for Follower {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn followed_scenes_have_the_files_of_fresh_bakes() {
     let folder = Folder::new();
     let [scene, edits, output, fresh, next] =
@@ -109,6 +110,7 @@ fn followed_scenes_have_the_files_of_fresh_bakes() {
 
 /// Only where there is no file is one of the coarser levels better than none.
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn earlier_file_stays_until_all_levels_are_baked() {
     let folder = Folder::new();
     let (scene, output) = (folder.generate("city"), folder.write("city.adumbra", b"earlier"));

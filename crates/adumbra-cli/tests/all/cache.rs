@@ -5,6 +5,7 @@ use std::fs;
 use adumbra_testing::{Folder, adumbra, json};
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn cached_bakes_write_the_same_file_and_say_what_they_reused() {
     let folder = Folder::new();
     let (scene, cache) = (folder.generate("city"), folder.path("cache"));

@@ -26,6 +26,7 @@ fn planned(folder: &Folder, resolution: &str) -> (String, String, Vec<u8>) {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn shards_link_to_the_file_of_one_bake() {
     let folder = Folder::new();
     let (_, plan, whole) = planned(&folder, "2048");
@@ -80,6 +81,7 @@ fn plans_of_other_scenes_and_wrong_plans_are_refused() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn makefile_bakes_on_two_cores_and_continues() {
     if Command::new("make").arg("--version").stdout(Stdio::null()).status().is_err() {
         eprintln!("skipped: make is not installed");
@@ -237,6 +239,7 @@ impl Drop for SmallDisk {
 
 #[cfg(target_os = "linux")]
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn full_disks_lose_nothing() {
     let folder = Folder::new();
     let Some(disk) = SmallDisk::new(folder.path("disk")) else {
@@ -271,6 +274,7 @@ fn full_disks_lose_nothing() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn verbs_that_are_killed_continue() {
     killed_at_any_moment(4);
 }

@@ -16,6 +16,7 @@ fn refused(words: &[&str], expected_code: i32, what: &str) {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_day_is_baked_and_verified_and_answers_at_its_moments() {
     let folder = Folder::new();
     let (scene, day) = (folder.generate("city"), folder.path("day.adumbra"));

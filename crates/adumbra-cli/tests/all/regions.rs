@@ -18,6 +18,7 @@ fn bake(scene: &str, more: &[&str]) -> Value {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_world_in_regions_answers_as_one_file_does() {
     let folder = Folder::new();
     let (scene, world, whole) = (folder.generate("city"), folder.path("world.json"), folder.path("whole"));
@@ -62,6 +63,7 @@ fn a_world_in_regions_answers_as_one_file_does() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn shares_of_a_world_give_the_files_of_all_of_it() {
     let folder = Folder::new();
     let (scene, all, shared) = (folder.generate("city"), folder.path("all.json"), folder.path("shared.json"));

@@ -23,6 +23,7 @@ fn bake(folder: &Folder, scene: &str, day: &str, more: &[&str]) -> String {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("city"), folder.path("out"));
@@ -96,6 +97,7 @@ fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_sweep_bakes_what_it_needs_and_leaves_the_night_out() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("primitives"), folder.path("out"));

@@ -51,6 +51,7 @@ fn random(frame: &Frame, [near, far]: [f32; 2], seed: u64) -> (Vec<f32>, Vec<[f3
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn occlusion_on_the_gpu_is_the_cpu_s_on_random_depth() {
     let gpu = kit::gpu();
     let (mut compared, mut off, mut darkened) = (0, 0, 0);

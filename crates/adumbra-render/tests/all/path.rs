@@ -135,6 +135,7 @@ fn pictures_of_a_moment_are_those_of_the_cpu() {
 
 /// What a march costs: words of the file for each visible point.
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn quick_look_ups_read_fewer_words_than_marches() {
     let keys = keys(FrameChoice::ObliqueAt(0.0));
     let sun = suns()[2].towards();
@@ -248,6 +249,7 @@ fn visible_points(scene: &Scene, tracer: &Tracer<'_>, count: usize) -> Vec<([f64
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_sun_that_moves_changes_its_keys_without_a_frame_between() {
     let [first, second] = keys(FrameChoice::ObliqueAt(0.0));
     let third = bake_file(

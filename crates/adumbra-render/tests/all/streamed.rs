@@ -85,6 +85,7 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_resident_file_reads_at_most_a_fiftieth_more_words() {
     let gpu = kit::gpu();
     let scenes =
@@ -142,6 +143,7 @@ fn hold(
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn frames_between_are_never_wrong_and_the_last_is_sharp() {
     let scene = city();
     // Less than a page per frame, so most frames are drawn while a page is half written.
@@ -177,6 +179,7 @@ fn frames_between_are_never_wrong_and_the_last_is_sharp() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn levels_that_fade_are_mixed_as_on_the_cpu_and_change_by_and_by() {
     let scene = city();
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();

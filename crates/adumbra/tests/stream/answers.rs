@@ -55,6 +55,7 @@ fn a_resident_city_has_the_words_of_its_file() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let options = StreamOptions { reserved_words: 896, ..StreamOptions::default() };
@@ -74,6 +75,7 @@ fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn first_answers_take_two_requests_and_little_of_the_file() {
     let mut resident = Resident::new(StreamOptions::default());
     let source = BytesSource(city());
@@ -89,6 +91,7 @@ fn first_answers_take_two_requests_and_little_of_the_file() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_camera_gets_what_it_sees_and_no_more() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let view = camera(&file, [0.5, 0.5], 1.7, [1.0, 0.0, 0.2]);
@@ -121,6 +124,7 @@ fn a_camera_gets_what_it_sees_and_no_more() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn small_budgets_answer_from_coarser_levels() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let points = points(&file, 20_000, 4);
@@ -135,6 +139,7 @@ fn small_budgets_answer_from_coarser_levels() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_budget_below_the_coarsest_level_is_refused() {
     let mut streamer = stream(BytesSource(city()), 4096);
     assert!(!streamer.settle(&[View::everything()], Duration::from_millis(500), |_| ()));
@@ -189,6 +194,7 @@ impl ShadowSource for Unreliable {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn faults_leave_the_coarser_level_and_are_named_and_a_retry_works() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let points = points(&file, 5000, 5);
@@ -221,6 +227,7 @@ fn faults_leave_the_coarser_level_and_are_named_and_a_retry_works() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn beginnings_that_are_damaged_are_named() {
     for (fault, good) in [(Fault::Drop, 0), (Fault::FlippedBit, 0), (Fault::Short, 0)] {
         let bytes = Mutex::new(city().to_vec());
@@ -237,6 +244,7 @@ fn beginnings_that_are_damaged_are_named() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_file_that_is_written_to_is_noticed() {
     let folder = std::env::temp_dir().join(format!("adumbra-stream-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();

@@ -44,6 +44,7 @@ fn largest_change(budget_bytes: u64, fade_frames: u32) -> f32 {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn visibility_fades_where_pages_come_and_go() {
     for budget in [1 << 20, 64 << 20] {
         let at_once = largest_change(budget, 0);
@@ -55,6 +56,7 @@ fn visibility_fades_where_pages_come_and_go() {
 }
 
 #[test]
+#[ignore = "slow: takes over eight seconds"]
 fn a_stream_that_has_faded_answers_bit_for_bit() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let points = points(&file, 5000, 12);

@@ -28,14 +28,15 @@ fn baked(scene: &Scene) -> ShadowFile {
 
 /// An app that processes its assets in a folder.
 fn processing(folder: &Path) -> Stage {
-    Stage::with_plugin(AssetPlugin {
+    let assets = AssetPlugin {
         mode: AssetMode::Processed,
         file_path: folder.join("assets").to_string_lossy().into_owned(),
         processed_file_path: folder.join("imported").to_string_lossy().into_owned(),
         watch_for_changes_override: Some(true),
         use_asset_processor_override: Some(true),
         ..default()
-    })
+    };
+    Stage::with_plugin(assets, |_| {})
 }
 
 fn load(stage: &mut Stage) -> Handle<BakedShadowFile> {

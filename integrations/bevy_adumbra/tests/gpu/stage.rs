@@ -61,17 +61,18 @@ pub fn baked(frame: FrameChoice) -> ShadowFile {
 impl Stage {
     /// Starts an app with a light, a square and a camera above it; `set_up` adds plugins before it starts.
     pub fn new(set_up: impl FnOnce(&mut App)) -> Self {
-        Self::start(AssetPlugin::default(), set_up)
+        Self::start(AssetPlugin::default(), |_| {}, set_up)
     }
 
-    /// Starts an app that loads assets in a given way.
-    pub fn with_plugin(assets: AssetPlugin) -> Self {
-        Self::start(assets, |_| {})
+    /// Starts an app that loads assets in a given way, from sources that are registered before it does.
+    pub fn with_plugin(assets: AssetPlugin, sources: impl FnOnce(&mut App)) -> Self {
+        Self::start(assets, sources, |_| {})
     }
 
-    fn start(assets: AssetPlugin, set_up: impl FnOnce(&mut App)) -> Self {
+    fn start(assets: AssetPlugin, sources: impl FnOnce(&mut App), set_up: impl FnOnce(&mut App)) -> Self {
         let one = ONE_AT_A_TIME.lock().unwrap_or_else(|e| e.into_inner());
         let mut app = App::new();
+        sources(&mut app);
         app.insert_resource(ClearColor(Color::NONE)).insert_resource(GlobalAmbientLight::NONE).add_plugins(
             DefaultPlugins
                 .set(WindowPlugin {

@@ -46,8 +46,8 @@ fn all_names_of_a_text_have_the_prefix() {
         let is_wgsl = file.name.contains("wgsl");
         let mut depth = 0;
         for line in file.text.lines().skip(1) {
-            let line = line.trim_start_matches("export default `");
-            if depth == 0 && !matches!(line, "}" | "};" | "`;" | "") {
+            let line = line.trim_start_matches("const text: string = `");
+            if depth == 0 && !matches!(line, "}" | "};" | "`;" | "" | "export default text;") {
                 let name = match line.split(['(', '{', '=', ':', ';', '[']).next() {
                     Some(start) if is_wgsl => start.split_whitespace().last(),
                     Some(start) => {

@@ -12,19 +12,19 @@ export function run<T>(steps: Steps<T>): T {
 
 /**
  * Does steps in slices of about ten milliseconds, and lets the event loop go on before each. The promise rejects with the
- * reason of `signal`, once it aborts.
+ * reason of `signal`, once it aborts. `now` returns the time in milliseconds.
  */
-export async function runInSlices<T>(steps: Steps<T>, signal?: AbortSignal): Promise<T> {
+export async function runInSlices<T>(steps: Steps<T>, signal?: AbortSignal, now: () => number = () => performance.now()): Promise<T> {
   /** Milliseconds of a slice. */
   const SLICE = 10;
   for (;;) {
     await nextTask();
-    const end = performance.now() + SLICE;
+    const end = now() + SLICE;
     do {
       signal?.throwIfAborted();
       const step = steps.next();
       if (step.done === true) return step.value;
-    } while (performance.now() < end);
+    } while (now() < end);
   }
 }
 

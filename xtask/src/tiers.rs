@@ -1,0 +1,72 @@
+//! The tests of the workspace, in tiers: those of each push, and all.
+
+use std::path::Path;
+use std::process::Command;
+
+use crate::steps::{Cargo, PROFILE, Steps, target_folder};
+use crate::{check, docs, rustdoc, steps, tools};
+
+/// The encoders that tests of compressed scenes run.
+const ENCODERS: &str = "xtask/encoders";
+
+/// Runs what each push must pass: the checks, every test that is not marked slow, and the documents with their long commands
+/// parsed only.
+pub(crate) fn push(root: &Path) -> Result<(), String> {
+    let mut steps = Steps::default();
+    steps.run("tools", tools::ensure_documents);
+    steps.run("format", || check::format(root));
+    steps.run("lean program", || check::lean_program(root));
+    if build(root, &mut steps) {
+        steps.run("tests", || run(root, "default", &[]));
+        steps.run("documentation", || {
+            rustdoc::test(Cargo::linting(root)?, &target_folder(root).join("doc").to_string_lossy())
+        });
+        steps.run("documents", || docs::run(root, &["--parse"]).map_err(|e| e.to_string()));
+    }
+    steps.finish()
+}
+
+/// Runs everything that [`push`] runs, the tests marked slow, and the documents' commands with smaller numbers. Without a tool
+/// that a test needs, the test fails.
+pub(crate) fn long(root: &Path) -> Result<(), String> {
+    let mut steps = Steps::default();
+    steps.run("tools", tools::ensure_all);
+    check::run(root, &mut steps);
+    steps
+        .run("encoders", || steps::run(&root.join(ENCODERS), "npm", &["ci", "--no-audit", "--no-fund"], &[]));
+    if build(root, &mut steps) {
+        let required = [("ADUMBRA_REQUIRE_TOOLS", "1")];
+        steps.run("tests", || run(root, "long", &required));
+        steps.run("documentation", || {
+            rustdoc::test(Cargo::linting(root)?, &target_folder(root).join("doc").to_string_lossy())
+        });
+        steps.run("documents", || docs::run(root, &["--quick"]).map_err(|e| e.to_string()));
+    }
+    steps.finish()
+}
+
+/// Builds and lints the programs, the examples and all tests.
+fn build(root: &Path, steps: &mut Steps) -> bool {
+    steps.run("build", || {
+        Cargo::linting(root)?.run(&["test", "--no-run", "--quiet", "--profile", PROFILE, "--workspace"])
+    })
+}
+
+/// Runs the tests of a profile of cargo-nextest, or with `cargo test` where that is not installed.
+fn run(root: &Path, profile: &str, variables: &[(&'static str, &str)]) -> Result<(), String> {
+    let is_long = profile == "long";
+    let mut cargo = Cargo::linting(root)?;
+    for (name, value) in variables {
+        cargo = cargo.with(name, *value);
+    }
+    if !has_nextest() {
+        let test = ["test", "--profile", PROFILE, "--workspace", "--no-fail-fast", "--all-targets", "--"];
+        return cargo.run(&[&test[..], if is_long { &["--include-ignored"] } else { &[] }].concat());
+    }
+    let test = ["nextest", "run", "--cargo-profile", PROFILE, "--workspace", "--profile", profile];
+    cargo.run(&[&test[..], if is_long { &["--run-ignored", "all"] } else { &[] }].concat())
+}
+
+fn has_nextest() -> bool {
+    Command::new("cargo").args(["nextest", "--version"]).output().is_ok_and(|o| o.status.success())
+}
