@@ -4,6 +4,7 @@ use std::env;
 use std::path::{Path, PathBuf};
 
 use crate::steps::{Cargo, PROFILE, Steps, run, target_folder};
+use crate::tiers::run_tests;
 use crate::{docs, tools};
 
 /// Its commands make a page from an empty folder.
@@ -24,13 +25,11 @@ pub(crate) fn bevy(root: &Path, is_long: bool) -> Result<(), String> {
             Cargo::new(&plugin).with("RUSTDOCFLAGS", "-D warnings").run(&doc)
         });
     }
-    let targets: &[&str] = if is_long { &[] } else { &["--lib", "--tests"] };
-    let test = |more: &[&str]| {
-        let test = ["test", "--quiet", "--all-features", "--no-fail-fast"];
-        Cargo::linting(&plugin)?.run(&[&test[..], targets, more].concat())
-    };
-    if steps.run("bevy build", || test(&["--no-run"])) {
-        steps.run("bevy tests", || test(&[]));
+    let targets: &[&str] =
+        if is_long { &["--all-features"] } else { &["--all-features", "--lib", "--tests"] };
+    let build = ["test", "--quiet", "--no-run"];
+    if steps.run("bevy build", || Cargo::linting(&plugin)?.run(&[&build[..], targets].concat())) {
+        steps.run("bevy tests", || run_tests(&Cargo::linting(&plugin)?, "dev", targets, is_long));
     }
     steps.finish()
 }

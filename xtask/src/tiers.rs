@@ -17,7 +17,7 @@ pub(crate) fn push(root: &Path) -> Result<(), String> {
     steps.run("format", || check::format(root));
     steps.run("lean program", || check::lean_program(root));
     if build(root, &mut steps) {
-        steps.run("tests", || run(root, "default", &[]));
+        steps.run("tests", || run(root, false, &[]));
         steps.run("documentation", || {
             rustdoc::test(Cargo::linting(root)?, &target_folder(root).join("doc").to_string_lossy())
         });
@@ -36,7 +36,7 @@ pub(crate) fn long(root: &Path) -> Result<(), String> {
         .run("encoders", || steps::run(&root.join(ENCODERS), "npm", &["ci", "--no-audit", "--no-fund"], &[]));
     if build(root, &mut steps) {
         let required = [("ADUMBRA_REQUIRE_TOOLS", "1")];
-        steps.run("tests", || run(root, "long", &required));
+        steps.run("tests", || run(root, true, &required));
         steps.run("documentation", || {
             rustdoc::test(Cargo::linting(root)?, &target_folder(root).join("doc").to_string_lossy())
         });
@@ -52,19 +52,30 @@ fn build(root: &Path, steps: &mut Steps) -> bool {
     })
 }
 
-/// Runs the tests of a profile of cargo-nextest, or with `cargo test` where that is not installed.
-fn run(root: &Path, profile: &str, variables: &[(&'static str, &str)]) -> Result<(), String> {
-    let is_long = profile == "long";
+/// Runs the tests of the workspace, or all of them with those marked slow.
+fn run(root: &Path, is_long: bool, variables: &[(&'static str, &str)]) -> Result<(), String> {
     let mut cargo = Cargo::linting(root)?;
     for (name, value) in variables {
         cargo = cargo.with(name, *value);
     }
+    run_tests(&cargo, PROFILE, &["--workspace"], is_long)
+}
+
+/// Runs tests with cargo-nextest, or with `cargo test` where that is not installed. With `is_long` those marked slow too.
+pub(crate) fn run_tests(
+    cargo: &Cargo<'_>,
+    profile: &str,
+    targets: &[&str],
+    is_long: bool,
+) -> Result<(), String> {
     if !has_nextest() {
-        let test = ["test", "--profile", PROFILE, "--workspace", "--no-fail-fast", "--all-targets", "--"];
-        return cargo.run(&[&test[..], if is_long { &["--include-ignored"] } else { &[] }].concat());
+        let test = ["test", "--profile", profile, "--no-fail-fast"];
+        let ignored: &[&str] = if is_long { &["--", "--include-ignored"] } else { &[] };
+        return cargo.run(&[&test[..], targets, ignored].concat());
     }
-    let test = ["nextest", "run", "--cargo-profile", PROFILE, "--workspace", "--profile", profile];
-    cargo.run(&[&test[..], if is_long { &["--run-ignored", "all"] } else { &[] }].concat())
+    let test = ["nextest", "run", "--cargo-profile", profile];
+    let long: &[&str] = if is_long { &["--profile", "long", "--run-ignored", "all"] } else { &[] };
+    cargo.run(&[&test[..], targets, long].concat())
 }
 
 fn has_nextest() -> bool {

@@ -41,6 +41,7 @@ fn assert_drawn(stage: &mut Stage, filter: Filter) {
 }
 
 #[test]
+#[ignore = "slow: draws many frames"]
 fn a_light_is_followed_wherever_it_turns() {
     let mut stage = Stage::new(|_| {});
     let tower = tower(&mut stage, 10.0);

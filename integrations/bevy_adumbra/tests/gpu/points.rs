@@ -35,6 +35,7 @@ fn every_frame_is_looked_up() {
 }
 
 #[test]
+#[ignore = "slow: draws many frames"]
 fn deferred_multisampled_and_transparent_surfaces_are_shadowed() {
     let file = oblique();
     let expected = expected(&file, Filter::Box5);
@@ -160,6 +161,7 @@ fn shadows_are_kept_beside_glass() {
 
 /// A camera that is not HDR draws glass too: words are read back from an sRGB texture.
 #[test]
+#[ignore = "slow: draws many frames"]
 fn shadows_are_kept_beside_glass_without_hdr() {
     let file = oblique();
     let expected = expected(&file, Filter::Nearest);

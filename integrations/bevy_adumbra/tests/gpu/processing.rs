@@ -94,6 +94,7 @@ fn without_the_processor_a_load_bakes() {
 }
 
 #[test]
+#[ignore = "slow: draws many frames"]
 fn settings_that_cannot_be_are_said() {
     let mistakes = [
         (r#"(scene: "models/world.glb")"#, "towards_sun"),

@@ -25,6 +25,7 @@ fn wrong_percent(found: &[f32], sun: &[f32], n_dot_l: &[f32]) -> f64 {
 }
 
 #[test]
+#[ignore = "slow: draws many frames"]
 fn shared_views_are_as_right_as_the_file() {
     let (Some(truths), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let all = ["kaykit_city_21", "alpine-2", "box-city-5k", "zdm2", "auster", "dragon_202k"];
