@@ -4,6 +4,7 @@
 //! built already.
 
 use std::env;
+use std::path::Path;
 use std::process::{Command, ExitCode};
 
 use crate::steps::{Cargo, PROFILE};
@@ -11,10 +12,12 @@ use crate::steps::{Cargo, PROFILE};
 /// Says that this program stands in for rustdoc, and names the folder of the documentation.
 const OUTPUT: &str = "ADUMBRA_RUSTDOC";
 
-/// Documents the libraries, with warnings as errors, and runs their doc tests.
-pub(crate) fn test(cargo: Cargo<'_>, output: &str) -> Result<(), String> {
-    let program = env::current_exe().map_err(|e| format!("cannot find this program: {e}"))?;
-    cargo.with("RUSTDOC", program.to_string_lossy()).with(OUTPUT, output).run(&[
+/// Documents the libraries, with warnings as errors, and runs their doc tests. `target` is the folder of what is built.
+pub(crate) fn test(cargo: Cargo<'_>, target: &Path) -> Result<(), String> {
+    // Not the path of the process: the build of the tests has replaced that file.
+    let program = target.join(PROFILE).join(format!("xtask{}", env::consts::EXE_SUFFIX));
+    let output = target.join("doc");
+    cargo.with("RUSTDOC", program.to_string_lossy()).with(OUTPUT, output.to_string_lossy()).run(&[
         "test",
         "--doc",
         "--quiet",

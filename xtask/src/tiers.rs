@@ -18,9 +18,7 @@ pub(crate) fn push(root: &Path) -> Result<(), String> {
     steps.run("lean program", || check::lean_program(root));
     if build(root, &mut steps) {
         steps.run("tests", || run(root, false, &[]));
-        steps.run("documentation", || {
-            rustdoc::test(Cargo::linting(root)?, &target_folder(root).join("doc").to_string_lossy())
-        });
+        steps.run("documentation", || rustdoc::test(Cargo::linting(root)?, &target_folder(root)));
         steps.run("documents", || docs::run(root, &["--parse"]).map_err(|e| e.to_string()));
     }
     steps.finish()
@@ -37,9 +35,7 @@ pub(crate) fn long(root: &Path) -> Result<(), String> {
     if build(root, &mut steps) {
         let required = [("ADUMBRA_REQUIRE_TOOLS", "1")];
         steps.run("tests", || run(root, true, &required));
-        steps.run("documentation", || {
-            rustdoc::test(Cargo::linting(root)?, &target_folder(root).join("doc").to_string_lossy())
-        });
+        steps.run("documentation", || rustdoc::test(Cargo::linting(root)?, &target_folder(root)));
         steps.run("documents", || docs::run(root, &["--quick"]).map_err(|e| e.to_string()));
     }
     steps.finish()
