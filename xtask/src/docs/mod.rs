@@ -124,9 +124,9 @@ fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<d
     paths.into_iter().map(document).collect()
 }
 
-/// Arguments of cargo that build the programs and the examples as the tests do.
-pub(crate) const BUILD: [&str; 7] =
-    ["build", "--quiet", "--profile", PROFILE, "--workspace", "--bins", "--examples"];
+/// Arguments of cargo that build the programs, the examples and all tests. To build the programs alone would build most of the
+/// workspace once more, without the features that only tests ask for.
+pub(crate) const BUILD: [&str; 6] = ["test", "--no-run", "--quiet", "--profile", PROFILE, "--workspace"];
 
 /// Runs a document's blocks and returns everything that does not hold.
 fn run_document(
