@@ -3,9 +3,9 @@
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::steps::{Cargo, PROFILE, Steps};
+use crate::steps::{self, Cargo, PROFILE, Steps};
 
-/// Checks formatting, lints, documentation, and what the lean program links.
+/// Checks formatting, lints, documentation, what the lean program links, the fuzz targets, and what all packages depend on.
 pub(crate) fn run(root: &Path, steps: &mut Steps) {
     steps.run("format", || format(root));
     let clippy = ["clippy", "--quiet", "--profile", PROFILE];
@@ -19,10 +19,29 @@ pub(crate) fn run(root: &Path, steps: &mut Steps) {
         lint(&LEAN_PROGRAM)?;
         lean_program(root)
     });
+    steps.run("fuzz targets", || {
+        Cargo::new(&root.join("fuzz")).with("RUSTFLAGS", "-D warnings").run(&["check", "--quiet", "--locked"])
+    });
+    steps.run("dependencies", || dependencies(root));
 }
 
 pub(crate) fn format(root: &Path) -> Result<(), String> {
     Cargo::new(root).run(&["fmt", "--all", "--check"])
+}
+
+/// The packages that have a list of dependencies of their own.
+const LOCKED: [&str; 5] =
+    [".", "fuzz", "integrations/bevy_adumbra", "integrations/three/generator", "python"];
+
+/// Checks licences, bans and sources of what is depended on with cargo-deny. Advisories change from day to day and are not part of
+/// it.
+fn dependencies(root: &Path) -> Result<(), String> {
+    let config = root.join("deny.toml").display().to_string();
+    let check = ["deny", "--log-level", "error", "check", "--config", &config, "bans", "licenses", "sources"];
+    if steps::output(root, "cargo", &["deny", "--version"]).is_err() {
+        return Err("cargo-deny is missing; install it with: cargo install --locked cargo-deny".to_owned());
+    }
+    LOCKED.iter().try_for_each(|folder| Cargo::new(&root.join(folder)).run(&check))
 }
 
 /// The program without its features.

@@ -3,8 +3,8 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
+use crate::runner::{self, Tests};
 use crate::steps::{Cargo, PROFILE, Steps, run, target_folder};
-use crate::tiers::run_tests;
 use crate::{docs, tools};
 
 /// Its commands make a page from an empty folder.
@@ -29,7 +29,14 @@ pub(crate) fn bevy(root: &Path, is_long: bool) -> Result<(), String> {
         if is_long { &["--all-features"] } else { &["--all-features", "--lib", "--tests"] };
     let build = ["test", "--quiet", "--no-run"];
     if steps.run("bevy build", || Cargo::linting(&plugin)?.run(&[&build[..], targets].concat())) {
-        steps.run("bevy tests", || run_tests(&Cargo::linting(&plugin)?, "dev", targets, is_long));
+        steps.run("bevy tests", || {
+            runner::run(
+                &Cargo::linting(&plugin)?,
+                "dev",
+                targets,
+                &if is_long { Tests::All } else { Tests::NotSlow },
+            )
+        });
     }
     steps.finish()
 }

@@ -6,6 +6,7 @@ mod arrows;
 mod check;
 mod docs;
 mod engines;
+mod runner;
 mod rustdoc;
 mod steps;
 mod tiers;
@@ -18,9 +19,9 @@ use std::process::ExitCode;
 use steps::{Cargo, Steps};
 
 const USAGE: &str = "usage:
-  cargo xtask check           formatting, lints, documentation, and what the lean program links
+  cargo xtask check           formatting, lints, documentation, what the lean program links, fuzz targets, licences of dependencies
   cargo xtask test            what each push must pass: formatting, lints, every test that is not marked slow, documentation, the documents
-  cargo xtask test --long     all tests, and the documents' commands
+  cargo xtask test --long     what is checked, all tests, instruction counts, and the documents' commands
   cargo xtask test-bevy       formatting, lints and tests of integrations/bevy_adumbra, which builds Bevy; --long: its documentation and examples too
   cargo xtask test-web        types, lints, builds and tests of integrations/three, in Node.js and in a browser; --long: every browser test and the guide
   cargo xtask test-python     formatting, lints, types and tests of the package in python, and its notebook, in a fresh environment
@@ -31,9 +32,6 @@ const USAGE: &str = "usage:
   cargo xtask shaders-web     regenerate the look-ups of integrations/three from the workspace's WGSL
   cargo xtask api             regenerate docs/api.txt, the public items of the reader
   cargo xtask count           compare instruction counts of the hot steps with docs/counts.json; --bless writes it";
-
-/// Runs the tasks that bake.
-const BAKES: [&str; 6] = ["run", "--quiet", "--release", "--package", "xtask-bakes", "--"];
 
 fn main() -> ExitCode {
     let args: Vec<String> = env::args().skip(1).collect();
@@ -60,7 +58,7 @@ fn main() -> ExitCode {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
         ["api"] => write_api(root),
-        ["vectors" | "count", ..] => Cargo::new(root).run(&[&BAKES, words.as_slice()].concat()),
+        ["vectors" | "count", ..] => bakes(root, &words),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {
@@ -70,6 +68,12 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Runs a task that bakes.
+fn bakes(root: &Path, words: &[&str]) -> Result<(), String> {
+    let program = ["run", "--quiet", "--release", "--package", "xtask-bakes", "--"];
+    Cargo::new(root).run(&[&program, words].concat())
 }
 
 fn write_api(root: &Path) -> Result<(), String> {

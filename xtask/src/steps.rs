@@ -74,17 +74,29 @@ impl<'a> Cargo<'a> {
 
     /// Returns what a command prints.
     pub(crate) fn output(&self, arguments: &[&str]) -> Result<String, String> {
-        let output = outside_cargo(&mut Command::new("cargo"))
-            .args(arguments)
-            .envs(self.variables.iter().map(|(n, v)| (n, v)))
-            .current_dir(self.folder)
-            .output()
-            .map_err(|e| format!("cannot run cargo: {e}"))?;
-        if output.status.success() {
-            return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
-        }
-        Err(format!("cargo {} failed\n{}", arguments.join(" "), String::from_utf8_lossy(&output.stderr)))
+        let mut cargo = Command::new("cargo");
+        cargo.envs(self.variables.iter().map(|(n, v)| (n, v)));
+        printed(&mut cargo, self.folder, arguments)
     }
+
+    pub(crate) fn folder(&self) -> &Path {
+        self.folder
+    }
+}
+
+/// Returns what a command prints that is run in a folder.
+pub(crate) fn output(folder: &Path, program: &str, arguments: &[&str]) -> Result<String, String> {
+    printed(&mut Command::new(program), folder, arguments)
+}
+
+fn printed(command: &mut Command, folder: &Path, arguments: &[&str]) -> Result<String, String> {
+    let program = command.get_program().to_string_lossy().into_owned();
+    let output = outside_cargo(command).args(arguments).current_dir(folder).output();
+    let output = output.map_err(|e| format!("cannot run {program}: {e}"))?;
+    if output.status.success() {
+        return Ok(String::from_utf8_lossy(&output.stdout).into_owned());
+    }
+    Err(format!("{program} {} failed\n{}", arguments.join(" "), String::from_utf8_lossy(&output.stderr)))
 }
 
 /// Runs a command in a folder, with more environment variables.

@@ -40,6 +40,46 @@ fn store() -> Arc<dyn Objects> {
     Arc::new(InMemory::default())
 }
 
+/// Bakes the parts of a scene in a random order, and links them.
+fn link_in_any_order(kind: GeneratedKind, options: &BakeOptions, random: &mut Random) {
+    let scene = generate(kind, 3);
+    let plan = BakePlan::new(&scene, options).unwrap();
+    let plan = {
+        assert_eq!(plan, BakePlan::new(&scene, options).unwrap());
+        let read = through_text(&plan);
+        assert_eq!(read, plan);
+        read
+    };
+    let objects = store();
+    let mut ids: Vec<usize> = (0..plan.parts().len()).collect();
+    for last in (1..ids.len()).rev() {
+        ids.swap(last, (random.unit() * (last + 1) as f64) as usize);
+    }
+    let mut baked = 0;
+    for some in ids.chunks(5) {
+        // Each on a machine of its own.
+        let baker = PartBaker::new(&scene, &plan, options).unwrap();
+        let done = baker.bake(some, &objects, Watch::none()).unwrap();
+        assert_eq!((done.baked, done.reused), (some.len(), 0));
+        baked += done.baked;
+        let again = baker.bake(some, &objects, Watch::none()).unwrap();
+        assert_eq!((again.baked, again.reused), (0, some.len()));
+    }
+    assert_eq!(baked, plan.parts().len());
+    let bytes = fresh(&scene, options);
+    assert!(linked(&plan, &objects, options).unwrap() == bytes, "{kind:?}");
+    // The options of the plan make the same file in one go, and find the same objects.
+    let mut out = Cursor::new(Vec::new());
+    let written = bake_with_objects(&scene, &plan.options(), &objects, Watch::none(), &mut out).unwrap();
+    assert!(out.into_inner() == bytes, "{kind:?}");
+    assert_eq!(written.report.reused_tiles, written.report.tiles);
+}
+
+#[test]
+fn parts_of_a_small_scene_in_any_order_link_to_the_bytes_of_one_bake() {
+    link_in_any_order(GeneratedKind::Primitives, &options(512), &mut Random::for_batch(1, 1));
+}
+
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn parts_in_any_order_link_to_the_bytes_of_one_bake() {
@@ -55,37 +95,7 @@ fn parts_in_any_order_link_to_the_bytes_of_one_bake() {
     ];
     let mut random = Random::for_batch(1, 1);
     for (kind, options) in cases {
-        let scene = generate(kind, 3);
-        let plan = BakePlan::new(&scene, &options).unwrap();
-        let plan = {
-            assert_eq!(plan, BakePlan::new(&scene, &options).unwrap());
-            let read = through_text(&plan);
-            assert_eq!(read, plan);
-            read
-        };
-        let objects = store();
-        let mut ids: Vec<usize> = (0..plan.parts().len()).collect();
-        for last in (1..ids.len()).rev() {
-            ids.swap(last, (random.unit() * (last + 1) as f64) as usize);
-        }
-        let mut baked = 0;
-        for some in ids.chunks(5) {
-            // Each on a machine of its own.
-            let baker = PartBaker::new(&scene, &plan, &options).unwrap();
-            let done = baker.bake(some, &objects, Watch::none()).unwrap();
-            assert_eq!((done.baked, done.reused), (some.len(), 0));
-            baked += done.baked;
-            let again = baker.bake(some, &objects, Watch::none()).unwrap();
-            assert_eq!((again.baked, again.reused), (0, some.len()));
-        }
-        assert_eq!(baked, plan.parts().len());
-        let bytes = fresh(&scene, &options);
-        assert!(linked(&plan, &objects, &options).unwrap() == bytes, "{kind:?}");
-        // The options of the plan make the same file in one go, and find the same objects.
-        let mut out = Cursor::new(Vec::new());
-        let written = bake_with_objects(&scene, &plan.options(), &objects, Watch::none(), &mut out).unwrap();
-        assert!(out.into_inner() == bytes, "{kind:?}");
-        assert_eq!(written.report.reused_tiles, written.report.tiles);
+        link_in_any_order(kind, &options, &mut random);
     }
 }
 
@@ -177,9 +187,8 @@ fn plans_that_were_changed_are_refused() {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
-    let (scene, options) = (generate(GeneratedKind::City, 3), options(4096));
+    let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let plan = BakePlan::new(&scene, &options).unwrap();
     let memory = Arc::new(InMemory::default());
     let objects: Arc<dyn Objects> = memory.clone();
@@ -191,7 +200,9 @@ fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
             cancel.store(true, Ordering::Relaxed);
         }
     };
-    let error = baker.bake(&all, &objects, Watch::new(&progress, &cancel)).unwrap_err();
+    // One thread sees at once that it is to end.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let error = pool.install(|| baker.bake(&all, &objects, Watch::new(&progress, &cancel)).unwrap_err());
     assert!(matches!(error, Error::Interrupted), "{error}");
     let kept = memory.len();
     assert!(kept > 0 && kept < all.len(), "{kept}");
@@ -201,9 +212,8 @@ fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn memory_limit_of_linking_spills_and_changes_no_byte() {
-    let (scene, options) = (generate(GeneratedKind::City, 3), options(8192));
+    let (scene, options) = (generate(GeneratedKind::City, 3), options(2048));
     let plan = BakePlan::new(&scene, &options).unwrap();
     let objects = store();
     let all: Vec<usize> = (0..plan.parts().len()).collect();

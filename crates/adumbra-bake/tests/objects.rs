@@ -10,7 +10,7 @@ use adumbra_bake::{
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{AlphaMode, GeneratedKind, LoadOptions, Pixels, Scene, generate, load};
-use adumbra_testing::{full, full_alone, scene_file, shared};
+use adumbra_testing::{full, scene_file, shared};
 
 mod store;
 
@@ -110,6 +110,14 @@ fn edits_are_fresh_bakes(name: &str, mut scene: Scene, options: &BakeOptions, ed
 }
 
 #[test]
+fn edited_small_scenes_have_the_bytes_of_fresh_bakes() {
+    edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), 1);
+    // The grid follows the scene.
+    let unbounded = BakeOptions { bounds: None, ..options(2048) };
+    edited_bakes_are_fresh_bakes(GeneratedKind::Primitives, &unbounded, 3);
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn edited_scenes_have_the_bytes_of_fresh_bakes() {
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), if full() { 200 } else { 2 });
@@ -146,16 +154,13 @@ fn edits_of_real_scenes_have_the_bytes_of_fresh_bakes() {
 #[test]
 #[ignore = "slow: large root blocks"]
 fn edits_of_root_blocks_of_several_pages_have_the_bytes_of_fresh_bakes() {
-    if !full_alone() {
-        return;
-    }
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(32768), 3);
 }
 
 /// A store that has the objects of one bake is of no use to a bake with another option, unless the option matters to no page.
 #[test]
 fn every_option_that_matters_has_its_own_objects() {
-    let scene = generate(GeneratedKind::City, 3);
+    let scene = generate(GeneratedKind::Primitives, 3);
     let plain = options(512);
     let bias = |constant_texels, slope_texels, normal_offset_texels| {
         let bias = Bias { constant_texels, slope_texels, normal_offset_texels };

@@ -124,36 +124,42 @@ fn look_ups_beside_a_file_end_nowhere() {
 }
 
 #[test]
+fn look_ups_in_small_trees_end_in_the_largest_cube_that_is_uniform() {
+    end_in_the_largest_cube(Detail::Uniform, 64);
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn look_ups_in_trees_end_in_the_largest_cube_that_is_uniform() {
-    let rings = Detail::Rings { center_xz: [0.0, 0.0], radii: vec![20.0, 60.0] };
-    for detail in [Detail::Uniform, rings] {
-        let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(128)) };
-        let t = bake_tree(&scene(), &options, Watch::none()).unwrap();
-        let bias = t.settings.bias;
-        let query = TreeQuery::new(&t.space, &t.regions, &sun(), &t.tree, bias, 3, Weights::Mean).unwrap();
-        let side = t.space.side_voxels();
-        let mut random = Random::for_batch(5, 0);
-        let mut seen = [0; 14];
-        for _ in 0..4000 {
-            let p_world = std::array::from_fn(|a| {
-                t.space.p_min[a] + random.unit() * f64::from(side) * t.space.voxel_size
-            });
-            // If the point is lifted above the cube, it is lit whatever the cube contains.
-            let Some(receiver) = query.receiver(p_world, Some([0.0, 1.0, 0.0])) else { continue };
-            let voxel = query.voxel_at(p_world, Some([0.0, 1.0, 0.0])).unwrap();
-            let level = query.end_level(&receiver);
-            seen[level as usize] += 1;
-            let uniform = |level: u32| {
-                let from = voxel.map(|c| c >> level << level);
-                let lit = t.tree.voxel(voxel);
-                (0..1 << (3 * level)).all(|i: u32| {
-                    let at = [i >> (2 * level), i >> level, i].map(|c| c & ((1 << level) - 1));
-                    t.tree.voxel(std::array::from_fn(|a| from[a] + at[a])) == lit
-                })
-            };
-            assert!(uniform(level) && (level >= t.space.depth || !uniform(level + 1)), "{voxel:?}: {level}");
-        }
-        assert!(seen.iter().filter(|n| **n > 20).count() > 3, "{seen:?}");
+    end_in_the_largest_cube(Detail::Uniform, 128);
+    end_in_the_largest_cube(Detail::Rings { center_xz: [0.0, 0.0], radii: vec![20.0, 60.0] }, 128);
+}
+
+fn end_in_the_largest_cube(detail: Detail, resolution: u64) {
+    let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(resolution)) };
+    let t = bake_tree(&scene(), &options, Watch::none()).unwrap();
+    let bias = t.settings.bias;
+    let query = TreeQuery::new(&t.space, &t.regions, &sun(), &t.tree, bias, 3, Weights::Mean).unwrap();
+    let side = t.space.side_voxels();
+    let mut random = Random::for_batch(5, 0);
+    let mut seen = [0; 14];
+    for _ in 0..4000 {
+        let p_world =
+            std::array::from_fn(|a| t.space.p_min[a] + random.unit() * f64::from(side) * t.space.voxel_size);
+        // If the point is lifted above the cube, it is lit whatever the cube contains.
+        let Some(receiver) = query.receiver(p_world, Some([0.0, 1.0, 0.0])) else { continue };
+        let voxel = query.voxel_at(p_world, Some([0.0, 1.0, 0.0])).unwrap();
+        let level = query.end_level(&receiver);
+        seen[level as usize] += 1;
+        let uniform = |level: u32| {
+            let from = voxel.map(|c| c >> level << level);
+            let lit = t.tree.voxel(voxel);
+            (0..1 << (3 * level)).all(|i: u32| {
+                let at = [i >> (2 * level), i >> level, i].map(|c| c & ((1 << level) - 1));
+                t.tree.voxel(std::array::from_fn(|a| from[a] + at[a])) == lit
+            })
+        };
+        assert!(uniform(level) && (level >= t.space.depth || !uniform(level + 1)), "{voxel:?}: {level}");
     }
+    assert!(seen.iter().filter(|n| **n > 20).count() > 3, "{seen:?}");
 }

@@ -178,6 +178,16 @@ fn graphs_and_quadtrees_hold_to_the_same_columns() {
 }
 
 #[test]
+fn graphs_and_quadtrees_of_masked_trees_hold_to_the_same_columns() {
+    let mut scene = generate(GeneratedKind::Forest, 1);
+    scene.instances.retain(|instance| instance.name.starts_with("tree"));
+    scene.instances.truncate(6);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(128)) };
+    Made::of(&scene, &options).check(&mut Random::for_batch(4, 0));
+}
+
+#[test]
 #[ignore = "slow: a forest"]
 fn graphs_and_quadtrees_of_masked_cards_hold_to_the_same_columns() {
     let scene = generate(GeneratedKind::Forest, 1);

@@ -2,7 +2,6 @@
 
 use std::io::Cursor;
 use std::sync::{Arc, mpsc};
-use std::time::Duration;
 
 use adumbra::stream::BytesSource;
 use adumbra::{Filter, Sun};
@@ -179,12 +178,12 @@ fn a_follower_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
         let sun = Sun::from_angles(120.0 + 0.5 * seconds, 35.0 + 0.1 * seconds).unwrap().towards();
         let mut followed = follower.follow(seconds, sun);
         while matches!(followed, Followed::Waiting) || (frame == 0 && follower.is_baking()) {
-            wakes.recv_timeout(Duration::from_secs(120)).unwrap();
+            wakes.recv().unwrap();
             followed = follower.follow(seconds, sun);
         }
         if frame % 10 == 0 && follower.is_baking() {
             // As if the bake had taken no longer than ten frames.
-            wakes.recv_timeout(Duration::from_secs(120)).unwrap();
+            wakes.recv().unwrap();
         }
         let Followed::Moment(moment) = followed else { panic!("{followed:?}") };
         assert!(moment.changes >= changes && moment.towards_sun == sun);

@@ -23,10 +23,14 @@ use std::time::Instant;
 
 use adumbra::Sun;
 use adumbra_scene::{Error, LoadOptions, MoverPolicy, Scene, files_of_gltf, load, write_shadow_name};
-use adumbra_testing::{full, fuzz_time, peak_bytes};
+use adumbra_testing::{full, fuzz_time};
 use dice::Dice;
 use kit::{Glb, file};
+use peak_alloc::PeakAlloc;
 use serde_json::Value;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
 
 /// Memory that a load may hold.
 const MAX_BYTES: u64 = 64 << 20;
@@ -37,7 +41,7 @@ const QUICK_SEEDS: u64 = 500;
 /// Damaged files per seed.
 const DAMAGED: usize = 12;
 
-/// Lets one test run at a time, as the memory of the process is what is measured.
+/// Lets one test run at a time, as all memory of the program is counted.
 fn alone() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
@@ -163,7 +167,7 @@ fn gltf_random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
             panic!("seed {seed} fails");
         }
     }
-    println!("{totals:?} in {:.1} s, peak {:?} bytes", started.elapsed().as_secs_f64(), peak_bytes());
+    println!("{totals:?}, peak {} bytes", MEMORY.peak_usage());
     let tenth = totals.damaged / 10;
     assert!(totals.loaded > tenth && totals.refused > tenth, "damage is too weak or too strong: {totals:?}");
     assert!(totals.named > 0, "no damaged file takes a name: {totals:?}");
@@ -171,9 +175,8 @@ fn gltf_random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
 }
 
 fn assert_memory_is_bounded() {
-    if let Some(peak) = peak_bytes() {
-        assert!(peak < MAX_BYTES + TEST_BYTES, "{} MiB", peak >> 20);
-    }
+    let peak = MEMORY.peak_usage() as u64;
+    assert!(peak < MAX_BYTES + TEST_BYTES, "{} MiB", peak >> 20);
 }
 
 /// Elements of a few bytes become structures of hundreds.

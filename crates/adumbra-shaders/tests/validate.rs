@@ -70,7 +70,6 @@ fn unused_structs(text: &str) -> Vec<&str> {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
 fn assembled_look_ups_hold_only_the_shared_structures_and_constants_that_they_use() {
     for (name, files) in modules() {
         let text = assemble(&files);

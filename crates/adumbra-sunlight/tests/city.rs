@@ -5,7 +5,7 @@ use std::time::Instant;
 use adumbra_scene::{LoadOptions, Scene, load};
 use adumbra_solar::Day;
 use adumbra_sunlight::{DayOptions, Grid, Hours, Receiver, SunDay, Watch, surface_points};
-use adumbra_testing::{full, full_alone, scene_file, shared};
+use adumbra_testing::{full, scene_file, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 fn city() -> Option<Scene> {
@@ -74,9 +74,6 @@ fn city_hours_differ_from_every_ray_in_less_than_a_thousandth() {
 #[test]
 #[ignore = "slow: traces ten hours from a million points"]
 fn city_hours_of_a_million_points_are_timed() {
-    if !full_alone() {
-        return;
-    }
     let Some(scene) = city() else { return };
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let points = ground(&scene, &tracer, 1e6);

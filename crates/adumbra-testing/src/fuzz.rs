@@ -1,4 +1,4 @@
-//! What tests with random input share: for how long they run, and how much memory their process has taken.
+//! For how long tests with random input run.
 
 use std::time::Duration;
 
@@ -6,11 +6,4 @@ use std::time::Duration;
 pub fn fuzz_time() -> Option<Duration> {
     let seconds = std::env::var("ADUMBRA_FUZZ_SECONDS").ok()?;
     Some(Duration::from_secs(seconds.parse().expect("ADUMBRA_FUZZ_SECONDS is a whole number")))
-}
-
-/// The most memory that this process has had, bytes, where the system says so.
-pub fn peak_bytes() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
 }

@@ -23,7 +23,7 @@ pub use bakes::bake_file;
 pub use by_hand::{overhead_grid, settings_for};
 pub use described::{assert_described, undescribed_fields};
 pub use earlier::EarlierFile;
-pub use fuzz::{fuzz_time, peak_bytes};
+pub use fuzz::fuzz_time;
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
 pub use limits::assert_keeps_to_limits;
@@ -32,7 +32,7 @@ pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_json, lab_program, program, read_f32, stderr,
 };
-pub use shared_folder::{full, full_alone, scene_file, shared};
+pub use shared_folder::{full, left_out, scene_file, shared};
 pub use solids::{add_box, add_quad, cuboid, scene_of};
 pub use teeth::toothed_bar;
 pub use truth_files::{npz_array, npz_camera};

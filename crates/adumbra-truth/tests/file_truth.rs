@@ -120,18 +120,27 @@ fn shared_interior_agrees_with_rays_on_real_scenes() {
 }
 
 #[test]
+fn interior_agrees_with_rays_on_a_small_scene() {
+    interior_agrees(&[GeneratedKind::Primitives], 512, 5000);
+}
+
+#[test]
 #[ignore = "slow: traces many rays"]
 fn interior_agrees_with_rays_on_generated_scenes() {
+    use GeneratedKind::{City, Landscape, Primitives, Spheres};
+    interior_agrees(&[Spheres, Primitives, Landscape, City], 1024, 20_000);
+}
+
+/// Compares bakes for points anywhere and for points on surfaces with rays.
+fn interior_agrees(kinds: &[GeneratedKind], resolution: u64, samples: u64) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    for kind in
-        [GeneratedKind::Spheres, GeneratedKind::Primitives, GeneratedKind::Landscape, GeneratedKind::City]
-    {
+    for &kind in kinds {
         let scene = generate(kind, 1);
         let everywhere =
-            BakeOptions { assume_ground: false, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+            BakeOptions { assume_ground: false, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
         let baked = bake_quietly(&scene, &everywhere);
-        let surface = verify(&scene, &baked, false, 20_000);
-        let volume = verify(&scene, &baked, true, 20_000);
+        let surface = verify(&scene, &baked, false, samples);
+        let volume = verify(&scene, &baked, true, samples);
         // In the same frame, whose texels a filter takes.
         let frame = match baked.grid.frame {
             Frame::Light => FrameChoice::Light,
@@ -139,7 +148,7 @@ fn interior_agrees_with_rays_on_generated_scenes() {
         };
         let static_receivers = BakeOptions { receivers: Receivers::Static, frame, ..everywhere.clone() };
         let on_surfaces = bake_quietly(&scene, &static_receivers);
-        let still = verify(&scene, &on_surfaces, false, 20_000);
+        let still = verify(&scene, &on_surfaces, false, samples);
         eprintln!(
             "{kind:?}: surface {:.5}, volume {:.5}, static receivers {:.5}",
             surface.interior_agreement, volume.interior_agreement, still.interior_agreement

@@ -6,6 +6,7 @@ use adumbra::{RangeError, RangeField};
 use adumbra_scene::Error;
 use adumbra_scene::topology::{Component, analyse};
 use adumbra_scene::{AlphaMode, GeneratedKind, Instance, Mesh, Scene, generate, to_glb};
+use adumbra_testing::full;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 const KINDS: [GeneratedKind; 9] = [
@@ -87,8 +88,9 @@ fn area(mesh: &Mesh, triangle: usize) -> f64 {
 
 #[test]
 fn all_but_the_terrain_and_cards_is_solid() {
+    let seeds = if full() { 0..3 } else { 0..1 };
     let solid = KINDS.into_iter().filter(|&kind| kind != GeneratedKind::Forest);
-    for (kind, seed) in solid.flat_map(|k| [0, 1, 2].map(|s| (k, s))) {
+    for (kind, seed) in solid.flat_map(|k| seeds.clone().map(move |s| (k, s))) {
         let scene = generate(kind, seed);
         for mesh in scene.meshes.iter().filter(|m| m.name != "terrain") {
             let topology = analyse(mesh, &scene.materials);
@@ -100,10 +102,9 @@ fn all_but_the_terrain_and_cards_is_solid() {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn scenes_have_the_sizes_they_promise() {
     let count = |s: &Scene, what: &str| s.instances.iter().filter(|i| i.name.starts_with(what)).count();
-    for seed in 0..6 {
+    for seed in 0..if full() { 6 } else { 1 } {
         let spheres = generate(GeneratedKind::Spheres, seed);
         assert_eq!((spheres.instances.len(), spheres.meshes.len()), (226, 2));
         let primitives = generate(GeneratedKind::Primitives, seed);
@@ -132,7 +133,7 @@ fn scenes_have_the_sizes_they_promise() {
 
 #[test]
 fn forest_has_a_million_cards_on_a_thousand_solid_trunks() {
-    for seed in 0..3 {
+    for seed in 0..if full() { 3 } else { 1 } {
         let forest = generate(GeneratedKind::Forest, seed);
         let is_card = |&&m: &&u32| forest.materials[m as usize].alpha != AlphaMode::Opaque;
         let cards = |i: &Instance| {
@@ -149,9 +150,9 @@ fn forest_has_a_million_cards_on_a_thousand_solid_trunks() {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn scenes_without_a_ground_rest_on_zero() {
-    for (kind, seed) in WITHOUT_GROUND.into_iter().flat_map(|k| [1, 2, 3].map(|s| (k, s))) {
+    let seeds = if full() { 1..4 } else { 1..2 };
+    for (kind, seed) in WITHOUT_GROUND.into_iter().flat_map(|kind| seeds.clone().map(move |s| (kind, s))) {
         let scene = generate(kind, seed);
         assert_eq!(scene.bounds().min[1], 0.0, "{kind:?} {seed}");
         assert!(scene.instances.iter().all(|i| i.name != "ground"));

@@ -228,6 +228,12 @@ fn posts_without_shadows_are_found() {
 }
 
 #[test]
+fn a_nan_is_wrong() {
+    let found = caught(9, 0.0, |_, _, _| f32::NAN);
+    assert!(found.contains(&Class::Interior), "{found:?}");
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn what_is_no_visibility_is_wrong() {
     for filter in [1, 9] {

@@ -7,6 +7,7 @@ mod format_support;
 #[path = "format_support/reference.rs"]
 mod reference;
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
@@ -221,20 +222,31 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
     }
 }
 
-#[test]
-#[ignore = "slow: thousands of damaged files"]
-fn mutations_are_refused_or_answer_everywhere() {
+/// Damages files. Returns how many are still accepted, and the faults of the others with how often they are found.
+fn damage(count: u64) -> (u32, BTreeMap<&'static str, u32>) {
     let coded = raw().into_iter().map(|(name, bytes)| {
         let file = ShadowFile::from_bytes(&bytes).expect("a valid vector");
         (format!("{name}, coded"), file.to_bytes(AtRest::Coded).expect("a file of a writer"))
     });
     let all: Vec<_> = raw().into_iter().chain(coded).collect();
-    let (accepted, faults) = count_faults(&all, 150_000, |bytes, seed| {
+    count_faults(&all, count, |bytes, seed| {
         let mutated = mutate(bytes, seed);
         let file = exercise(&mutated).map_err(|error| error.fault().unwrap_or(error.kind()))?;
         agrees_with_the_reference(&file, &encode(&file), seed);
         Ok(())
-    });
+    })
+}
+
+#[test]
+fn a_few_mutations_are_refused_or_answer_everywhere() {
+    let (accepted, _) = damage(6000);
+    assert!(accepted > 150, "{accepted} accepted");
+}
+
+#[test]
+#[ignore = "slow: thousands of damaged files"]
+fn mutations_are_refused_or_answer_everywhere() {
+    let (accepted, faults) = damage(150_000);
     // The mutations reach every check, and also produce quadtrees that are still valid.
     assert!(accepted > 3750, "{accepted} accepted");
     assert_faults_found(&faults, &["Bundle", "Coded", "Root", "Order", "End", "Bits", "Ranks"]);

@@ -193,6 +193,20 @@ fn shared_scenes_have_the_plain_builders_columns() {
 }
 
 #[test]
+fn small_scenes_have_the_plain_builders_columns() {
+    let options = BakeOptions::new(sun([0.5, 0.8, 0.35]), Size::Resolution(512));
+    assert_agreement("city", &generate(GeneratedKind::City, 3), &options, 7);
+    // Six trees with masked leaves, and no ground.
+    let mut trees = generate(GeneratedKind::Forest, 1);
+    trees.instances.retain(|instance| instance.name.starts_with("tree"));
+    trees.instances.truncate(6);
+    let options =
+        BakeOptions { thickness_world: 0.1, ..BakeOptions::new(options.sun, Size::Resolution(256)) };
+    let [drawn, _] = assert_agreement("trees", &trees, &options, 1);
+    assert!(drawn > 1000, "{drawn} texels are drawn");
+}
+
+#[test]
 #[ignore = "slow: a forest, twice"]
 fn layers_of_masked_cards_have_the_plain_builders_columns() {
     let forest = generate(GeneratedKind::Forest, 1);

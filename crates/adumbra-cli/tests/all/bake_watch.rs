@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use adumbra::ShadowFile;
 use adumbra_testing::{Folder, adumbra};
@@ -13,7 +13,7 @@ use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_adumbra");
 /// Both bakes have one frame: with --watch it is chosen once.
-const OPTIONS: [&str; 6] = ["--resolution", "2048", "--frame", "oblique", "--yaw", "0"];
+const OPTIONS: [&str; 6] = ["--resolution", "1024", "--frame", "oblique", "--yaw", "0"];
 
 fn runs(words: &[&str]) {
     let (code, said) = adumbra(words);
@@ -50,15 +50,13 @@ impl Follower {
 
     /// What the next bake printed.
     fn next(&self) -> Value {
-        let line = self.lines.recv_timeout(Duration::from_secs(60)).expect("a bake");
+        let line = self.lines.recv().expect("a bake");
         serde_json::from_str(&line).expect("JSON in one line")
     }
 
     fn next_error(&self) -> String {
         let is_warning = |line: &String| line.starts_with("warning");
-        std::iter::from_fn(|| self.errors.recv_timeout(Duration::from_secs(60)).ok())
-            .find(is_warning)
-            .unwrap()
+        self.errors.iter().find(is_warning).expect("a warning")
     }
 }
 
@@ -70,7 +68,6 @@ impl Drop for Follower {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn followed_scenes_have_the_files_of_fresh_bakes() {
     let folder = Folder::new();
     let [scene, edits, output, fresh, next] =
@@ -110,22 +107,19 @@ fn followed_scenes_have_the_files_of_fresh_bakes() {
 
 /// Only where there is no file is one of the coarser levels better than none.
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn earlier_file_stays_until_all_levels_are_baked() {
     let folder = Folder::new();
     let (scene, output) = (folder.generate("city"), folder.write("city.adumbra", b"earlier"));
     let _follower =
-        Follower::start(&["bake", &scene, "--resolution", "8192", "-o", &output, "--watch", "--json"]);
-    let begun = Instant::now();
+        Follower::start(&["bake", &scene, "--resolution", "2048", "-o", &output, "--watch", "--json"]);
     let changed = loop {
         let bytes = fs::read(&output).unwrap();
         if bytes != b"earlier" {
             break bytes;
         }
-        assert!(begun.elapsed() < Duration::from_secs(60));
         thread::sleep(Duration::from_millis(1));
     };
-    assert_eq!(ShadowFile::from_bytes(&changed).unwrap().settings.resolution, 8192);
+    assert_eq!(ShadowFile::from_bytes(&changed).unwrap().settings.resolution, 2048);
 }
 
 #[cfg(unix)]

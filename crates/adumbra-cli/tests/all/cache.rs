@@ -5,12 +5,11 @@ use std::fs;
 use adumbra_testing::{Folder, adumbra, json};
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn cached_bakes_write_the_same_file_and_say_what_they_reused() {
     let folder = Folder::new();
     let (scene, cache) = (folder.generate("city"), folder.path("cache"));
     let bake = |output: &str, more: &[&str]| {
-        let words = ["bake", &scene, "--resolution", "2048", "-o", output, "--json"];
+        let words = ["bake", &scene, "--resolution", "1024", "-o", output, "--json"];
         json(&[&words, more].concat())
     };
     let [plain, first, second] = ["plain", "first", "second"].map(|name| folder.path(name));

@@ -2,9 +2,7 @@
 
 #![cfg(feature = "render")]
 
-use std::path::{Path, PathBuf};
-
-use adumbra_testing::{Folder, adumbra, json};
+use adumbra_testing::{Folder, adumbra, json, scene_file, shared};
 
 /// Draws traced shadows on a device. Returns the picture and the device's name according to `--json`.
 fn truth(scene: &str, device: &str, output: &str) -> (image::RgbImage, String) {
@@ -63,24 +61,13 @@ fn device_gpu_means_the_gpu() {
     assert!(!folder.exists("none.png"));
 }
 
-/// Returns the path of a scene that is not part of the repository. If it is absent, prints a note and returns `None`.
-fn shared_scene(name: &str) -> Option<String> {
-    let base = std::env::var_os("ADUMBRA_SHARED")
-        .map_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared"), PathBuf::from);
-    let path = base.join("scenes").join(name);
-    if !path.is_file() {
-        eprintln!("SKIPPED: {} is absent; set ADUMBRA_SHARED", path.display());
-        return None;
-    }
-    Some(path.to_str().unwrap().to_owned())
-}
-
 #[test]
 #[ignore = "slow: real scenes"]
 fn shared_textured_scenes_look_alike_on_both_devices() {
+    let Some(scenes) = shared("scenes") else { return };
     let folder = Folder::new();
-    for name in ["oak_medium.glb", "kaykit_city_21.glb", "bridge_garden.glb"] {
-        let Some(scene) = shared_scene(name) else { return };
+    for name in ["oak_medium", "kaykit_city_21", "bridge_garden"] {
+        let scene = scene_file(&scenes, name).display().to_string();
         let (cpu, _) = truth(&scene, "cpu", &folder.path("cpu.png"));
         let (gpu, _) = truth(&scene, "gpu", &folder.path("gpu.png"));
         let [slightly, much] = differing(&cpu, &gpu);

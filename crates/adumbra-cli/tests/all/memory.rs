@@ -1,7 +1,7 @@
 //! `--max-memory` limits the whole program: loading, the forecast of the frame, the bake and `verify`. A run that
 //! succeeds keeps to its limit, and one that cannot is refused with what it needs.
 
-use adumbra_testing::{Folder, assert_keeps_to_limits, full_alone, program, scene_file, shared};
+use adumbra_testing::{Folder, assert_keeps_to_limits, program, scene_file, shared};
 
 /// Bakes in every frame, and verifies one file.
 fn assert_scene_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str) {
@@ -59,9 +59,6 @@ fn memory_of_wires_keeps_to_every_limit() {
 #[ignore = "slow: bakes again and again"]
 fn memory_of_real_scenes_keeps_to_every_limit() {
     let Some(scenes) = shared("scenes") else { return };
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     for (name, resolution) in [
         ("box-city-51k", "65536"),

@@ -3,7 +3,7 @@
 
 use std::process::Command;
 
-use adumbra_testing::{Folder, adumbra, full, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, json, program, stderr};
 
 #[test]
 fn values_out_of_range_are_wrong_calls() {
@@ -25,8 +25,18 @@ fn values_out_of_range_are_wrong_calls() {
 }
 
 #[test]
-#[ignore = "slow: runs every long verb; the whole demo with ADUMBRA_FULL alone"]
 fn threads_memory_and_json_go_with_every_long_verb() {
+    threads_memory_and_json_go_with(false);
+}
+
+#[test]
+#[ignore = "slow: the whole demo"]
+fn threads_memory_and_json_go_with_the_demo() {
+    threads_memory_and_json_go_with(true);
+}
+
+/// Runs every long verb, and the demo last.
+fn threads_memory_and_json_go_with(demo: bool) {
     let folder = Folder::new();
     let (scene, file, picture) = (folder.path("city.glb"), folder.path("a.adumbra"), folder.path("a.png"));
     let (web, out, hours) = (folder.path("web.adumbra"), folder.path("out"), folder.path("hours.csv"));
@@ -67,7 +77,7 @@ fn threads_memory_and_json_go_with_every_long_verb() {
         ),
         (&["demo", "--resolution", "512", "--out", &out], "interior_agreement"),
     ];
-    for (call, field) in calls.iter().filter(|(call, _)| call[0] != "demo" || full()) {
+    for (call, field) in calls.iter().filter(|(call, _)| call[0] != "demo" || demo) {
         let said = json(&[*call, &["--threads", "2", "--max-memory", "2GiB", "--json"]].concat());
         assert!(said[field].is_number(), "{call:?}: {said}");
     }

@@ -16,6 +16,37 @@ fn refused(words: &[&str], expected_code: i32, what: &str) {
 }
 
 #[test]
+fn half_an_hour_is_baked_and_verified() {
+    let folder = Folder::new();
+    let (scene, day) = (folder.generate("primitives"), folder.path("day.adumbra"));
+    let moments = "lat=48,lon=11,date=2026-03-20,from=12,to=12:30,step=300";
+    let said = json(&[
+        "bake",
+        &scene,
+        "--sun-path",
+        moments,
+        "-o",
+        &day,
+        "--resolution",
+        "256",
+        "--path-error",
+        "2",
+        "--json",
+    ]);
+    let keys = said["keys"].as_array().unwrap();
+    assert!(!keys.is_empty() && said["steps"] == 7, "{said}");
+    let verify = ["verify", &day, "--scene", &scene, "--every", "3", "--max-excess", "5", "--json"];
+    let verified = json(&verify);
+    assert!(
+        verified["ok"] == true && verified["moments"].as_array().is_some_and(|all| !all.is_empty()),
+        "{verified}"
+    );
+    let other = folder.generate("city");
+    let (code, said) = adumbra(&["verify", &day, "--scene", &other, "--every", "3", "--max-excess", "50"]);
+    assert_eq!(code, 1, "{said}");
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn a_day_is_baked_and_verified_and_answers_at_its_moments() {
     let folder = Folder::new();

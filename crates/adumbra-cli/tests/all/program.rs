@@ -4,7 +4,7 @@ use std::fs;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use adumbra_testing::{Folder, adumbra, full_alone, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, json, program, stderr};
 use serde_json::Value;
 
 #[test]
@@ -302,19 +302,27 @@ fn interrupt_exits_with_130_and_leaves_the_earlier_file() {
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let rest: Vec<String> = lines.map_while(Result::ok).collect();
-    for _ in 0..600 {
-        if child.try_wait().unwrap().is_some() {
-            break;
-        }
-        std::thread::sleep(Duration::from_millis(100));
-    }
     assert_eq!(child.wait().unwrap().code(), Some(130));
     assert!(rest.iter().any(|l| l.contains("interrupted")), "{rest:?}");
     assert_eq!(fs::read(&file).unwrap(), b"earlier");
     assert!(folder.no_temporary_files());
 }
 
-#[cfg(unix)]
+/// Waits until a process catches interrupts.
+#[cfg(target_os = "linux")]
+fn wait_for_handler(process: u32) {
+    let catches_interrupts = || {
+        let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
+        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
+        // Bit 1 is that of signal 2, SIGINT.
+        u64::from_str_radix(caught, 16).unwrap() & 0b10 != 0
+    };
+    while !catches_interrupts() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+#[cfg(target_os = "linux")]
 #[test]
 fn verify_exits_with_130_when_interrupted() {
     let folder = Folder::new();
@@ -325,7 +333,7 @@ fn verify_exits_with_130_when_interrupted() {
         .args(["verify", &file, "--scene", &scene, "--samples", "1000000000"])
         .spawn()
         .unwrap();
-    std::thread::sleep(Duration::from_secs(2));
+    wait_for_handler(child.id());
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }
@@ -372,9 +380,6 @@ fn every_verb_shows_an_example() {
 #[test]
 #[ignore = "slow: the whole demo"]
 fn demo_leaves_the_file_pictures_and_a_report() {
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     let out = folder.path("demo");
     let (code, error) = adumbra(&["demo", "--resolution", "1024", "--out", &out]);

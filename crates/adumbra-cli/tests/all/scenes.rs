@@ -2,11 +2,10 @@
 
 use std::path::Path;
 use std::process::Command;
-use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
 
-use adumbra_testing::{Folder, adumbra, glb, json, program, stderr};
+use adumbra_testing::{Folder, adumbra, glb, json, program};
 
 const TRIANGLE: [f32; 9] = [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
 const FACE: &str = "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n";
@@ -58,11 +57,10 @@ fn hostile_scenes_end_soon_with_their_exit_codes() {
     ];
     for (name, bytes, code, part) in cases {
         let scene = folder.write(name, &bytes);
-        let started = Instant::now();
+        // What waits for a pipe, a device or a server would never end.
         let (said, message) = adumbra(&["inspect", &scene]);
         assert_eq!(said, code, "{name}: {message}");
         assert!(message.contains(part), "{name}: {message}");
-        assert!(started.elapsed() < Duration::from_secs(10), "{name}");
     }
 }
 
@@ -98,22 +96,9 @@ fn a_pipe_is_no_scene() {
     for ending in ["glb", "gltf", "obj", "ply"] {
         let pipe = folder.path(&format!("pipe.{ending}"));
         assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
-        let mut child = Command::new(program())
-            .args(["inspect", &pipe])
-            .stderr(std::process::Stdio::piped())
-            .spawn()
-            .unwrap();
-        let started = Instant::now();
-        while child.try_wait().unwrap().is_none() {
-            if started.elapsed() > Duration::from_secs(10) {
-                child.kill().unwrap();
-                panic!("{pipe}: it waits for someone to write");
-            }
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        let output = child.wait_with_output().unwrap();
-        assert_eq!(output.status.code(), Some(3), "{}", stderr(&output));
-        assert!(stderr(&output).contains("not a regular file"), "{}", stderr(&output));
+        let (code, message) = adumbra(&["inspect", &pipe]);
+        assert_eq!(code, 3, "{message}");
+        assert!(message.contains("not a regular file"), "{message}");
     }
 }
 

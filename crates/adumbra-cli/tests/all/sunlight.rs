@@ -181,13 +181,12 @@ fn wrong_calls_of_sun_hours_say_what_to_give() {
 
 #[cfg(unix)]
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn sun_hours_end_with_an_interrupt_and_leave_the_earlier_file() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let out = folder.write("a.csv", b"earlier");
     let mut child = Command::new(program())
-        .args(["sun-hours", &scene, "--grid", "0.2", "--every-step", "--progress", "json", "-o", &out])
+        .args(["sun-hours", &scene, "--grid", "0.5", "--every-step", "--progress", "json", "-o", &out])
         .args(DAY)
         .stderr(Stdio::piped())
         .spawn()
@@ -196,7 +195,7 @@ fn sun_hours_end_with_an_interrupt_and_leave_the_earlier_file() {
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().unwrap()));
     let first: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
     assert_eq!(first["event"], "trace");
-    assert!(first["total_tiles"].as_u64().unwrap() > 1000, "{first}");
+    assert!(first["total_tiles"].as_u64().unwrap() > 100, "{first}");
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let rest: Vec<String> = lines.map_while(Result::ok).collect();
     assert_eq!(child.wait().unwrap().code(), Some(130));

@@ -1,12 +1,13 @@
-//! Every shadow-map technique compared with rays, away from shadow edges, on the shared scenes.
+//! Every shadow-map technique compared with rays, away from shadow edges, on a generated city and the shared scenes.
 
+use adumbra::Sun;
 use adumbra_compare::metrics::is_lit;
 use adumbra_compare::truth::{
     EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, street_camera, truth_camera,
 };
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
-use adumbra_scene::{Camera, LoadOptions, Scene, load};
-use adumbra_testing::{full_alone, shared};
+use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
+use adumbra_testing::shared;
 use rayon::prelude::*;
 
 /// Points within this distance of an edge of the true shadow, in the technique's texels, are not compared.
@@ -108,44 +109,60 @@ fn check(file: &str, street: bool) {
         let rays = TruthTracer::build(&scene, false);
         camera = street_camera(&rays, sun.towards(), &StreetOptions::default()).unwrap();
     }
-    println!("{name}{}", if street { ", street" } else { "" });
+    let what = format!("{name}{}", if street { ", street" } else { "" });
     let mut view = View::new(&scene, camera, sun.towards());
-    let mut csm_difference = 0.0;
-    for technique in COMPARED {
-        let wrong = view.reference(technique);
-        assert!(wrong.lit <= MAX_LIT, "{name}, {technique}: {} wrong-lit", wrong.lit);
-        assert!(wrong.shadowed <= MAX_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
-        csm_difference = wrong.mean_difference;
-    }
+    let csm_difference = hold(&what, &mut view, COMPARED);
     for technique in MOMENTS {
         let wrong = view.reference(technique);
-        assert!(wrong.shadowed <= MAX_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
+        assert!(wrong.shadowed <= MAX_SHADOWED, "{what}, {technique}: {} wrong-shadowed", wrong.shadowed);
         // Compared from afar with four splits, both against the hard shadow.
         if *technique == "csm-vsm" && !street {
             assert!(
                 wrong.mean_difference <= csm_difference,
-                "{name}: csm-vsm {}, csm {csm_difference}",
+                "{what}: csm-vsm {}, csm {csm_difference}",
                 wrong.mean_difference
             );
         }
     }
 }
 
+/// Checks techniques in a view. Returns the mean difference of the last one from the truth.
+fn hold(name: &str, view: &mut View<'_>, techniques: &[&str]) -> f64 {
+    println!("{name}");
+    let mut last_difference = 0.0;
+    for technique in techniques {
+        let wrong = view.reference(technique);
+        assert!(wrong.lit <= MAX_LIT, "{name}, {technique}: {} wrong-lit", wrong.lit);
+        assert!(wrong.shadowed <= MAX_SHADOWED, "{name}, {technique}: {} wrong-shadowed", wrong.shadowed);
+        last_difference = wrong.mean_difference;
+    }
+    last_difference
+}
+
+#[test]
+fn a_city_is_right_away_from_edges() {
+    let scene = generate(GeneratedKind::City, 1);
+    let projection = Projection::Perspective { fov_degrees: 60.0 };
+    let camera = Camera {
+        eye: [-150.0, 38.0, 175.0],
+        target: [-75.0, 4.0, 75.0],
+        projection,
+        width: 240,
+        height: 135,
+    };
+    let towards_sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards();
+    hold("city", &mut View::new(&scene, camera, towards_sun), &["sm", "pcf", "csm:filter=1", "csm"]);
+}
+
 #[test]
 #[ignore = "slow: real scenes"]
 fn shared_zdm2_is_right_away_from_edges() {
-    if !full_alone() {
-        return;
-    }
     check("zdm2.glb", false);
 }
 
 #[test]
 #[ignore = "slow: a real scene, both ways"]
 fn shared_kaykit_city_is_right_away_from_edges() {
-    if !full_alone() {
-        return;
-    }
     check("kaykit_city_21.glb", false);
     check("kaykit_city_21.glb", true);
 }
@@ -159,9 +176,6 @@ fn shared_alpine_is_right_away_from_edges() {
 #[test]
 #[ignore = "slow: a real scene, both ways"]
 fn shared_auster_is_right_away_from_edges() {
-    if !full_alone() {
-        return;
-    }
     check("auster.obj", false);
     check("auster.obj", true);
 }

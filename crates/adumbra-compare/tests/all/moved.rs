@@ -12,7 +12,7 @@ use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera};
 use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
 use adumbra_scene::{Camera, LoadOptions, Scene, load};
 use adumbra_testing::bake_file;
-use adumbra_testing::{full_alone, scene_file, shared};
+use adumbra_testing::{scene_file, shared};
 
 use crate::compared;
 
@@ -126,11 +126,8 @@ fn check(scenes: &Path, name: &str) {
 }
 
 #[test]
-#[ignore = "slow: real scenes; with ADUMBRA_FULL alone"]
+#[ignore = "slow: real scenes"]
 fn shared_scenes_give_the_same_figures_anywhere() {
-    if !full_alone() {
-        return;
-    }
     let Some(scenes) = shared("scenes") else { return };
     SCENES.iter().for_each(|name| check(&scenes, name));
 }

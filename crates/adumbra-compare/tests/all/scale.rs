@@ -9,7 +9,7 @@ use adumbra_compare::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
 use adumbra_scene::{Camera, GeneratedKind, Mesh, Projection, Scene, generate};
-use adumbra_testing::{add_box, add_quad, bake_file, full, full_alone, scene_of};
+use adumbra_testing::{add_box, add_quad, bake_file, full, scene_of};
 
 use crate::compared;
 
@@ -121,11 +121,8 @@ fn a_stray_triangle_changes_nothing_near_the_camera() {
 }
 
 #[test]
-#[ignore = "slow: traces and draws large scenes; with ADUMBRA_FULL alone"]
+#[ignore = "slow: traces and draws large scenes"]
 fn ground_of_any_width_changes_nothing_near_the_camera() {
-    if !full_alone() {
-        return;
-    }
     let boxes = [[0.0, 0.0], [1.5, 3.0]];
     let seen = |half: f32, camera: &Camera, names: &[&str]| {
         see(&ground_and_boxes(half, &boxes, &[]), None, camera, names)
@@ -143,21 +140,30 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
     }
 }
 
+/// Sees a city that stands at a place.
+fn city_at(origin: [f64; 3], resolution: u64, names: &[&str]) -> Seen {
+    let mut scene = generate(GeneratedKind::City, 1);
+    let sun = Sun::from_direction(SUN).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(resolution));
+    let file = compared::moved(bake_file(&scene, &options).unwrap(), origin);
+    for instance in &mut scene.instances {
+        (0..3).for_each(|a| instance.world_from_mesh[a][3] += origin[a]);
+    }
+    let place = |p: [f64; 3]| std::array::from_fn(|a| p[a] + origin[a]);
+    let camera = camera(place([-150.0, 38.0, 175.0]), place([-75.0, 4.0, 75.0]));
+    see(&scene, Some(&file), &camera, names)
+}
+
+#[test]
+fn a_coarse_town_at_map_coordinates_looks_as_at_zero() {
+    let at = |origin| city_at(origin, 512, &["none", "voxel"]);
+    assert_same("a coarse town", &at([0.0; 3]), &at([10_000_000.0, 0.0, 10_000_000.0]));
+}
+
 #[test]
 #[ignore = "slow: traces and draws large scenes; both places with ADUMBRA_FULL"]
 fn a_town_at_map_coordinates_looks_as_at_zero() {
-    let at = |origin: [f64; 3]| {
-        let mut scene = generate(GeneratedKind::City, 1);
-        let sun = Sun::from_direction(SUN).unwrap();
-        let options = BakeOptions::new(sun, Size::Resolution(4096));
-        let file = compared::moved(bake_file(&scene, &options).unwrap(), origin);
-        for instance in &mut scene.instances {
-            (0..3).for_each(|a| instance.world_from_mesh[a][3] += origin[a]);
-        }
-        let place = |p: [f64; 3]| std::array::from_fn(|a| p[a] + origin[a]);
-        let camera = camera(place([-150.0, 38.0, 175.0]), place([-75.0, 4.0, 75.0]));
-        see(&scene, Some(&file), &camera, &["none", "voxel", "voxel:filter=5"])
-    };
+    let at = |origin| city_at(origin, 4096, &["none", "voxel", "voxel:filter=5"]);
     let plain = at([0.0; 3]);
     let origins = [[10_000_000.0, 0.0, 10_000_000.0], [500_000.0, 0.0, 5_000_000.0]];
     for origin in origins.into_iter().take(if full() { 2 } else { 1 }) {

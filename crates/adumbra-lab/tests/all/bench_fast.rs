@@ -54,7 +54,6 @@ fn bench_fast_measures_one_row_and_says_what_was_not_measured() {
 }
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_fast_refuses_rows_that_are_none() {
     let folder = Folder::new();
     let out = folder.path("out");

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use adumbra_testing::{Folder, full_alone, lab};
+use adumbra_testing::{Folder, lab};
 use serde_json::Value;
 
 /// Runs it on small pictures and files. Returns the tables' JSON and text.
@@ -23,9 +23,6 @@ fn run(out: &str, options: &[&str]) -> (Value, String) {
 #[test]
 #[ignore = "slow: a whole benchmark"]
 fn bench_gpu_measures_every_section() {
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     let (document, text) = run(&folder.path("out"), &[]);
     let sections = document["sections"].as_array().unwrap();

@@ -2,7 +2,7 @@
 
 use std::fs;
 
-use adumbra_testing::{Folder, full_alone, lab};
+use adumbra_testing::{Folder, lab};
 use serde_json::Value;
 
 fn bench(folder: &Folder, only: &str, size: &str) -> Value {
@@ -89,16 +89,12 @@ fn bench_hrsm_measures_spheres_and_holds() {
 #[test]
 #[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_holds_on_the_ball() {
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     // Pixels are no larger than the two texels around an edge within which errors are not counted.
     assert_holds(&bench(&folder, "ball", "480x270"), 1);
 }
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_refuses_a_start_that_is_no_size() {
     let folder = Folder::new();
     let out = folder.path("out");
@@ -107,7 +103,6 @@ fn bench_hrsm_refuses_a_start_that_is_no_size() {
 }
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_hrsm_says_which_model_is_missing() {
     let folder = Folder::new();
     let out = folder.path("out");

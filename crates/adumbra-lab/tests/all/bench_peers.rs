@@ -37,7 +37,6 @@ fn shared_bench_peers_stands_beside_the_engines() {
 }
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_peers_says_which_scene_is_missing() {
     let folder = Folder::new();
     let (scenes, out) = (folder.path(""), folder.path("out"));

@@ -52,7 +52,6 @@ fn bench_tree_writes_tables_plots_and_pictures() {
 }
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_tree_refuses_an_earlier_report_that_is_none() {
     let folder = Folder::new();
     for content in ["[]", "null", "{", ""] {

@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use adumbra::Sun;
+use adumbra::{ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch};
 use adumbra_compare::metrics::flip;
 use adumbra_lab::TECHNIQUES;
@@ -22,7 +22,7 @@ use adumbra_papers::tree::{TreeOptions, bake_tree};
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
 use adumbra_render::voxel::LightFile;
 use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
-use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
+use adumbra_scene::{Camera, GeneratedKind, Projection, Scene, generate};
 use adumbra_testing::bake_file;
 use adumbra_truth::picture::Picture;
 use image::{ExtendedColorType, ImageEncoder};
@@ -157,34 +157,64 @@ fn every_occlusion_draws_its_golden_picture() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
+/// Draws with techniques that need no file of a paper, and compares them with their golden pictures.
+#[test]
+fn some_techniques_draw_their_golden_pictures() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let light = light_of(&scene);
+    let baked = Baked { light: Some(LightFile::Whole(&light)), ..Baked::default() };
+    let mut renderer = renderer(&scene);
+    let mut wrong = Vec::new();
+    for name in ["sm", "pcf", "csm", "voxel", "hrsm"] {
+        compare(name, &drawn(&mut renderer, name, baked), &mut wrong);
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+fn towards_sun() -> Sun {
+    Sun::from_direction([0.5, 0.8, 0.35]).unwrap()
+}
+
+fn light_of(scene: &Scene) -> ShadowFile {
+    bake_file(scene, &BakeOptions::new(towards_sun(), Size::Resolution(1024))).unwrap()
+}
+
+/// Returns a renderer of a scene above whose free middle a ball moves.
+fn renderer(scene: &Scene) -> Renderer {
+    let mut moving = scene.clone();
+    moving.add_ball(1.3, BALL_COLOR, &[(0.0, [-1.5, 2.2, 1.5]), (1.0, [-1.5, 3.2, 1.5])]).unwrap();
+    let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
+    let mut renderer = Renderer::new(gpu, scene, SceneOptions::default()).unwrap();
+    renderer.set_movers(&moving.take_movers(), SceneOptions::default()).unwrap();
+    renderer
+}
+
+/// Returns the picture of a technique.
+fn drawn(renderer: &mut Renderer, name: &str, baked: Baked<'_>) -> Picture {
+    let drawn = DRAWN_AS.iter().find(|(of, _)| *of == name).map_or(name, |(_, drawn)| *drawn);
+    let technique = build(renderer.gpu(), &TECHNIQUES.parse(drawn).unwrap(), baked).unwrap();
+    let mut technique = renderer.prepare(technique).unwrap();
+    let shot = Shot { camera: camera(), towards_sun: towards_sun().towards(), number: 0 };
+    renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
+    color(renderer)
+}
+
 #[test]
 #[ignore = "slow: draws with every technique"]
 fn every_technique_draws_its_golden_picture() {
     let scene = generate(GeneratedKind::Primitives, 1);
-    let mut moving = scene.clone();
-    // The ball is above the free middle of the board.
-    moving.add_ball(1.3, BALL_COLOR, &[(0.0, [-1.5, 2.2, 1.5]), (1.0, [-1.5, 3.2, 1.5])]).unwrap();
-    let moving = moving.take_movers();
-    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    let (sun, light) = (towards_sun(), light_of(&scene));
     let options = BakeOptions::new(sun, Size::Resolution(1024));
-    let light = bake_file(&scene, &options).unwrap();
     let options = DagOptions { bake: options, layout: DagLayout::Plain };
     let graph = bake_graph(&scene, &options, Watch::none()).unwrap().file;
     let tree = bake_tree(&scene, &TreeOptions::new(sun, Size::Resolution(512)), Watch::none()).unwrap();
     let papers = PaperFiles { graph: Some(graph), tree: Some(tree.into()), ..PaperFiles::default() };
     let baked = Baked { light: Some(LightFile::Whole(&light)), ..papers.baked() };
-    let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
-    let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
-    renderer.set_movers(&moving, SceneOptions::default()).unwrap();
-    let shot = Shot { camera: camera(), towards_sun: sun.towards(), number: 0 };
+    let mut renderer = renderer(&scene);
     let mut wrong = Vec::new();
     let mut pictures = BTreeMap::new();
     for name in TECHNIQUES.iter().filter(|t| !t.is_traced()).map(|t| t.name).chain(VARIANTS.iter().copied()) {
-        let drawn = DRAWN_AS.iter().find(|(of, _)| *of == name).map_or(name, |(_, drawn)| *drawn);
-        let technique = build(renderer.gpu(), &TECHNIQUES.parse(drawn).unwrap(), baked).unwrap();
-        let mut technique = renderer.prepare(technique).unwrap();
-        renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
-        let picture = color(&renderer);
+        let picture = drawn(&mut renderer, name, baked);
         compare(name, &picture, &mut wrong);
         pictures.insert(name, picture);
     }

@@ -2,9 +2,9 @@
 
 use std::fs;
 use std::process::{Child, Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use adumbra_testing::{Folder, full_alone, lab, lab_program};
+use adumbra_testing::{Folder, lab, lab_program};
 use serde_json::{Value, json};
 
 use crate::browser::Browser;
@@ -127,9 +127,6 @@ fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record(
 #[test]
 #[ignore = "slow: a report"]
 fn report_says_that_its_page_is_too_large() {
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     earlier(&folder, &[("bake", "measured")]);
     let text = format!("# Bakes\n\n{}\n", "many words ".repeat(2_500_000));
@@ -179,14 +176,9 @@ fn start_report(out: &str, options: &[&str]) -> Child {
 #[test]
 #[ignore = "slow: a report"]
 fn report_leaves_what_there_is_when_interrupted() {
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     let mut child = start_report(&folder.path("r"), &["--only", "verify,tree"]);
-    let start = Instant::now();
     while !folder.exists("r/data/tree") {
-        assert!(start.elapsed() < Duration::from_secs(120), "the second section begins");
         std::thread::sleep(Duration::from_millis(20));
     }
     // The signal goes to this process alone. Its command must end with it.
@@ -209,9 +201,7 @@ fn report_keeps_earlier_records_until_they_are_replaced() {
     let kept = record(&folder)["sections"][1].clone();
     // All sections are run. The first one clears its old data.
     let mut child = start_report(&folder.path("r"), &[]);
-    let start = Instant::now();
     while folder.exists("r/data/bake/bake.md") {
-        assert!(start.elapsed() < Duration::from_secs(120), "the first section begins");
         std::thread::sleep(Duration::from_millis(20));
     }
     signal("INT", child.id());
@@ -243,11 +233,8 @@ fn report_interrupted_ends_what_its_command_started() {
     let folder = Folder::new();
     let out = folder.path("r");
     let mut child = start_report(&out, &["--only", "bake"]);
-    let limit = Duration::from_secs(120);
-    let start = Instant::now();
     // A bake that is stopped does not end when asked to.
     loop {
-        assert!(start.elapsed() < limit, "a bake begins");
         std::thread::sleep(Duration::from_millis(5));
         let processes = if folder.exists("r") { running(&out) } else { Vec::new() };
         let Some((bake, _)) = processes.into_iter().find(|(_, verb)| verb == "bake") else { continue };
@@ -257,21 +244,12 @@ fn report_interrupted_ends_what_its_command_started() {
             break;
         }
     }
-    let start = Instant::now();
     signal("TERM", child.id());
-    let status = loop {
-        if let Some(status) = child.try_wait().unwrap() {
-            break Some(status);
-        }
-        if start.elapsed() > Duration::from_secs(30) {
-            break None;
-        }
-        std::thread::sleep(Duration::from_millis(20));
-    };
+    let status = child.wait().unwrap();
     let left = running(&out);
     // Killed before any assertion, as a failure would leave them behind.
     left.iter().map(|(process, _)| *process).for_each(|process| signal("KILL", process));
-    assert_eq!(status.and_then(|s| s.code()), Some(130), "after {:.1} s", start.elapsed().as_secs_f64());
+    assert_eq!(status.code(), Some(130));
     assert_eq!(left, []);
     assert_eq!(record(&folder)["sections"][0]["outcome"], "interrupted");
 }
@@ -279,9 +257,6 @@ fn report_interrupted_ends_what_its_command_started() {
 #[test]
 #[ignore = "slow: a report in a browser"]
 fn report_browser_sees_a_page_that_stands_alone() {
-    if !full_alone() {
-        return;
-    }
     let Some(mut browser) = Browser::start() else { return };
     let folder = Folder::new();
     let out = folder.path("r");

@@ -3,7 +3,7 @@
 
 #![cfg(target_os = "linux")]
 
-use adumbra_testing::{Folder, assert_keeps_to_limits, full_alone, lab_program, scene_file, shared};
+use adumbra_testing::{Folder, assert_keeps_to_limits, lab_program, scene_file, shared};
 
 fn assert_tree_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str) {
     let (lab, file) = (lab_program(), folder.path("a.adumtree"));
@@ -26,9 +26,6 @@ fn memory_of_trees_keeps_to_every_limit() {
 #[ignore = "slow: bakes again and again"]
 fn memory_of_trees_of_real_scenes_keeps_to_every_limit() {
     let Some(scenes) = shared("scenes") else { return };
-    if !full_alone() {
-        return;
-    }
     let folder = Folder::new();
     for name in ["box-city-51k", "kaykit_city_21", "dragon_202k", "auster", "oak_medium"] {
         assert_tree_keeps_to_limits(&folder, scene_file(&scenes, name).to_str().unwrap(), "1024");

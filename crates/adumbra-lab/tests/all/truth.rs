@@ -1,5 +1,8 @@
 //! Ray-traced truth: compared with another renderer, through the cache, near edges, and from the street.
 
+use std::path::PathBuf;
+use std::time::{Duration, SystemTime};
+
 use adumbra::Sun;
 use adumbra_compare::truth::{
     Cache, EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, TruthView, scene_key, standard_error,
@@ -284,15 +287,22 @@ fn cache_stays_within_its_limit_and_drops_what_was_used_longest_ago() {
         std::fs::read_dir(&entries).unwrap().map(|e| e.unwrap().metadata().unwrap().len()).collect()
     };
     let cameras = [8, 9, 10, 11].map(|width| above(width, 12));
-    cameras[..3].iter().for_each(|camera| drop(unlimited.surfaces(&truth, &key, camera)));
+    let names = || -> Vec<PathBuf> {
+        std::fs::read_dir(&entries).into_iter().flatten().map(|e| e.unwrap().path()).collect()
+    };
+    for (age_hours, camera) in [3, 2, 1].into_iter().zip(&cameras) {
+        let before = names();
+        unlimited.surfaces(&truth, &key, camera);
+        let made = names().into_iter().find(|name| !before.contains(name)).unwrap();
+        let time = SystemTime::now() - Duration::from_secs(3600 * age_hours);
+        std::fs::File::options().write(true).open(made).unwrap().set_modified(time).unwrap();
+    }
     let other = entries.join("notes.txt");
     std::fs::write(&other, "not an entry").unwrap();
     let limit = sizes().into_iter().max().unwrap() * 3;
     let cache = Cache::in_folder(entries.clone(), limit);
     // The first is used again, so the second becomes the least recently used.
-    std::thread::sleep(std::time::Duration::from_millis(20));
     cache.surfaces(&truth, &key, &cameras[0]);
-    std::thread::sleep(std::time::Duration::from_millis(20));
     cache.surfaces(&truth, &key, &cameras[3]);
     let kept = cameras.map(|camera| {
         let before = sizes().len();

@@ -35,7 +35,6 @@ mod tests {
     use crate::tree::word::Word;
 
     #[test]
-    #[ignore = "slow: real scenes"]
     fn leaf_voxels_count_a_shared_block_for_each_parent() {
         let (lit, mask) = (Word::LIT.0, Word::leaf(0x5a).0);
         let one = |word| VoxelTree::from_words(4, vec![word]).unwrap();

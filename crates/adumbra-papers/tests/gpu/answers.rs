@@ -36,6 +36,14 @@ fn tree_words_count_the_taps_that_the_cpu_counts() {
 }
 
 #[test]
+fn texels_of_a_small_tree_count_the_taps_that_the_cpu_counts() {
+    let gpu = gpu();
+    let baked = BakedTree::new(generate(GeneratedKind::Primitives, 3), 128);
+    exact_cubes(&gpu, &baked, CubesStore::Texels, (3, Weights::Mean), 20_000);
+    exact_cubes(&gpu, &baked, CubesStore::Decoded, (3, Weights::Poisson), 20_000);
+}
+
+#[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
 fn tree_texels_count_the_taps_that_the_cpu_counts() {
     let gpu = gpu();

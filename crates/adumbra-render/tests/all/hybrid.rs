@@ -146,6 +146,13 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
 }
 
 #[test]
+fn build_gives_the_twin_s_words_from_small_images() {
+    let gpu = kit::gpu();
+    check_images(&gpu, (64, 3), DepthPrecision::Bits32);
+    check_images(&gpu, (64, 1), DepthPrecision::Bits16);
+}
+
+#[test]
 #[ignore = "slow: large hybrid maps"]
 fn build_gives_the_twin_s_words_from_any_image_of_32_bits() {
     let gpu = kit::gpu();

@@ -59,10 +59,19 @@ fn texels_and_links_are_the_twin_s() {
 }
 
 #[test]
+fn answers_of_a_small_map_are_the_compact_layout_s() {
+    answers_are_the_compact_layouts(&["hrsm:512-256:depth=16:filter=7"]);
+}
+
+#[test]
 #[ignore = "slow: large hybrid maps"]
 fn answers_are_the_compact_layout_s() {
+    answers_are_the_compact_layouts(&["hrsm:1024-256", "hrsm:1024-128:test=paper:filter=1"]);
+}
+
+fn answers_are_the_compact_layouts(names: &[&str]) {
     let mut renderer = renderer(&kit::city());
-    for name in ["hrsm:1024-256", "hrsm:1024-128:test=paper:filter=1", "hrsm:512-256:depth=16:filter=7"] {
+    for name in names {
         for answer in [Answer::Visibility, Answer::Level] {
             let [compact, paper] = ["compact", "paper"].map(|layout| {
                 let mut technique = prepare(&renderer, &format!("{name}:layout={layout}"));

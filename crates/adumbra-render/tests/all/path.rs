@@ -26,10 +26,10 @@ fn suns() -> [Sun; 3] {
 /// Short, so that guesses are not rare.
 const DARK_AFTER_VOXELS: u32 = 3;
 
-fn keys(frame: FrameChoice) -> [ShadowFile; 2] {
+fn keys(frame: FrameChoice, voxel_world: f64) -> [ShadowFile; 2] {
     let [first, second, _] = suns();
     [first, second].map(|sun| {
-        let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::VoxelSize(0.15)) };
+        let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::VoxelSize(voxel_world)) };
         let mut file = bake_file(&kit::city(), &options).unwrap();
         file.settings.dark_after_voxels = DARK_AFTER_VOXELS;
         file
@@ -44,7 +44,7 @@ fn between(keys: &[ShadowFile; 2]) -> LightFile<'_> {
 fn marches_are_those_of_the_cpu() {
     let gpu = kit::gpu();
     for frame in [FrameChoice::ObliqueAt(0.0), FrameChoice::Light] {
-        let keys = keys(frame);
+        let keys = keys(frame, 0.3);
         let bias = keys[0].settings.bias;
         let light =
             BakedLight::new(&gpu, between(&keys), VoxelSettings::taps(Filter::Nearest, bias)).unwrap();
@@ -74,14 +74,17 @@ fn marches_are_those_of_the_cpu() {
     }
 }
 
+const WIDTH: u32 = 120;
+const HEIGHT: u32 = 80;
+
 /// Visibility of a point with its normal, at a pixel.
 type LookUp<'a> = &'a dyn Fn([f64; 3], Option<[f64; 3]>, [u32; 2]) -> f32;
 
 #[test]
 fn pictures_of_a_moment_are_those_of_the_cpu() {
-    let keys = keys(FrameChoice::ObliqueAt(0.0));
+    let keys = keys(FrameChoice::ObliqueAt(0.0), 0.3);
     let sun = suns()[2].towards();
-    let shot = Shot { camera: kit::camera(240, 160), towards_sun: sun, number: 0 };
+    let shot = Shot { camera: kit::camera(WIDTH, HEIGHT), towards_sun: sun, number: 0 };
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let anchor = shot.camera.view().eye.map(|c| f64::from(c as f32));
     let still = keys[0].sampler(Filter::Nearest);
@@ -112,7 +115,7 @@ fn pictures_of_a_moment_are_those_of_the_cpu() {
             let Some(Surface { p_relative, normal, .. }) = surface else { continue };
             let p = std::array::from_fn(|a| anchor[a] + f64::from(p_relative[a]));
             let normal = Some(normal.map(f64::from));
-            let pixel = [(at % 240) as u32, (at / 240) as u32];
+            let pixel = [at as u32 % WIDTH, at as u32 / WIDTH];
             checked += 1;
             off += u32::from((expected(p, normal, pixel) - factor[at]).abs() > most_apart);
             guessed += u32::from(hard.look_up(p, normal) != never.look_up(p, normal) && factor[at] == 0.0);
@@ -122,24 +125,33 @@ fn pictures_of_a_moment_are_those_of_the_cpu() {
         println!(
             "{name}: {off} of {checked} are off; {moved} are not as with the key's own sun; {partly} are between"
         );
-        assert!(checked > 15_000 && off * 300 < checked, "{name}: {off} of {checked}");
+        assert!(checked > 3_750 && off * 300 < checked, "{name}: {off} of {checked}");
         assert!(moved * 200 > checked, "{name}: {moved}");
         assert_eq!(partly > checked / 60, !name.contains("filter=1"), "{name}: {partly}");
     }
     println!("{guessed} pixels are guessed to be dark");
-    assert!(guessed > 10, "{guessed}");
+    assert!(guessed > 2, "{guessed}");
     let whole = Baked { light: Some(LightFile::Whole(&keys[0])), other: None };
     let of_file = build(renderer.gpu(), &"voxel:march=quick".parse().unwrap(), whole);
     assert!(of_file.is_err_and(|error| error.to_string().contains("march")));
 }
 
-/// What a march costs: words of the file for each visible point.
+#[test]
+fn quick_look_ups_in_small_keys_read_fewer_words_than_marches() {
+    quick_look_ups_read_fewer_words(0.6, [96, 64]);
+}
+
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn quick_look_ups_read_fewer_words_than_marches() {
-    let keys = keys(FrameChoice::ObliqueAt(0.0));
+    quick_look_ups_read_fewer_words(0.15, [240, 160]);
+}
+
+/// What a march costs: words of the file for each visible point.
+fn quick_look_ups_read_fewer_words(voxel_world: f64, [width, height]: [u32; 2]) {
+    let keys = keys(FrameChoice::ObliqueAt(0.0), voxel_world);
     let sun = suns()[2].towards();
-    let shot = Shot { camera: kit::camera(240, 160), towards_sun: sun, number: 0 };
+    let shot = Shot { camera: kit::camera(width, height), towards_sun: sun, number: 0 };
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
     let mut prepared = renderer.prepare(none).unwrap();
@@ -186,18 +198,29 @@ fn quick_look_ups_read_fewer_words_than_marches() {
     assert!(own < quick && quick < full, "{own}, {quick}, {full}");
 }
 
-/// Root-mean-square errors against rays to the sun's disc: of `voxel:soft` in a file of that very sun, and of marches.
 #[test]
 #[ignore = "slow: 32 marches and 256 rays for each point"]
 fn marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
+    marches_to_a_disc_are_near(&[0.53, 2.0, 6.0], 6000, 256, [1.25, 1.1]);
+}
+
+#[test]
+fn some_marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
+    // So few points and rays give errors to a third.
+    marches_to_a_disc_are_near(&[2.0], 1000, 64, [1.5, 1.5]);
+}
+
+/// Root-mean-square errors against rays to the sun's disc: of `voxel:soft` in a file of that very sun, and of marches. These may
+/// be larger by the first factor, and those between keys by the second again.
+fn marches_to_a_disc_are_near(angles: &[f64], points: usize, rays: u32, times: [f64; 2]) {
     let scene = kit::city();
-    let mut keys = keys(FrameChoice::ObliqueAt(0.0));
+    let mut keys = keys(FrameChoice::ObliqueAt(0.0), 0.15);
     // As is measured for a city: 9 m.
     keys.iter_mut().for_each(|key| key.settings.dark_after_voxels = 60);
     let [own, _, between] = suns().map(|sun| sun.towards());
     let tracer = Tracer::build(&scene, TraceOptions::default());
-    let points = visible_points(&scene, &tracer, 6000);
-    for angle in [0.53, 2.0, 6.0] {
+    let points = visible_points(&scene, &tracer, points);
+    for &angle in angles {
         let rms = |sun: [f64; 3], visibility: &dyn Fn([f64; 3], [f64; 3], [u32; 2]) -> f32| {
             let mut sum = 0.0;
             let mut count = 0;
@@ -207,7 +230,7 @@ fn marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
                     continue;
                 }
                 let lifted = std::array::from_fn(|a| p[a] + 1e-3 * normal[a]);
-                let truth = tracer.sun_disc_visibility(lifted, sun, angle, 256, i as u64);
+                let truth = tracer.sun_disc_visibility(lifted, sun, angle, rays, i as u64);
                 let found = f64::from(visibility(*p, *normal, [i as u32, 0]));
                 sum += (found - f64::from(truth)).powi(2);
                 count += 1;
@@ -227,7 +250,7 @@ fn marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
         let moved = disc(keys.each_ref(), between);
         println!("a disc of {angle}°: voxel:soft {soft:.4}, marches {marched:.4}, between keys {moved:.4}");
         // Penumbrae of a file are smooth within a texel, marches are right where several casters overlap.
-        assert!(marched < 1.25 * soft && moved < 1.1 * marched, "{angle}: {soft} {marched} {moved}");
+        assert!(marched < times[0] * soft && moved < times[1] * marched, "{angle}: {soft} {marched} {moved}");
         assert!(angle < 4.0 || marched < soft, "{angle}: {soft} {marched}");
     }
 }
@@ -249,15 +272,14 @@ fn visible_points(scene: &Scene, tracer: &Tracer<'_>, count: usize) -> Vec<([f64
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn a_sun_that_moves_changes_its_keys_without_a_frame_between() {
-    let [first, second] = keys(FrameChoice::ObliqueAt(0.0));
+    let [first, second] = keys(FrameChoice::ObliqueAt(0.0), 0.6);
     let third = bake_file(
         &kit::city(),
         &BakeOptions {
             levels: 1,
             frame: FrameChoice::ObliqueAt(0.0),
-            ..BakeOptions::new(Sun::from_angles(131.0, 44.0).unwrap(), Size::VoxelSize(0.1))
+            ..BakeOptions::new(Sun::from_angles(131.0, 44.0).unwrap(), Size::VoxelSize(0.4))
         },
     )
     .unwrap();

@@ -17,14 +17,15 @@ use crate::kit;
 use crate::kit::surfaces::surfaces;
 use crate::voxel_points::BakedScene;
 
-const LIMIT: Duration = Duration::from_secs(60);
+/// Longer than any wait on a busy machine.
+const LIMIT: Duration = Duration::from_secs(600);
 
 fn shot() -> Shot {
-    Shot { camera: kit::camera(240, 160), towards_sun: kit::sun(), number: 0 }
+    Shot { camera: kit::camera(120, 80), towards_sun: kit::sun(), number: 0 }
 }
 
-fn city() -> BakedScene {
-    BakedScene::new(kit::city(), [0.5, 0.8, 0.35], 8192)
+fn city(resolution: u64) -> BakedScene {
+    BakedScene::new(kit::city(), [0.5, 0.8, 0.35], resolution)
 }
 
 /// Streams a file, of which `view` is resident before the first frame.
@@ -62,7 +63,7 @@ fn drawn(renderer: &mut Renderer, name: &str, file: Baked<'_>, answer: Answer) -
 
 #[test]
 fn a_resident_file_draws_what_the_whole_file_draws() {
-    let scene = city();
+    let scene = city(2048);
     let file = streamed(&scene.light, 64 << 20, 1 << 18, &[View::everything()]);
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
     for name in ["voxel:filter=1", "voxel", "voxel:filter=17", "voxel:soft:angle=2", "voxel+csm"] {
@@ -85,17 +86,26 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
 }
 
 #[test]
+fn a_small_resident_file_reads_at_most_a_fiftieth_more_words() {
+    reads_hardly_more_words(&[2048], 500, &[Filter::Box5]);
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn a_resident_file_reads_at_most_a_fiftieth_more_words() {
+    let resolutions: &[u64] = if full() { &[8192, 16_384] } else { &[8192] };
+    reads_hardly_more_words(resolutions, 3000, &[Filter::Nearest, Filter::Box5, Filter::Box17]);
+}
+
+fn reads_hardly_more_words(resolutions: &[u64], points: usize, filters: &[Filter]) {
     let gpu = kit::gpu();
-    let scenes =
-        || [8192, 16_384].map(|resolution| BakedScene::new(kit::city(), [0.5, 0.8, 0.35], resolution));
-    for scene in if full() { scenes().into() } else { vec![city()] } {
+    for &resolution in resolutions {
+        let scene = city(resolution);
         let (grid, bias) = (&scene.light.grid, scene.light.settings.bias);
         let fixed = |(p, n)| FixedReceiver::new(&receiver(grid, &bias, p, n), grid.size);
-        let receivers: Vec<_> = scene.points(3000).into_iter().map(fixed).collect();
+        let receivers: Vec<_> = scene.points(points).into_iter().map(fixed).collect();
         let file = streamed(&scene.light, 64 << 20, 1 << 18, &[View::everything()]);
-        for filter in [Filter::Nearest, Filter::Box5, Filter::Box17] {
+        for &filter in filters {
             let settings = VoxelSettings::taps(filter, bias);
             let words = |file| {
                 let light = BakedLight::new(&gpu, file, settings).unwrap();
@@ -138,16 +148,25 @@ fn hold(
         let is_near = (answer.visibility - factor[at]).abs() * taps <= 2.0;
         differing += usize::from(!is_level || !is_near);
     }
-    assert!(checked > 15_000 && differing * 500 < checked, "{differing} of {checked} differ; {seen:?}");
+    assert!(checked > 3_750 && differing * 500 < checked, "{differing} of {checked} differ; {seen:?}");
     seen
+}
+
+#[test]
+fn frames_between_of_a_small_file_are_never_wrong_and_the_last_is_sharp() {
+    frames_are_never_wrong(2048, 1 << 11);
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn frames_between_are_never_wrong_and_the_last_is_sharp() {
-    let scene = city();
-    // Less than a page per frame, so most frames are drawn while a page is half written.
-    let file = streamed(&scene.light, 8 << 20, 1 << 13, &[]);
+    frames_are_never_wrong(8192, 1 << 13);
+}
+
+/// Draws while less than a page is written per frame, so that most frames see a page that is half written.
+fn frames_are_never_wrong(resolution: u64, upload_bytes: usize) {
+    let scene = city(resolution);
+    let file = streamed(&scene.light, 8 << 20, upload_bytes, &[]);
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
     let technique = build(renderer.gpu(), &"voxel".parse().unwrap(), baked(&file)).unwrap();
     let mut prepared = renderer.prepare(technique).unwrap();
@@ -157,7 +176,7 @@ fn frames_between_are_never_wrong_and_the_last_is_sharp() {
         if frame % 20 == 0 || file.is_settled() {
             let factor = renderer.read_factor(&prepared).unwrap();
             let seen = hold(&renderer, &file, Filter::Box5, [&factor, &[]]);
-            mixed += u32::from(seen[0] > 0 && seen[1..].iter().sum::<usize>() > 100);
+            mixed += u32::from(seen[0] > 0 && seen[1..].iter().sum::<usize>() > 25);
         }
         if file.is_settled() {
             break;
@@ -179,11 +198,21 @@ fn frames_between_are_never_wrong_and_the_last_is_sharp() {
 }
 
 #[test]
+fn levels_of_a_small_file_that_fade_are_mixed_as_on_the_cpu() {
+    fade(2048, &[("voxel", 12)]);
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn levels_that_fade_are_mixed_as_on_the_cpu_and_change_by_and_by() {
-    let scene = city();
+    fade(8192, &[("voxel", 0), ("voxel", 12), ("voxel:soft:angle=2", 12)]);
+}
+
+/// Draws techniques while levels fade over some frames.
+fn fade(resolution: u64, techniques: &[(&str, u32)]) {
+    let scene = city(resolution);
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
-    for (name, fade_frames) in [("voxel", 0), ("voxel", 12), ("voxel:soft:angle=2", 12)] {
+    for &(name, fade_frames) in techniques {
         let options = StreamOptions { budget_bytes: 8 << 20, fade_frames, ..StreamOptions::default() };
         let file = streamed_with(&scene.light, options, 1 << 16, &[]);
         let technique = build(renderer.gpu(), &name.parse().unwrap(), baked(&file)).unwrap();

@@ -48,6 +48,11 @@ fn voxel_in_six_bindings_counts_the_same() {
 }
 
 #[test]
+fn a_small_file_from_f32_positions_differs_only_on_faces() {
+    float_light(&kit::gpu(), &BakedScene::in_each_frame(256)[1], Filter::Box9, 10_000);
+}
+
+#[test]
 #[ignore = "slow: many look-ups on the GPU"]
 fn voxel_from_f32_positions_differs_only_on_faces() {
     let gpu = kit::gpu();

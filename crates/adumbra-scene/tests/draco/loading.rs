@@ -67,7 +67,6 @@ fn draco_required_is_decoded_even_if_accessors_have_data() {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
 fn draco_streams_may_be_shared_by_primitives() {
     let mut fixture = Fixture::read("sequential-lossless");
     let once = fixture.load().expect("loads");

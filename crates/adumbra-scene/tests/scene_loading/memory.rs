@@ -1,6 +1,4 @@
-//! Memory limits of loading, and the time that long texts may take.
-
-use std::time::Instant;
+//! Memory limits of loading, and texts that are long.
 
 use adumbra_scene::{Error, Result};
 use adumbra_scene::{LoadOptions, Scene, load};
@@ -154,9 +152,7 @@ fn shared(primitives: usize, vertices: usize) -> Glb {
 fn primitives_that_share_an_accessor_are_counted() {
     // 6 KB of positions and 1 MB of JSON describe 40 million triangles.
     let glb = shared(30_000, 3_999);
-    let started = Instant::now();
     assert_too_large(glb.load_with(&within(256 << 20)), "39990000 triangles");
-    assert!(started.elapsed().as_secs_f64() < 5.0);
     // Without an explicit limit, the memory for a file of two megabytes is bounded too.
     assert_too_large(shared(20_000, 60_000).load(), "400000000 triangles");
     let scene = shared(1_000, 30).load_with(&within(8 << 20)).expect("loads");
@@ -273,28 +269,25 @@ fn corners_of_one_face_are_counted_before_they_are_held() {
 
 /// Each of these took seconds to hours when the time grew with the square of the length.
 #[test]
-fn long_texts_take_no_longer_than_their_length() {
+fn long_texts_load() {
+    // Work that grows with a square would take longer than a test may.
     let triangle = "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n";
-    let numbered = |line: &str| (0..60_000).map(|i| line.replace('#', &i.to_string())).collect::<String>();
+    let numbered = |line: &str| (0..100_000).map(|i| line.replace('#', &i.to_string())).collect::<String>();
     let cases = [
-        ("joined lines", format!("{triangle}{}", "\\\n".repeat(4_000_000)), 1),
+        ("joined lines", format!("{triangle}{}", "\\\n".repeat(1_500_000)), 1),
         ("a joined face", format!("{triangle}f 1 \\\n 2 \\\n 3{}\n", "\\\n".repeat(1_000_000)), 2),
-        ("materials", format!("{triangle}{}", numbered("usemtl m#\nf 1 2 3\n")), 60_001),
-        ("objects", format!("{triangle}{}", numbered("o m#\nf 1 2 3\n")), 60_001),
+        ("materials", format!("{triangle}{}", numbered("usemtl m#\nf 1 2 3\n")), 100_001),
+        ("objects", format!("{triangle}{}", numbered("o m#\nf 1 2 3\n")), 100_001),
         ("libraries", format!("{triangle}{}", numbered("mtllib m#\n")), 1),
     ];
     for (name, text, triangles) in cases {
-        let started = Instant::now();
         let scene = load_bytes("scene.obj", text.as_bytes(), &LoadOptions::default()).expect(name);
-        let seconds = started.elapsed().as_secs_f64();
         assert_eq!(scene.stored_triangles(), triangles, "{name}");
-        assert!(seconds < 5.0, "{name}: {seconds:.1} s");
-        println!("{name}: {seconds:.3} s");
     }
 }
 
 #[test]
-fn polygons_of_very_many_corners_end_soon() {
+fn polygons_of_very_many_corners_end() {
     // Numbers of teeth below and above the corner limit of ear clipping.
     for teeth in [8_000, 200_000_u32] {
         let (mut text, mut face) = (String::new(), "f".to_owned());
@@ -308,13 +301,9 @@ fn polygons_of_very_many_corners_end_soon() {
         }
         text += &format!("v {} 0 0\nv 0 0 0\n", corners - 3);
         (1..=corners).for_each(|i| face += &format!(" {i}"));
-        let started = Instant::now();
         let scene = load_bytes("scene.obj", (text + &face + "\n").as_bytes(), &LoadOptions::default());
         let scene = scene.expect("loads");
-        let seconds = started.elapsed().as_secs_f64();
-        println!("{corners} corners: {seconds:.3} s, {} not cut", scene.notes.untriangulated_polygons);
         assert_eq!(scene.notes.untriangulated_polygons, u64::from(corners > 1 << 14));
-        assert!(seconds < 5.0, "{corners} corners: {seconds:.1} s");
     }
 }
 
@@ -351,14 +340,12 @@ fn skinned_copies_of_a_mesh_are_counted() {
 fn extras_of_a_mesh_are_read_once() {
     let mut glb = Glb::triangle();
     glb.json["meshes"][0]["extras"] = json!({"adumbra": {"cast": false}, "more": vec![0; 200_000]});
-    glb.json["nodes"] = json!(vec![json!({"mesh": 0}); 8_000]);
+    glb.json["nodes"] = json!(vec![json!({"mesh": 0}); 80_000]);
     glb.json["nodes"][0] = json!({"mesh": 1});
-    glb.json["scenes"] = json!([{"nodes": (0..8_000).collect::<Vec<_>>()}]);
+    glb.json["scenes"] = json!([{"nodes": (0..80_000).collect::<Vec<_>>()}]);
     glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
-    let started = Instant::now();
+    // Scanning the mesh once per node would take minutes, which is longer than a test may.
     let scene = glb.load().expect("loads");
-    // Scanning the mesh once per node took half a minute.
-    assert!(started.elapsed().as_secs_f64() < 5.0);
     assert_eq!(scene.instances.iter().filter(|i| i.casts).count(), 1);
 }
 

@@ -217,7 +217,6 @@ fn an_image_that_is_colour_and_mask_counts_by_its_alpha() {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
 fn masks_are_shared_by_materials() {
     let uses: String = (0..4).map(|i| format!("usemtl m{i}\nf 1/1 2/2 3/3\n")).collect();
     let mtl: String = (0..4).map(|i| format!("newmtl m{i}\nmap_d {}m.png\n", "./".repeat(i % 2))).collect();

@@ -139,12 +139,23 @@ fn trace_fan_of_slivers_has_no_gap() {
 }
 
 #[test]
+fn trace_equals_brute_force_on_small_soups() {
+    equals_brute_force(&[(1, 1.0, 0.0), (3, 1.0, 0.0), (40, 0.8, 0.0), (300, 0.3, 1e5)], 300);
+}
+
+#[test]
 #[ignore = "slow: takes over eight seconds"]
 fn trace_equals_brute_force_on_soups() {
+    equals_brute_force(
+        &[(1, 1.0, 0.0), (3, 1.0, 0.0), (40, 0.8, 0.0), (700, 0.3, 1e5), (3000, 0.1, 1e3)],
+        2000,
+    );
+}
+
+/// Compares rays with brute force in soups of so many triangles, with a size, at a distance from the origin.
+fn equals_brute_force(soups: &[(u32, f64, f64)], rays: usize) {
     let mut random = Random(11);
-    for (count, size, offset) in
-        [(1, 1.0, 0.0), (3, 1.0, 0.0), (40, 0.8, 0.0), (700, 0.3, 1e5), (3000, 0.1, 1e3)]
-    {
+    for &(count, size, offset) in soups {
         let mut soup = (Points::new(), Triangles::new());
         for i in 0..count {
             let center = random.point();
@@ -164,7 +175,7 @@ fn trace_equals_brute_force_on_soups() {
         for placed in [1, 5] {
             let scene = scene(soup.clone(), &places[..placed]);
             let tracer = tracer(&scene);
-            for _ in 0..2_000 {
+            for _ in 0..rays {
                 let mut ray = through(random.point(), random.point());
                 ray.origin.iter_mut().for_each(|c| *c = 1.5 * *c + offset);
                 ray.t_max = if random.next() < 0.5 { f64::INFINITY } else { random.next() };

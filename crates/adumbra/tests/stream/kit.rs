@@ -4,26 +4,35 @@ use std::io::Cursor;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use adumbra::stream::{ShadowSource, StreamOptions, Streamer, View};
+use adumbra::stream::{ShadowSource, StreamFault, StreamOptions, Streamer, View};
 use adumbra::{AtRest, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::bake_file;
 
-pub(crate) const LIMIT: Duration = Duration::from_secs(60);
+/// Longer than any wait on a busy machine.
+pub(crate) const LIMIT: Duration = Duration::from_secs(600);
 
-/// A city of 64 bundles in its finest level, and three coarser levels.
+fn coded_city(resolution: u64, levels: u32) -> Vec<u8> {
+    let sun = Sun::from_angles(130.0, 35.0).unwrap();
+    let options = BakeOptions { levels, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
+    let mut bytes = Cursor::new(Vec::new());
+    file.write_to(&mut bytes, AtRest::Coded).unwrap();
+    bytes.into_inner()
+}
+
+/// A city of 4 bundles in its finest level, and two coarser levels.
 pub(crate) fn city() -> &'static [u8] {
     static CITY: OnceLock<Vec<u8>> = OnceLock::new();
-    CITY.get_or_init(|| {
-        let sun = Sun::from_angles(130.0, 35.0).unwrap();
-        let options = BakeOptions { levels: 4, ..BakeOptions::new(sun, Size::Resolution(16_384)) };
-        let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
-        let mut bytes = Cursor::new(Vec::new());
-        file.write_to(&mut bytes, AtRest::Coded).unwrap();
-        bytes.into_inner()
-    })
+    CITY.get_or_init(|| coded_city(4096, 3))
+}
+
+/// A city of 64 bundles in its finest level, and three coarser levels.
+pub(crate) fn large_city() -> &'static [u8] {
+    static CITY: OnceLock<Vec<u8>> = OnceLock::new();
+    CITY.get_or_init(|| coded_city(16_384, 4))
 }
 
 pub(crate) type Point = ([f64; 3], Option<[f64; 3]>);
@@ -58,6 +67,17 @@ pub(crate) fn compare(streamer: &Streamer, file: &ShadowFile, points: &[Point], 
 
 pub(crate) fn stream(source: impl ShadowSource + 'static, budget_bytes: u64) -> Streamer {
     Streamer::new(source, StreamOptions { budget_bytes, ..StreamOptions::default() })
+}
+
+/// Waits until a stream that cannot settle has met a fault, and returns what it has met.
+pub(crate) fn faults_of(streamer: &mut Streamer, views: &[View]) -> Vec<StreamFault> {
+    loop {
+        assert!(!streamer.settle(views, Duration::from_millis(20), |_| ()), "there is no fault");
+        let faults = streamer.take_faults();
+        if !faults.is_empty() {
+            return faults;
+        }
+    }
 }
 
 /// A camera over the middle of a file's grid.
