@@ -11,6 +11,7 @@ use crate::error::Result;
 use crate::options::{BakeOptions, Builder};
 use crate::progress::{Report, Watch};
 use crate::sink::depths::DepthsSink;
+use crate::tiles::Tiles;
 use crate::triangles::surface::TileSurfaces;
 
 /// Bakes the depths of the finest level for `options`. `merged`: equal shapes are stored once, as in every file.
@@ -26,10 +27,15 @@ pub(crate) fn bake_depths(scene: &Scene, options: &BakeOptions, merged: bool) ->
 pub(crate) fn for_each_column(
     scene: &Scene,
     options: &BakeOptions,
-    mut visit: impl FnMut(u32, u32, [u32; 2]),
+    visit: impl FnMut(u32, u32, [u32; 2]),
 ) -> Result<()> {
     let plan = choose::plan(scene, &BakeOptions { builder: Builder::Plain, ..options.clone() })?;
-    let tiles = &plan.tiles;
+    for_each_column_of(&plan.tiles, visit);
+    Ok(())
+}
+
+/// Calls `visit(i, j, [e, x])` for every column, root block by root block. Every texel is drawn.
+pub(crate) fn for_each_column_of(tiles: &Tiles<'_>, mut visit: impl FnMut(u32, u32, [u32; 2])) {
     let mut buffers = CaptureBuffers::default();
     let mut columns = Columns::default();
     for tile in 0..tiles.count() {
@@ -41,5 +47,4 @@ pub(crate) fn for_each_column(
             visit(i, j, [columns.e[at as usize], columns.x[at as usize]]);
         }
     }
-    Ok(())
 }

@@ -1,6 +1,8 @@
 //! Bakes that use objects of earlier bakes write the bytes of fresh bakes, whatever was edited in between.
 
+use std::fs;
 use std::io::Cursor;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra::{AtRest, Bias, Bounds, Receivers, Sun};
@@ -9,8 +11,10 @@ use adumbra_bake::{
     bake_with_objects,
 };
 use adumbra_scene::random::Random;
-use adumbra_scene::{AlphaMode, GeneratedKind, LoadOptions, Pixels, Scene, generate, load};
-use adumbra_testing::{full, scene_file, shared};
+use adumbra_scene::{
+    AlphaMode, GeneratedKind, LoadOptions, Mesh, Pixels, Scene, Texture, Wrap, generate, load,
+};
+use adumbra_testing::{add_quad, cuboid, full, scene_file, scene_of, shared};
 
 mod store;
 
@@ -193,6 +197,77 @@ fn every_option_that_matters_has_its_own_objects() {
     assert!(again == bytes && report.reused_tiles == report.tiles);
 }
 
+/// A ground, and above it a box and a card with a texture that cuts holes.
+fn small_scene() -> Scene {
+    let (mut ground, mut card) = (Mesh::default(), Mesh::default());
+    add_quad(&mut ground, [[-8.0, 0.0, -8.0], [-8.0, 0.0, 8.0], [8.0, 0.0, 8.0], [8.0, 0.0, -8.0]]);
+    add_quad(&mut card, [[-4.0, 3.0, -4.0], [-4.0, 3.0, 4.0], [4.0, 3.0, 4.0], [4.0, 3.0, -4.0]]);
+    card.uvs = vec![[0.0, 0.0], [0.0, 3.0], [3.0, 3.0], [3.0, 0.0]];
+    card.triangle_materials.fill(1);
+    let mut scene = scene_of(vec![ground, cuboid([4.5, 1.0, 4.5], [6.0, 2.0, 6.0]), card]);
+    let mut material = scene.materials[0].clone();
+    (material.alpha, material.texture) = (AlphaMode::Mask { cutoff: 0.5 }, Some(0));
+    scene.materials.push(material);
+    let pixels = Pixels::Alpha(vec![0, 255, 153, 204]);
+    let wrap = [Wrap::Repeat; 2];
+    scene.textures.push(Texture {
+        name: "holes".to_owned(),
+        width: 2,
+        height: 2,
+        pixels,
+        wrap,
+        nearest: true,
+    });
+    scene
+}
+
+/// One page.
+fn small_options() -> BakeOptions {
+    let bounds = Some(Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 4.0, 8.0] });
+    BakeOptions { bounds, ..options(128) }
+}
+
+/// A store that has the objects of other scenes is of no use to one that differs in a property that may matter.
+#[test]
+fn every_property_that_matters_has_its_own_objects() {
+    let changes: [fn(&mut Scene); 22] = [
+        |s| s.materials[1].base_color[3] = 0.4,
+        |s| s.materials[1].alpha = AlphaMode::Mask { cutoff: 0.7 },
+        |s| s.materials[1].alpha = AlphaMode::Opaque,
+        |s| s.materials[1].texture = None,
+        |s| s.materials[1].casts = false,
+        |s| s.materials[0].transmissive = true,
+        |s| s.textures[0].wrap[0] = Wrap::Mirror,
+        |s| s.textures[0].wrap[1] = Wrap::Clamp,
+        |s| s.textures[0].nearest = false,
+        |s| s.textures[0].pixels = Pixels::Alpha(vec![255, 0, 153, 204]),
+        |s| (s.textures[0].width, s.textures[0].height) = (4, 1),
+        |s| s.meshes[2].uvs[2] = [5.0, 3.0],
+        |s| s.meshes[2].colors = vec![[255, 255, 255, 160]; 4],
+        |s| s.meshes[2].positions[2][1] = 3.5,
+        |s| s.meshes[2].triangles[1] = [0, 1, 3],
+        |s| s.meshes[2].triangle_materials[0] = 0,
+        |s| s.meshes[1].triangles[0].swap(1, 2),
+        |s| s.instances[2].world_from_mesh[0][3] = 0.7,
+        |s| s.instances[2].mesh = 1,
+        |s| s.instances[2].casts = false,
+        |s| s.instances.truncate(2),
+        |s| s.instances.push(s.instances[1].clone()),
+    ];
+    let objects: Arc<dyn Objects> = Arc::new(InMemory::default());
+    let (scene, options) = (small_scene(), small_options());
+    let (bytes, _) = with_objects(&scene, &options, &objects);
+    for (number, change) in changes.iter().enumerate() {
+        let mut changed = scene.clone();
+        change(&mut changed);
+        let (found, report) = with_objects(&changed, &options, &objects);
+        assert!(found == fresh(&changed, &options), "{number}");
+        assert_eq!(report.reused_tiles, 0, "{number}");
+    }
+    let (again, report) = with_objects(&scene, &options, &objects);
+    assert!(again == bytes && report.reused_tiles == report.tiles);
+}
+
 #[test]
 fn damaged_objects_are_made_again() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
@@ -252,6 +327,28 @@ fn folder_keeps_objects_and_removes_those_that_were_used_longest_ago() {
     assert!(folder.no_temporary_files());
     let error = FolderObjects::open(folder.path("none")).unwrap_err();
     assert!(error.to_string().contains("none"), "{error}");
+}
+
+#[test]
+fn objects_that_are_damaged_on_disk_are_made_again() {
+    let folder = adumbra_testing::Folder::new();
+    let cache = PathBuf::from(folder.path("cache"));
+    let objects: Arc<dyn Objects> = Arc::new(FolderObjects::create(&cache).unwrap());
+    let (scene, options) = (small_scene(), small_options());
+    let (bytes, _) = with_objects(&scene, &options, &objects);
+    let list = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files: Vec<PathBuf> = list(cache).flat_map(list).collect();
+    let [file] = &files[..] else { panic!("{files:?}") };
+    let whole = fs::read(file).unwrap();
+    for at in [40, whole.len() - 1] {
+        let mut damaged = whole.clone();
+        damaged[at] ^= 1;
+        fs::write(file, damaged).unwrap();
+        let (again, report) = with_objects(&scene, &options, &objects);
+        assert!(again == bytes && report.reused_tiles == 0, "{at}");
+        // It has been replaced.
+        assert!(fs::read(file).unwrap() == whole, "{at}");
+    }
 }
 
 /// Objects are named after the rules by which they were made. If pages change for the same surfaces, `RULES` in

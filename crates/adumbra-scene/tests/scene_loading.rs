@@ -69,6 +69,20 @@ fn gltf_transforms_nest_and_mirror() {
 }
 
 #[test]
+fn gltf_turned_instances_are_mirrored_only_by_their_scale() {
+    // A third of a turn about each axis.
+    let (sin, cos) = (0.75_f64.sqrt(), 0.5);
+    for turn in [[sin, 0.0, 0.0, cos], [0.0, sin, 0.0, cos], [0.0, 0.0, sin, cos]] {
+        for side in [1.0, -1.0] {
+            let mut glb = Glb::triangle();
+            glb.json["nodes"][0] = json!({"mesh": 0, "rotation": turn, "scale": [side, 1, 1]});
+            let determinant = glb.load().expect("loads").instances[0].determinant();
+            assert!((determinant - side).abs() < 1e-6, "{turn:?} {side}: {determinant}");
+        }
+    }
+}
+
+#[test]
 fn gltf_nodes_stand_where_the_file_says_at_map_coordinates() {
     let mut glb = Glb::triangle();
     glb.json["nodes"] = json!([
@@ -167,6 +181,16 @@ fn gltf_skin_stands_in_bind_pose_with_a_warning() {
     let scene = glb.load().expect("loads");
     assert_eq!(world_triangles(&scene)[0], [[0.0, 3.0, 0.0], [1.0, 3.0, 0.0], [0.0, 3.0, 1.0]]);
     assert!(scene.notes.warnings[0].contains("skinned"));
+
+    // Another joint, in a second set, has as much weight.
+    let others = glb.accessor(&[1, 0, 0, 0].repeat(3), 5121, "VEC4", 3);
+    let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
+    attributes["JOINTS_1"] = json!(others);
+    attributes["WEIGHTS_1"] = json!(weights);
+    let node = glb.push("nodes", json!({"translation": [0, 8, 6]}));
+    glb.json["skins"][0] = json!({"joints": [1, node]});
+    let scene = glb.load().expect("loads");
+    assert_eq!(world_triangles(&scene)[0], [[0.0, 6.0, 3.0], [1.0, 6.0, 3.0], [0.0, 6.0, 4.0]]);
 }
 
 /// A triangle with one textured material; `image` is the image's JSON.

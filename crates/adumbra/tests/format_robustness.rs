@@ -12,12 +12,12 @@ use std::fs;
 use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 
 use adumbra::file::Header;
-use adumbra::layout::depths::UNIFORM;
 use adumbra::layout::depths::page::{IN_PAGE, Page};
-use adumbra::{AtRest, Bounds, Error, IoError, Receivers, ShadowFile};
+use adumbra::layout::depths::{NEVER, UNIFORM};
+use adumbra::{AtRest, Bounds, Error, Frame, IoError, LightGrid, Receivers, ShadowFile};
 use adumbra_testing::{
-    assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors, specified_example,
-    vector_answers, vectors,
+    PageParts, TreeParts, assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors,
+    overhead_grid, settings_for, specified_example, vector_answers, vectors,
 };
 use format_support::{encode, exercise, interpret, mutate, sweep};
 
@@ -102,6 +102,22 @@ fn levels_are_files_of_their_own() {
 }
 
 #[test]
+fn levels_with_another_frame_are_refused() {
+    let mut bytes = fs::read(vectors("valid/levels_depths.adumbra")).unwrap();
+    let file = ShadowFile::from_bytes(&bytes).unwrap();
+    let LightGrid { sun, voxel_size, corner, size, .. } = file.grid;
+    for frame in [Frame::Light, Frame::Oblique { yaw_radians: 0.5 }] {
+        let grid = LightGrid::new(sun, frame, voxel_size, corner, size);
+        let alone = encode(&ShadowFile::new(grid, file.settings, (*file.tree).clone()));
+        // The placement of the finest level.
+        bytes[256..416].copy_from_slice(&alone[256..416]);
+        bytes[0] = b'@';
+        let error = exercise(&interpret(&bytes)).unwrap_err();
+        assert!(error.to_string().contains("that of the first grid"), "{error}");
+    }
+}
+
+#[test]
 fn pages_share_what_is_common() {
     let bytes = fs::read(vectors("valid/many_pages_depths.adumbra")).unwrap();
     let tree = &ShadowFile::from_bytes(&bytes).unwrap().tree;
@@ -111,6 +127,20 @@ fn pages_share_what_is_common() {
     let is_common = |page: &&Page<'_>| page.root != UNIFORM && page.root & IN_PAGE == 0;
     assert!(pages.iter().filter(is_common).count() >= 3, "whole pages are equal");
     assert!(pages.iter().any(|page| page.root & IN_PAGE != 0 && page.root != UNIFORM));
+}
+
+#[test]
+fn pointers_within_the_common_section_may_be_relative() {
+    // A node of level 7, whose first child switches at its base; and a root, whose first child is that node, three
+    // half-words back and 5 deeper. Their other children never switch.
+    let common = vec![0, 0xfffe, 0xfffe_0001, 0x0503];
+    let page = PageParts { root: 3, base: 10, words: Vec::new() };
+    let tree = TreeParts { size: [512, 512, 64], common, pages: vec![page] }.tree().unwrap();
+    let grid = overhead_grid([0.0; 3], tree.size());
+    let bytes = encode(&ShadowFile::new(grid, settings_for(&grid), tree));
+    let file = exercise(&bytes).unwrap();
+    assert_eq!([31, 32].map(|i| file.tree.value(i, 31)), [15, NEVER]);
+    assert_eq!([14, 15].map(|k| reference::voxel(&bytes, 0, [31, 31, k])), [1, 0]);
 }
 
 #[test]

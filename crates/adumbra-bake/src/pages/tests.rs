@@ -245,6 +245,25 @@ fn linked_pages_answer_as_each_on_its_own() {
     TOWN.check(&plain);
 }
 
+/// One block is nearer in its first child, the next one in the first child of that.
+#[test]
+fn nodes_of_two_levels_with_equal_children_are_two_shapes() {
+    let world = World {
+        pages: [1, 1],
+        depth: |i, j| match [i, j] {
+            [0..32, 0..32] | [128..136, 0..8] => 10,
+            _ => 20,
+        },
+    };
+    let tree = world.tree(true);
+    world.check(&tree);
+    let shapes = Meanings::of(&tree).shapes;
+    let levels: Vec<u32> = shapes.iter().map(|shape| shape.level).collect();
+    assert_eq!(levels, [7, 5, 7, 9]);
+    let places: HashSet<_> = shapes.iter().flat_map(|shape| shape.halves.keys()).collect();
+    assert_eq!(places.len(), 4);
+}
+
 /// Returns the same pages, as if they had been made in this order.
 fn made_in_order(pages: &Pages, order: &[usize], spill: &Arc<Spill>) -> Pages {
     let store = PageStore::new(Arc::clone(spill));

@@ -1,13 +1,16 @@
 //! Compares the bake with the most direct implementation of §3 of the specification: every triangle at every column,
 //! dense voxels.
 
+use std::collections::BTreeMap;
+
 use proptest::prelude::*;
 
-use crate::choose;
+use crate::choose::{self, Choice};
 use crate::columns::rules::{ColumnRules, FREE_TO_END};
 use crate::options::{BakeOptions, Builder, FrameChoice, Size};
-use crate::plan::Plan;
+use crate::plan::{Placement, Plan};
 use crate::progress::Watch;
+use crate::test_bakes::for_each_column_of;
 use crate::triangles::project::{
     FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth,
 };
@@ -350,6 +353,38 @@ fn bake_does_not_depend_on_threads_or_triangle_order() {
     }
     let tight = BakeOptions { max_memory_bytes: Some(80 << 20), ..options };
     assert_eq!(reference, bake_quietly(&scene_of(mesh, false), &tight).tree);
+}
+
+/// Uses two low boxes beside two high ones, which meet where four root blocks do. Filters around the tops of the low ones read
+/// columns of the high ones, across the borders.
+#[test]
+fn columns_do_not_depend_on_where_root_blocks_begin() {
+    let mut mesh = Mesh::default();
+    add_box(&mut mesh, [0.03125, 0.0, 0.03125], [2.0, 1.0, 2.0]);
+    let mut scene = scene_of(mesh, false);
+    let place = |x: f64, height: f64, z: f64| Instance {
+        world_from_mesh: [[x, 0.0, 0.0, 0.0], [0.0, height, 0.0, 0.0], [0.0, 0.0, z, 0.0]],
+        ..scene.instances[0].clone()
+    };
+    scene.instances =
+        vec![place(-1.0, 2.0, -1.0), place(1.0, 0.5, -1.0), place(-1.0, 0.5, 1.0), place(1.0, 2.0, 1.0)];
+    let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
+    let options = BakeOptions {
+        frame: FrameChoice::ObliqueAt(0.0),
+        bounds: Some(Bounds { min: [-4.0, -1.0, -4.0], max: [4.0, 3.0, 4.0] }),
+        builder: Builder::Plain,
+        ..BakeOptions::new(sun, Size::VoxelSize(0.125))
+    };
+    let Choice { clusters, levels } = Choice::new(&scene, &options).expect("a small bake");
+    let [four, one] = [5, 6].map(|root_level| {
+        let placement = Placement { root_level, ..levels[0] };
+        let tiles = Plan::placed(&scene, &options, placement, &clusters).expect("a small plan").tiles;
+        let mut columns = BTreeMap::new();
+        for_each_column_of(&tiles, |i, j, column| _ = columns.insert([i, j], column));
+        (tiles.count(), columns)
+    });
+    assert_eq!((four.0, one.0), (4, 1));
+    assert!(four.1 == one.1);
 }
 
 #[test]

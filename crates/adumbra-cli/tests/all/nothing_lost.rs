@@ -395,11 +395,16 @@ fn points_of_64_bits_are_answered_far_from_the_origin() {
     assert_eq!(lit("--points-f64", &doubles), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 1.0]);
     assert_ne!(lit("--points", &floats), lit("--points-f64", &doubles));
     // Exactly one of the two options must be given, and the file must hold whole triples.
-    let odd = folder.write("odd.f64", &[0; 12]);
-    for (points, code) in
-        [(&[][..], 2), (&["--points", &floats, "--points-f64", &doubles], 2), (&["--points-f64", &odd], 3)]
-    {
-        let (found, error) = adumbra(&[&["query", &file, "-o", &answers][..], points].concat());
+    let odd = folder.write("odd", &[0; 16]);
+    let none = folder.path("none.f32");
+    for (points, code) in [
+        (&[][..], 2),
+        (&["--points", &floats, "--points-f64", &doubles], 2),
+        (&["--points", &odd], 3),
+        (&["--points-f64", &odd], 3),
+    ] {
+        let (found, error) = adumbra(&[&["query", &file, "-o", &none][..], points].concat());
         assert_eq!(found, code, "{error}");
+        assert!(!folder.exists("none.f32"), "{points:?}");
     }
 }

@@ -136,9 +136,12 @@ fn verify_exits_with_1_when_the_scene_is_another() {
     let (one, other) = (folder.generate("primitives"), folder.generate("spheres"));
     let file = folder.path("p.adumbra");
     assert_eq!(adumbra(&["bake", &one, "--resolution", "256", "-o", &file]).0, 0);
-    let (code, error) = adumbra(&["verify", &file, "--scene", &other, "--samples", "5000"]);
-    assert_eq!(code, 1, "{error}");
-    assert!(error.contains("is this the scene"), "{error}");
+    for more in [&[][..], &["--json"]] {
+        let verify = ["verify", &file, "--scene", &other, "--samples", "5000"];
+        let (code, error) = adumbra(&[&verify[..], more].concat());
+        assert_eq!(code, 1, "{error}");
+        assert!(error.contains("is this the scene"), "{error}");
+    }
 }
 
 #[test]

@@ -58,6 +58,23 @@ fn reuse_on_the_gpu_is_the_cpu_s() {
     }
 }
 
+/// A camera goes around a block, so that sides come into sight where the front was before.
+#[test]
+fn reuse_on_the_gpu_is_the_cpu_s_where_sides_come_into_sight() {
+    let scene = boxes(&[([-40.0, -1.0, -40.0], [40.0, 0.0, 40.0]), ([-3.0, 0.0, -3.0], [3.0, 6.0, 3.0])]);
+    let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
+    let settings = settings("issao:reuse=on:filter=none", 3.0);
+    let (mut passes, mut twin) = (OcclusionPasses::new(renderer.gpu(), settings), Twin::new(settings));
+    for (number, angle) in [(0, 0.1_f64), (1, 0.1), (2, 0.6), (3, -0.1)] {
+        let eye = [16.0 * angle.sin(), 9.0, 16.0 * angle.cos()];
+        let camera = Camera { eye, target: [0.0, 2.0, 0.0], ..kit::camera(48, 36) };
+        let seen = Seen::drawn(&mut renderer, camera, number);
+        let found = seen.on_gpu(renderer.gpu(), &mut passes);
+        let expected = visibility(&twin.ambient(&seen.surfaces()));
+        assert_same(renderer.gpu(), &found, &expected, &format!("frame {number}"));
+    }
+}
+
 #[test]
 fn renderer_keeps_the_history_of_its_frames() {
     let mut renderer = city();

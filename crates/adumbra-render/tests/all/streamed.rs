@@ -5,17 +5,21 @@ use std::io::Cursor;
 use std::sync::Arc;
 use std::time::Duration;
 
+use adumbra::gpu::{LookUp, Penumbra};
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra::stream::{BytesSource, StreamOptions, Streamer, View};
-use adumbra::{AtRest, Filter, LightGrid, ShadowFile};
+use adumbra::{AtRest, Filter, LightGrid, ShadowFile, Sun};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_render::maps::twin::Surface;
-use adumbra_render::voxel::{BakedLight, LightFile, StreamedFile, VoxelSettings};
+use adumbra_render::voxel::{BakedLight, LightFile, StreamedFile, Voxel, VoxelSettings};
 use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
-use adumbra_testing::full;
+use adumbra_shaders::layout::PointQuery;
+use adumbra_testing::{bake_file, full};
 
 use crate::kit;
+use crate::kit::boxes::boxes;
 use crate::kit::surfaces::surfaces;
-use crate::voxel_points::BakedScene;
+use crate::voxel_points::{BakedScene, answer};
 
 /// Longer than any wait on a busy machine.
 const LIMIT: Duration = Duration::from_secs(600);
@@ -83,6 +87,50 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
             .sources(Answer::Resident)
             .is_none()
     );
+}
+
+/// Points on both sides of the border between two bundles, of which one is absent, below bars that cross it.
+#[test]
+fn penumbrae_are_of_one_level_where_a_page_is_absent() {
+    const VOXEL: f64 = 1.0 / 64.0;
+    // The border is at x = 0, 2048 columns from the ground's beginning.
+    let mut corners = vec![([-32.0, -1.0, -1.0], [8.0, 0.0, 1.0])];
+    corners.extend([-4.0, -3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0].map(|n| {
+        let z = 0.125 * n;
+        ([-2.0, 1.0, z], [2.0, 1.02, z + 0.05])
+    }));
+    let frame = FrameChoice::ObliqueAt(0.0);
+    let sun = Sun::from_angles(0.0, 90.0).unwrap();
+    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::VoxelSize(VOXEL)) };
+    let light = bake_file(&boxes(&corners), &options).unwrap();
+    let penumbra = Some(Penumbra { sun_degrees: 10.0, max_radius_texels: 4.9 });
+    let settings =
+        VoxelSettings { look_up: LookUp { penumbra, ..LookUp::default() }, ..VoxelSettings::default() };
+    // Four per texel along x, from -12 to 4 texels, and 32 rows.
+    let point = |n: u32| {
+        let [x, z] = [0.25 * f64::from(n % 64) - 11.875, f64::from(n / 64) - 15.5];
+        let p_relative = [x, 0.0, z].map(|c| (VOXEL * c) as f32);
+        PointQuery { p_relative, view_depth: 0.0, normal: [0.0, 1.0, 0.0], pixel: [n, 0] }
+    };
+    let points: Vec<PointQuery> = (0..64 * 32).map(point).collect();
+    let gpu = kit::gpu();
+    let all = View::everything();
+    let near_the_first = View { position_world: [-16.0, 0.0, 0.0], pixel_per_distance: 0.01, ..all.clone() };
+    let of_coarse_pixels = View { pixel_world: 8.0 * VOXEL, ..all.clone() };
+    let [fine, coarse, found] = [all, of_coarse_pixels, near_the_first].map(|view| {
+        let file = streamed(&light, 8 << 20, 1 << 18, &[view]);
+        let mut light = BakedLight::new(&gpu, LightFile::Streamed(&file), settings).unwrap();
+        light.set_anchor(&gpu, [0.0; 3]).unwrap();
+        answer(&gpu, &Voxel::new("voxel:soft".to_owned(), light), &points)
+    });
+    let mut counts = [0; 2];
+    for (n, &found) in found.iter().enumerate() {
+        let is_of = [fine[n], coarse[n]].map(|of_level| found == of_level);
+        assert!(is_of.contains(&true), "{:?}: {found}, not {} or {}", points[n], fine[n], coarse[n]);
+        (0..2).for_each(|level| counts[level] += u32::from(!is_of[1 - level]));
+    }
+    // Many points have an answer of either level alone.
+    assert!(counts.iter().all(|count| *count > 200), "{counts:?}");
 }
 
 #[test]

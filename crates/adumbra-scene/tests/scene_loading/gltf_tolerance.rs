@@ -1,7 +1,7 @@
 //! glTF files that break the definition where a bake does not look, or as files in use do: whole numbers written `4.0`,
 //! names that are no texts, and elements that cannot be read. An element that is used must be sound.
 
-use adumbra_scene::{AlphaMode, Error, LoadOptions, MoverPolicy, Scene};
+use adumbra_scene::{AlphaMode, Error, LoadOptions, MoverPolicy, Scene, Wrap};
 use serde_json::{Value, json};
 
 use crate::kit::{Glb, USHORT, png, refused, world_triangles};
@@ -79,6 +79,7 @@ fn gltf_whole_numbers_may_be_written_with_a_point() {
     let scene = plain.load().expect("loads");
     assert_eq!((scene.instances.len(), scene.suns.len(), scene.notes.skipped_movers), (5, 1, 1));
     assert_eq!(scene.textures.len(), 1);
+    assert_eq!(scene.textures[0].wrap, [Wrap::Clamp, Wrap::Mirror]);
     assert!(scene.materials[..2].iter().all(|m| m.texture == Some(0) && m.alpha != AlphaMode::Opaque));
     // Moved by the node's own weights, or by those of the mesh.
     let first: Vec<f64> = world_triangles(&scene).iter().map(|t| t[0][1]).collect();

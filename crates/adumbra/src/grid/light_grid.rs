@@ -181,7 +181,7 @@ impl LightExtent {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::grid::vec3::cross;
+    use crate::grid::vec3::{cross, normalize};
 
     fn near(a: [f64; 3], b: [f64; 3]) -> bool {
         (0..3).all(|i| (a[i] - b[i]).abs() < 1e-12)
@@ -228,6 +228,29 @@ mod tests {
             let n = grid.normal_to_grid(cross(along, across));
             for d in [along, across] {
                 assert!(dot(n, grid.direction_to_grid(d)).abs() < 1e-12, "{frame:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn circle_across_the_light_is_seen_as_the_ellipse_in_the_grid() {
+        for (azimuth, elevation) in [(0.0, 90.0), (31.0, 20.0), (200.0, 60.0)] {
+            let sun = Sun::from_angles(azimuth, elevation).unwrap();
+            // Two unit vectors that are perpendicular to the light and to each other.
+            let across = normalize(cross(sun.towards(), [1.0, 0.0, 0.0]));
+            let along = cross(sun.towards(), across);
+            for frame in FRAMES {
+                let grid = city_grid(sun, frame);
+                let [[a, b], [c, d]] = grid.circle_across_light();
+                for degrees in [0.0, 40.0, 80.0, 120.0, 160.0_f64] {
+                    let (sine, cosine) = degrees.to_radians().sin_cos();
+                    let on_circle: [f64; 3] = std::array::from_fn(|i| cosine * across[i] + sine * along[i]);
+                    let [x, y, _] = grid.direction_to_grid(on_circle);
+                    // Where the ellipse comes from.
+                    let from = [(d * x - b * y) / (a * d - b * c), (a * y - c * x) / (a * d - b * c)];
+                    let radius = from[0].hypot(from[1]);
+                    assert!((radius - 1.0).abs() < 1e-9, "{frame:?}, {azimuth}, {degrees}: {radius}");
+                }
             }
         }
     }

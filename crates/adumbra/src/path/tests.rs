@@ -1,6 +1,7 @@
 use super::*;
 use crate::file::fields::is_path;
 use crate::grid::{Frame, LightGrid, Sun};
+use crate::query::Filter;
 use crate::stream::BytesSource;
 
 fn steps() -> Vec<SunStep> {
@@ -54,7 +55,7 @@ fn paths_come_back_as_they_were() {
 #[test]
 fn suns_between_steps_are_on_the_arc_and_none_is_below_the_horizon() {
     let path = open(written(steps(), &files()).unwrap()).unwrap();
-    for degrees in [0.5, 1.0, 45.25, 159.0] {
+    for degrees in [0.5, 1.0, 45.25, 159.0, 160.0] {
         let [x, y, z] = path.sun_at(60.0 * degrees).unwrap();
         let expected = degrees.to_radians();
         assert!((x - expected.cos()).abs() < 1e-12 && (y - expected.sin()).abs() < 1e-12 && z == 0.0);
@@ -86,6 +87,9 @@ fn the_key_with_the_higher_sun_is_asked_first_unless_the_other_is_much_nearer() 
     ] {
         assert_eq!(path.keys_at(seconds), Some(keys), "{seconds}");
     }
+    // The last key may be at the last step.
+    let path = open(written(steps()[..=20].to_vec(), &files()).unwrap()).unwrap();
+    assert_eq!([3600.0, 4800.0].map(|seconds| path.keys_at(seconds)), [Some([2, 1]), Some([2, 2])]);
 }
 
 #[test]
@@ -143,4 +147,24 @@ fn far_suns_have_no_sampler() {
     assert_eq!(slope([0.6, 0.8, 0.0]).unwrap().v_fixed, [49152, 0]);
     assert_eq!(slope([0.999_999_9, 1e-4, 0.0]), None, "10,000 texels per voxel");
     assert_eq!(slope([0.6, -0.8, 0.0]), None, "below the horizon");
+}
+
+/// Both keys are the same file, so they have the same taps lit.
+#[test]
+fn quick_look_ups_march_where_not_all_taps_agree() {
+    let file = ShadowFile::from_bytes(&vector("sphere")).unwrap();
+    let full = PathSampler::new([&file, &file], file.sun().towards(), Filter::Box5).unwrap();
+    let (quick, taps) = (full.clone().quick(), file.sampler(Filter::Box5));
+    let [nx, ny, nz] = file.grid.size;
+    let mut partly = 0;
+    for [i, j] in (0..ny).flat_map(|j| (0..nx).map(move |i| [i, j])) {
+        for k in (0..nz).step_by(8) {
+            let p = file.grid.to_world([i, j, k].map(|c| f64::from(c) + 0.5));
+            let lit = taps.visibility(p, None);
+            let expected = if lit == 0.0 || lit == 1.0 { lit } else { full.look_up(p, None) };
+            assert_eq!(quick.look_up(p, None), expected, "{p:?}");
+            partly += u32::from(expected > 0.0 && expected < 1.0);
+        }
+    }
+    assert!(partly > 100, "{partly}");
 }

@@ -12,7 +12,7 @@ use adumbra::stream::{
 };
 use adumbra::{Filter, ShadowFile};
 use adumbra_scene::random::Random;
-use adumbra_testing::named_vectors;
+use adumbra_testing::{named_vectors, vectors};
 
 use crate::kit::{LIMIT, camera, city, compare, faults_of, large_city, points, stream};
 
@@ -27,6 +27,23 @@ fn a_resident_file_answers_bit_for_bit() {
             assert_eq!(counts[0], 4000, "{name}: {counts:?}");
         }
         assert!(streamer.take_faults().is_empty());
+    }
+}
+
+#[test]
+fn a_stream_at_rest_answers_from_the_coarsest_level_that_is_fine_enough() {
+    let bytes = std::fs::read(vectors("valid/levels_depths.adumbra")).unwrap();
+    let file = ShadowFile::from_bytes(&bytes).unwrap();
+    let points = points(&file, 1000, 14);
+    let mut streamer = stream(BytesSource(bytes), 16 << 20);
+    // The levels' texels are 0.25, 1 and 4 large.
+    for (pixel_world, level) in [(5.0, 2_usize), (2.0, 1), (0.5, 0)] {
+        let view = View { pixel_world, ..View::everything() };
+        assert!(streamer.settle(&[view], LIMIT, |_| ()), "{pixel_world}: {:?}", streamer.counts());
+        let counts = compare(&streamer, &file, &points, Filter::Box5);
+        // Beside the grid the finest level answers.
+        let coarser = counts[level + 1..].iter().sum::<u32>();
+        assert!(counts[level] > 500 && coarser == 0, "{pixel_world}: {counts:?}");
     }
 }
 

@@ -72,6 +72,12 @@ impl Job {
         Self { results: Mutex::new(receiver), state }
     }
 
+    /// Returns a bake that is under way for ever, and whose files come from a test.
+    #[cfg(test)]
+    pub(super) fn of_test(results: Receiver<Result<Finished, BakeError>>) -> Self {
+        Self { results: Mutex::new(results), state: Arc::default() }
+    }
+
     /// Returns what was finished since the last call.
     pub(super) fn finished(&self) -> Vec<Result<Finished, BakeError>> {
         self.results.lock().map(|results| results.try_iter().collect()).unwrap_or_default()

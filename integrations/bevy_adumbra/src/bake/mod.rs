@@ -306,3 +306,106 @@ pub(crate) fn mark_changes(
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc::channel;
+
+    use adumbra::Sun;
+    use adumbra_bake::{BakeOptions, Size, Watch, bake};
+    use adumbra_scene::{GeneratedKind, generate};
+
+    use super::*;
+
+    /// A light and a mesh, without a renderer. The mesh is not loaded, so that no bake begins by itself.
+    struct Stage {
+        world: World,
+        systems: Schedule,
+        light: Entity,
+        mesh: Entity,
+    }
+
+    impl Stage {
+        fn new() -> Self {
+            let mut world = World::new();
+            world.init_resource::<Assets<Mesh>>();
+            world.init_resource::<Assets<StandardMaterial>>();
+            world.init_resource::<Assets<Image>>();
+            world.init_resource::<Assets<BakedShadowFile>>();
+            world.init_resource::<StaticKeys>();
+            world.init_resource::<DeviceLimits>();
+            world.init_resource::<Time<Real>>();
+            let light = world.spawn((DirectionalLight::default(), BakeShadow::default())).id();
+            let mesh = world.spawn((Mesh3d::default(), InBake)).id();
+            let mut systems = Schedule::default();
+            systems.add_systems((find_meshes, bake_shadows, mark_changes).chain());
+            let mut stage = Self { world, systems, light, mesh };
+            stage.update();
+            stage
+        }
+
+        fn update(&mut self) {
+            self.systems.run(&mut self.world);
+        }
+
+        /// Has a bake of what there is now finish a file.
+        fn finish(&mut self, is_last: bool) {
+            let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+            let options = BakeOptions::new(sun, Size::Resolution(64));
+            let file = bake(&generate(GeneratedKind::Primitives, 1), &options, Watch::none()).unwrap().file;
+            let file = BakedShadowFile::new(file, DeviceLimits::default()).unwrap();
+            let (sender, results) = channel();
+            sender.send(Ok(Finished { file, seconds: 0.0, triangles: 0, blocks: [1, 0], is_last })).unwrap();
+            let keys = Arc::clone(&self.world.resource::<StaticKeys>().0);
+            let towards_light = self.world.get::<GlobalTransform>(self.light).unwrap().back().as_vec3();
+            let mut light = self.world.get_mut::<BakeShadow>(self.light).unwrap();
+            light.seen = Some(Seen { settings: light.settings, towards_light, keys });
+            light.job = Some(Job::of_test(results));
+            self.update();
+        }
+
+        fn move_mesh(&mut self, x: f32) {
+            *self.world.get_mut::<GlobalTransform>(self.mesh).unwrap() = GlobalTransform::from_xyz(x, 0.0, 0.0);
+            self.update();
+        }
+
+        /// Whether the newest bake saw something else than there is now.
+        fn is_pending(&self) -> bool {
+            self.world.get::<BakeShadow>(self.light).unwrap().pending.is_some()
+        }
+
+        /// Whether the mesh casts through the cascades.
+        fn is_marked(&self) -> bool {
+            self.world.get::<NotYetBaked>(self.mesh).is_some()
+        }
+    }
+
+    #[test]
+    fn a_mesh_that_casts_no_more_or_again_is_baked_anew() {
+        let mut stage = Stage::new();
+        stage.finish(true);
+        assert!(!stage.is_pending());
+        stage.world.entity_mut(stage.mesh).insert(NotShadowCaster);
+        stage.update();
+        assert!(stage.is_pending());
+        stage.finish(true);
+        assert!(!stage.is_pending());
+        stage.world.entity_mut(stage.mesh).remove::<NotShadowCaster>();
+        stage.update();
+        assert!(stage.is_pending());
+    }
+
+    #[test]
+    fn meshes_in_use_are_those_of_the_newest_file_be_it_coarse() {
+        let mut stage = Stage::new();
+        stage.finish(true);
+        assert!(!stage.is_marked());
+        stage.move_mesh(1.0);
+        assert!(stage.is_marked());
+        stage.finish(false);
+        assert!(!stage.is_marked());
+        // Back to where the file before has it.
+        stage.move_mesh(0.0);
+        assert!(stage.is_marked());
+    }
+}

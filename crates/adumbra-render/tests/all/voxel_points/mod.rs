@@ -110,7 +110,7 @@ pub(crate) fn exact_light(gpu: &Gpu, baked: &BakedScene, filter: Filter, count: 
 }
 
 /// Looks up points with a technique whose anchor they are relative to.
-fn answer(gpu: &Gpu, technique: &dyn Technique, points: &[PointQuery]) -> Vec<f32> {
+pub(crate) fn answer(gpu: &Gpu, technique: &dyn Technique, points: &[PointQuery]) -> Vec<f32> {
     let resolver = Resolver::new(gpu);
     let lookup = resolver.lookup(gpu, technique);
     // Voxel techniques need the frame's binding but not its content: anchor and sun are in their own uniform.
