@@ -365,7 +365,8 @@ mod tests {
         }
 
         fn move_mesh(&mut self, x: f32) {
-            *self.world.get_mut::<GlobalTransform>(self.mesh).unwrap() = GlobalTransform::from_xyz(x, 0.0, 0.0);
+            let mut transform = self.world.get_mut::<GlobalTransform>(self.mesh).unwrap();
+            *transform = GlobalTransform::from_xyz(x, 0.0, 0.0);
             self.update();
         }
 

@@ -1,7 +1,7 @@
-// What attaching a file does to materials and scenes of WebGLRenderer, without a GPU.
+// What attaching a file does to lights, materials and scenes of WebGLRenderer, without a GPU.
 
-import { DirectionalLight, Group, Material, Mesh, MeshLambertMaterial, Scene, ShaderChunk, ShaderLib, ShaderMaterial } from 'three';
-import type { Vector3, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+import { DirectionalLight, Group, Material, Mesh, MeshLambertMaterial, Scene, ShaderChunk, ShaderLib, ShaderMaterial, Vector3 } from 'three';
+import type { WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
 import { afterEach, expect, test } from 'vitest';
 
 import { BakedShadowFile } from '../../src/index.js';
@@ -54,6 +54,21 @@ test('isActive leaves the direction that is drawn', () => {
   light.updateMatrixWorld();
   expect(shadow.isActive).toBe(false);
   expect(value).toEqual(drawn);
+});
+
+test.each([
+  ['moves around its target', (light: DirectionalLight) => new Scene().add(light.target)],
+  ['turns with the target that it carries', (light: DirectionalLight) => light.add(light.target)],
+])('a light below a turned parent %s', (_, place) => {
+  const light = new DirectionalLight();
+  light.target.position.set(1, -3, 2);
+  place(light);
+  const parent = new Group().add(light);
+  parent.position.set(30, 0, -5);
+  parent.rotation.set(0.4, 1.1, -0.3);
+  attached.push(attachBakedShadow(new Scene(), light, file));
+  const towards = light.getWorldPosition(new Vector3()).sub(light.target.getWorldPosition(new Vector3())).normalize();
+  expect(towards.distanceTo(new Vector3(...file.grid.sun))).toBeLessThan(1e-6);
 });
 
 test('what is attached after dispose stays as it is', () => {
