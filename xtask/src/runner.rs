@@ -50,12 +50,11 @@ pub(crate) fn run(
         }
     };
     let more: Vec<&str> = more.iter().map(String::as_str).collect();
-    let outcome = cargo.run(&[&["nextest", "run", "--profile", settings][..], &base, &more].concat());
     let report = cargo.folder().join("target/nextest").join(settings).join("junit.xml");
-    for (seconds, name) in slowest(&report)? {
-        println!("{seconds:8.1} s {name}");
-    }
-    outcome
+    _ = fs::remove_file(&report);
+    cargo
+        .run(&[&["nextest", "run", "--profile", settings][..], &base, &more].concat())
+        .and(slowest(&report).map(|tests| tests.iter().for_each(|(s, name)| println!("{s:8.1} s {name}"))))
 }
 
 /// What cargo-nextest lists.
