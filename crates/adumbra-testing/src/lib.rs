@@ -9,6 +9,7 @@ mod fuzz;
 mod glb;
 pub mod help;
 mod leaves;
+mod left_out;
 mod limits;
 mod parts;
 mod ply;
@@ -26,13 +27,14 @@ pub use earlier::EarlierFile;
 pub use fuzz::fuzz_time;
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
+pub use left_out::left_out;
 pub use limits::assert_keeps_to_limits;
 pub use parts::{PageParts, TreeParts};
 pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_json, lab_program, program, read_f32, stderr,
 };
-pub use shared_folder::{full, left_out, scene_file, shared};
+pub use shared_folder::{full, scene_file, shared};
 pub use solids::{add_box, add_quad, cuboid, scene_of};
 pub use teeth::toothed_bar;
 pub use truth_files::{npz_array, npz_camera};
