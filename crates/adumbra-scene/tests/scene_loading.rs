@@ -190,7 +190,14 @@ fn gltf_skin_stands_in_bind_pose_with_a_warning() {
     let node = glb.push("nodes", json!({"translation": [0, 8, 6]}));
     glb.json["skins"][0] = json!({"joints": [1, node]});
     let scene = glb.load().expect("loads");
-    assert_eq!(world_triangles(&scene)[0], [[0.0, 6.0, 3.0], [1.0, 6.0, 3.0], [0.0, 6.0, 4.0]]);
+    let by_both = [[0.0, 6.0, 3.0], [1.0, 6.0, 3.0], [0.0, 6.0, 4.0]];
+    assert_eq!(world_triangles(&scene)[0], by_both);
+
+    // A primitive that shares all but the second set stands elsewhere.
+    let first_set = json!({"POSITION": positions, "JOINTS_0": joints, "WEIGHTS_0": weights});
+    add_primitive(&mut glb, json!({ "attributes": first_set }));
+    let triangles = world_triangles(&glb.load().expect("loads"));
+    assert_eq!(triangles, [by_both, [[0.0, 4.0, 0.0], [1.0, 4.0, 0.0], [0.0, 4.0, 1.0]]]);
 }
 
 /// A triangle with one textured material; `image` is the image's JSON.

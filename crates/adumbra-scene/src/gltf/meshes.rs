@@ -72,13 +72,14 @@ impl Morphed<'_> {
 }
 
 /// Identifies vertex data: primitives with equal keys share vertices.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Clone, PartialEq, Eq, Hash)]
 struct SourceKey {
-    /// Accessor indices, as in the next two fields.
+    /// The index of an accessor, as are those of the joints, weights and colours.
     positions: usize,
     /// The buffer view of the Draco stream, if there is one.
     stream: Option<usize>,
-    joints_and_weights: [Option<usize>; 2],
+    /// One pair per set of four joints. Empty without a skin.
+    joints_and_weights: Vec<[usize; 2]>,
     colors: Option<usize>,
     /// The material, if it has a texture, since it determines the transform of the texture coordinates.
     textured_material: Option<usize>,
@@ -100,6 +101,14 @@ pub(super) fn material_of(root: &Root, primitive: &Primitive) -> usize {
 
 fn attribute(primitive: &Primitive, semantic: Semantic) -> Option<usize> {
     primitive.attributes.get(&Checked::Valid(semantic)).map(|a| a.value())
+}
+
+/// The accessors of a primitive's sets of joints and weights, up to the first set that lacks one of them.
+fn joints_and_weights(primitive: &Primitive) -> Vec<[usize; 2]> {
+    let pair = |set| {
+        Some([attribute(primitive, Semantic::Joints(set))?, attribute(primitive, Semantic::Weights(set))?])
+    };
+    (0..).map_while(pair).collect()
 }
 
 /// Bytes per mesh, without its triangles and vertices.
@@ -144,7 +153,7 @@ impl<'a> Builder<'a> {
         for primitive in primitives {
             let Some(key) = self.source_key(primitive, skin.is_some()) else { continue };
             let coordinates = self.texture(primitive).map(|t| t.1);
-            let source = self.open(name, primitive, key, coordinates, pose)?;
+            let source = self.open(name, primitive, &key, coordinates, pose)?;
             let next = keys.len() as u32;
             let key = *keys.entry(key).or_insert(next);
             let material = material_of(self.root, primitive) as u32;
@@ -237,10 +246,7 @@ impl<'a> Builder<'a> {
     /// The key that decides whether a primitive shares its vertices with another one, or `None` without positions.
     fn source_key(&self, primitive: &Primitive, skinned: bool) -> Option<SourceKey> {
         let positions = attribute(primitive, Semantic::Positions)?;
-        let joints_and_weights = match skinned {
-            true => [Semantic::Joints(0), Semantic::Weights(0)].map(|s| attribute(primitive, s)),
-            false => [None; 2],
-        };
+        let joints_and_weights = if skinned { joints_and_weights(primitive) } else { Vec::new() };
         let colors = self.vertex_colors(primitive);
         let textured_material = self.texture(primitive).map(|t| t.0);
         let targets = primitive.targets.as_ref().map(|targets| {
@@ -302,7 +308,7 @@ impl<'a> Builder<'a> {
         &self,
         mesh: &str,
         primitive: &Primitive,
-        key: SourceKey,
+        key: &SourceKey,
         coordinates: Option<Coordinates>,
         pose: Pose<'_>,
     ) -> Result<Source<'a>> {
@@ -334,13 +340,8 @@ impl<'a> Builder<'a> {
         if colors.as_ref().is_some_and(|c| !(3..=4).contains(&c.components)) {
             return Err(broken("a COLOR_0 attribute is not made of three or four components"));
         }
-        let mut joints = Vec::new();
-        while pose.skin.is_some()
-            && let Ok(set) = u32::try_from(joints.len())
-        {
-            let pair =
-                (attribute(primitive, Semantic::Joints(set)), attribute(primitive, Semantic::Weights(set)));
-            let (Some(j), Some(w)) = pair else { break };
+        let mut joints = Vec::with_capacity(key.joints_and_weights.len());
+        for (set, &[j, w]) in (0..).zip(&key.joints_and_weights) {
             joints.push([open(Semantic::Joints(set), j)?, open(Semantic::Weights(set), w)?]);
         }
         Ok(Source { positions, uvs, colors, joints })
