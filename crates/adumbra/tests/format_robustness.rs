@@ -14,7 +14,7 @@ use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 use adumbra::file::Header;
 use adumbra::layout::depths::page::{IN_PAGE, Page};
 use adumbra::layout::depths::{NEVER, UNIFORM};
-use adumbra::{AtRest, Bounds, Error, Frame, IoError, LightGrid, Receivers, ShadowFile};
+use adumbra::{AtRest, Bounds, Error, IoError, Receivers, ShadowFile};
 use adumbra_testing::{
     PageParts, TreeParts, assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors,
     overhead_grid, settings_for, specified_example, vector_answers, vectors,
@@ -99,22 +99,6 @@ fn levels_are_files_of_their_own() {
     // A level is written as a file whose finest level it is.
     let again = ShadowFile::from_bytes(&encode(&coarse)).unwrap();
     assert_eq!(again, coarse);
-}
-
-#[test]
-fn levels_with_another_frame_are_refused() {
-    let mut bytes = fs::read(vectors("valid/levels_depths.adumbra")).unwrap();
-    let file = ShadowFile::from_bytes(&bytes).unwrap();
-    let LightGrid { sun, voxel_size, corner, size, .. } = file.grid;
-    for frame in [Frame::Light, Frame::Oblique { yaw_radians: 0.5 }] {
-        let grid = LightGrid::new(sun, frame, voxel_size, corner, size);
-        let alone = encode(&ShadowFile::new(grid, file.settings, (*file.tree).clone()));
-        // The placement of the finest level.
-        bytes[256..416].copy_from_slice(&alone[256..416]);
-        bytes[0] = b'@';
-        let error = exercise(&interpret(&bytes)).unwrap_err();
-        assert!(error.to_string().contains("that of the first grid"), "{error}");
-    }
 }
 
 #[test]

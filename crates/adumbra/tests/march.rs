@@ -1,16 +1,31 @@
 //! The march through a file's depths: without skipping, and at the file's own sun.
 
-use adumbra::query::{EDGE_VOXELS, FIXED_BITS, FixedReceiver, MarchSlope, Marched, march, receiver};
-use adumbra::{Filter, ShadowFile, Sun};
+use adumbra::query::{
+    EDGE_VOXELS, FIXED_BITS, FixedReceiver, MarchSlope, Marched, SLOPE_BITS, march, receiver,
+};
+use adumbra::{Bias, Filter, MAX_SLOPE, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::bake_file;
+use adumbra_testing::{bake_file, overhead_grid};
 
 fn city(frame: FrameChoice) -> ShadowFile {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
     let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
     bake_file(&generate(GeneratedKind::City, 3), &options).unwrap()
+}
+
+#[test]
+fn bias_follows_the_angle_between_the_surface_and_the_ray() {
+    let grid = overhead_grid([0.0; 3], [64; 3]);
+    let bias = Bias { constant_texels: 0.0, slope_texels: 1.0, normal_offset_texels: 0.0 };
+    let slope = MarchSlope { v_fixed: [1 << SLOPE_BITS, 0] };
+    // The sun is 45° high towards +X: the first surface faces it, and it grazes the second.
+    for (normal, rise) in [([1.0, 1.0, 0.0], 0.5), ([1.0, -1.0, 0.0], MAX_SLOPE), ([0.0, 1.0, 0.0], 0.0)] {
+        let start = slope.start(&grid, &bias, [16.0, -32.0, 8.0], Some(normal));
+        let expected = [16.0 + rise, 8.0, 32.0 - rise].map(|c| (c * f64::from(1 << FIXED_BITS)) as i64);
+        assert_eq!(start, expected, "{normal:?}");
+    }
 }
 
 /// Random points in and around a file's grid.

@@ -178,7 +178,7 @@ pub(super) fn all() -> Result<Vec<Grid>, Box<dyn Error>> {
     Ok(all)
 }
 
-/// Returns grids of several pages, too large for a graph, each with its coarser levels: the finest first.
+/// Returns grids of shadow files alone, most of them too large for a graph, each with its coarser levels: the finest first.
 pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
     let upright = |step: u32, size| {
@@ -216,7 +216,12 @@ pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
         let size = [576, 530, 64].map(|n: u32| n.div_ceil(step));
         Grid::new("levels", "three levels of detail", upright(step, size), 9, hill(step))
     });
-    Ok(vec![vec![many], levels.into()])
+    // In leaf n, n + 1 depths in an order that does not repeat.
+    let many_depths =
+        Grid::new("many_depths", "leaves of 1 to 64 depths", upright(1, [64, 64, 72]), 9, |x, y, z| {
+            z < 1 + 67 * (x % 8 + 8 * (y % 8)) % (1 + x / 8 + 8 * (y / 8))
+        });
+    Ok(vec![vec![many], levels.into(), vec![many_depths]])
 }
 
 /// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from y = 8.

@@ -2,7 +2,7 @@
 
 use std::error::Error;
 
-use adumbra::{AtRest, ShadowFile};
+use adumbra::{AtRest, Frame, LightGrid, ShadowFile};
 use adumbra_papers::dag::LeafMasks;
 use adumbra_papers::dag::build::convert::depths_of;
 
@@ -32,8 +32,9 @@ impl LeafMasks for Masks<'_> {
     }
 }
 
-/// Grids of which there is a coded vector too: one with several bundles, and one with several levels.
-const ALSO_CODED: [&str; 2] = ["many_pages", "levels"];
+/// Grids of which there is a coded vector too: one with several bundles, one with several levels, and one with all numbers of
+/// depths.
+const ALSO_CODED: [&str; 3] = ["many_pages", "levels", "many_depths"];
 
 /// Returns the vectors whose columns are lit and then shadowed, and those that only a quadtree can be made of.
 pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>, Box<dyn Error>> {
@@ -74,6 +75,7 @@ pub(super) fn broken(valid: &[Vector]) -> Result<Vec<Broken>, Box<dyn Error>> {
     let many = bytes_of("many_pages_depths", valid)?;
     let levels = bytes_of("levels_depths", valid)?;
     let mut all = headers(&small, &levels);
+    all.extend(frames_of_levels(&levels)?);
     all.extend(parts(&small, &many, &levels));
     let coded = ["many_pages_coded_depths", "levels_coded_depths"].map(|name| bytes_of(name, valid));
     let [many_coded, levels_coded] = coded;
@@ -155,6 +157,22 @@ fn headers(small: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
     add("reserved_of_grid", "HeaderField", "reserved", s().put_word(grid(252), 1).sealed());
     add("checksum_of_bundles", "HeaderField", "checksum", s().put_word(grid(224), 1).sealed_front());
     all
+}
+
+/// Levels whose frame is not that of the first grid.
+fn frames_of_levels(levels: &ShadowBytes) -> Result<Vec<Broken>, Box<dyn Error>> {
+    let file = ShadowFile::from_bytes(&levels.0)?;
+    let LightGrid { sun, voxel_size, corner, size, .. } = file.grid;
+    let frames =
+        [("frame_of_first_level", Frame::Light), ("yaw_of_first_level", Frame::Oblique { yaw_radians: 0.5 })];
+    let broken = frames.map(|(name, frame)| {
+        let grid = LightGrid::new(sun, frame, voxel_size, corner, size);
+        let alone = ShadowFile::new(grid, file.settings, (*file.tree).clone()).to_bytes(AtRest::Raw)?;
+        // Where the grid is placed: all of its entry before its sections.
+        let bytes = levels.clone().put(256, &alone[256..416]).sealed();
+        Ok(Broken { name, error: "HeaderField", fault: None, names: "that of the first grid", bytes })
+    });
+    broken.into_iter().collect()
 }
 
 /// Faults of the parts behind the directory.
