@@ -16,7 +16,7 @@ use std::env;
 use std::path::Path;
 use std::process::ExitCode;
 
-use steps::{Cargo, Steps};
+use steps::{Cargo, PROFILE, Steps};
 
 const USAGE: &str = "usage:
   cargo xtask check           formatting, lints, documentation, what the lean program links, fuzz targets, licences of dependencies
@@ -58,7 +58,8 @@ fn main() -> ExitCode {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))
         }
         ["api"] => write_api(root),
-        ["vectors" | "count", ..] => bakes(root, &words),
+        ["vectors"] => Cargo::linting(root).and_then(|cargo| bakes(&cargo, PROFILE, &words)),
+        ["count", ..] => count(root, &words),
         _ => Err(USAGE.to_owned()),
     };
     match outcome {
@@ -70,10 +71,15 @@ fn main() -> ExitCode {
     }
 }
 
+/// Counts instructions of what users run, so of another profile than tests have.
+fn count(root: &Path, words: &[&str]) -> Result<(), String> {
+    bakes(&Cargo::new(root), "release", words)
+}
+
 /// Runs a task that bakes.
-fn bakes(root: &Path, words: &[&str]) -> Result<(), String> {
-    let program = ["run", "--quiet", "--release", "--package", "xtask-bakes", "--"];
-    Cargo::new(root).run(&[&program, words].concat())
+fn bakes(cargo: &Cargo<'_>, profile: &str, words: &[&str]) -> Result<(), String> {
+    let program = ["run", "--quiet", "--profile", profile, "--package", "xtask-bakes", "--"];
+    cargo.run(&[&program, words].concat())
 }
 
 fn write_api(root: &Path) -> Result<(), String> {

@@ -11,7 +11,7 @@ use crate::{check, docs, rustdoc, steps, tools};
 /// The encoders that tests of compressed scenes run.
 const ENCODERS: &str = "xtask/encoders";
 /// Each push runs one of so many shares of the tests marked slow.
-const SHARES: u32 = 8;
+const SHARES: u32 = 16;
 
 /// Runs what each push must pass: formatting, lints, every test that is not marked slow, documentation, the documents with most
 /// commands parsed only, and a share of the tests marked slow, another one with each commit.
@@ -43,7 +43,7 @@ pub(crate) fn long(root: &Path) -> Result<(), String> {
         steps.run("tests", || run(root, &Tests::All, &[("ADUMBRA_REQUIRE_TOOLS", "1")]));
         steps.run("documentation", || documentation(root));
         steps.run("documents", || docs::run(root, &["--quick"]).map_err(|e| e.to_string()));
-        steps.run("instruction counts", || crate::bakes(root, &["count"]));
+        steps.run("instruction counts", || crate::count(root, &["count"]));
     }
     steps.finish()
 }
@@ -67,7 +67,11 @@ fn share(root: &Path) -> Result<(), String> {
     let commits = steps::output(root, "git", &["rev-list", "--count", "HEAD"])?;
     let commits: u32 = commits.trim().parse().map_err(|_| format!("git counts {commits:?} commits"))?;
     let is_chosen = |name: &str| crc32fast::hash(name.as_bytes()) % SHARES == commits % SHARES;
-    run(root, &Tests::Slow(&is_chosen), &[FIXED])
+    run(root, &Tests::Slow(&is_chosen), &[FIXED]).map_err(|fault| {
+        let repeat =
+            format!("cargo nextest run --cargo-profile {PROFILE} --run-ignored only -E 'test(=NAME)'");
+        format!("{fault}\nrepeat one test with: {repeat}")
+    })
 }
 
 /// Runs tests of the workspace, and says how many of them were left out because what they need is absent.

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use adumbra::stream::{ShadowSource, StreamFault, StreamOptions, Streamer, View};
 use adumbra::{AtRest, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::bake_file;
@@ -16,7 +16,9 @@ pub(crate) const LIMIT: Duration = Duration::from_secs(600);
 
 fn coded_city(resolution: u64, levels: u32) -> Vec<u8> {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
-    let options = BakeOptions { levels, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    // The frame that the baker would choose, after a trial.
+    let frame = FrameChoice::Light;
+    let options = BakeOptions { levels, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
     let mut bytes = Cursor::new(Vec::new());
     file.write_to(&mut bytes, AtRest::Coded).unwrap();

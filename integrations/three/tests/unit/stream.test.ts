@@ -196,7 +196,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
       const sampler = file.sampler({ filter: 5 });
       const visibilities = (): number[] => Array.from({ length: 400 }, (_, i) => sampler.visibility(at(points, i), at(normals, i)));
       let [before, most] = [visibilities(), 0];
-      for (let frame = 0; frame < 240; frame++) {
+      for (let frame = 0; frame < 120; frame++) {
         const along = (frame % 80) / 80;
         file.update(cameraAt(400 * (along - 0.5), 3, 200 * (0.5 - along)), 1080);
         await new Promise((done) => setTimeout(done));
@@ -226,7 +226,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
   });
 
   /** A thousand jumps with `ADUMBRA_FULL`. */
-  const JUMPS = process.env['ADUMBRA_FULL'] === undefined ? 50 : 200;
+  const JUMPS = process.env['ADUMBRA_FULL'] === undefined ? 25 : 200;
 
   it(`holds a budget of 1 to 64 MB over ${5 * JUMPS} random jumps, and answers as some level does`, async () => {
     serve(bytes);
@@ -245,7 +245,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
           expect(held.words()).toBeLessThanOrEqual(usedBytes / 4);
         }
         // Without a wait, what arrives between two jumps would depend on the machine.
-        if (jump % 25 === 0) await settled(file, camera);
+        if (jump % 12 === 0) await settled(file, camera);
         if (jump % 10 === 0) compare(file, whole, 5, 50);
       }
       console.log(`${budget} MB: ${JSON.stringify(file.stats)}`);
