@@ -16,7 +16,7 @@ pub(crate) const LIMIT: Duration = Duration::from_secs(600);
 
 fn coded_city(resolution: u64, levels: u32) -> Vec<u8> {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
-    // The frame that the baker would choose, after a trial.
+    // Named, as the baker's trial of both frames takes as long as a small bake.
     let frame = FrameChoice::Light;
     let options = BakeOptions { levels, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
