@@ -1,6 +1,7 @@
 //! Paths that are baked answer as rays do, at any moment.
 
 use std::io::Cursor;
+use std::ops::Range;
 use std::sync::{Arc, mpsc};
 
 use adumbra::stream::BytesSource;
@@ -43,24 +44,45 @@ fn city() -> Scene {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn moments_between_keys_are_about_as_right_as_the_keys() {
-    let scene = city();
-    let steps = afternoon(0, 40);
+    moments_between_keys_are_right(&city(), &options(1024), 40, &(4..40), 5.0);
+}
+
+#[test]
+fn moments_of_an_hour_between_keys_are_about_as_right_as_the_keys() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    // Of so few points some are wrong by chance, and the shadows of small solids pass few of them.
+    let options = PathOptions { points: 5000, error_percent: 0.5, ..options(1024) };
+    moments_between_keys_are_right(&scene, &options, 14, &(2..8), 1.5);
+}
+
+/// Bakes a path from noon to an hour angle in degrees, which must have so many keys. With the nearest key alone, so many times as
+/// many points must be wrong in excess as between the keys.
+fn moments_between_keys_are_right(
+    scene: &Scene,
+    options: &PathOptions,
+    to: u32,
+    keys: &Range<usize>,
+    times: f64,
+) {
+    let steps = afternoon(0, to);
     let mut heard = 0;
-    let baked = bake_path(&scene, &steps, &options(1024), Watch::none(), |_| heard += 1).unwrap();
+    let baked = bake_path(scene, &steps, options, Watch::none(), |_| heard += 1).unwrap();
     let path = opened(&baked, steps.clone());
     assert_eq!((heard, path.key_seconds().len()), (baked.keys.len(), baked.keys.len()));
     assert_eq!((baked.keys[0].step, baked.keys[heard - 1].step), (0, steps.len() - 1));
-    assert!((4..40).contains(&heard), "{heard} keys");
+    assert!(keys.contains(&heard), "{heard} keys");
     for key in baked.keys.iter().filter_map(|key| key.gap) {
-        assert!(key.wrong_percent - key.own_percent <= 0.1, "{key:?}");
+        assert!(key.wrong_percent - key.own_percent <= options.error_percent, "{key:?}");
     }
     // All keys share their voxels.
     let grids: Vec<_> = (0..heard).map(|key| path.key(key).unwrap().grid).collect();
     assert!(grids.iter().all(|grid| grid.voxel_size == baked.voxel_size && grid.frame == grids[0].frame));
 
-    let tracer = Tracer::build(&scene, TraceOptions::default());
-    let moments: Vec<f64> = steps.iter().step_by(5).map(|step| step.seconds + 30.0).collect();
-    let measured = measure(&path, &tracer, 20_000, moments, |_| ()).unwrap();
+    let tracer = Tracer::build(scene, TraceOptions::default());
+    let within = &steps[..steps.len() - 1];
+    let moments: Vec<f64> = within.iter().step_by(5).map(|step| step.seconds + 30.0).collect();
+    let measured = measure(&path, &tracer, options.points, moments.clone(), |_| ()).unwrap();
+    assert_eq!(measured.len(), moments.len());
     let mean = |of: &dyn Fn(usize) -> f64| (0..measured.len()).map(of).sum::<f64>() / measured.len() as f64;
     let excess = mean(&|i| measured[i].wrong_percent - measured[i].own_percent);
     // The nearest key alone, as if the sun stood still.
@@ -80,8 +102,8 @@ fn moments_between_keys_are_about_as_right_as_the_keys() {
     });
     let own = mean(&|i| measured[i].own_percent);
     println!("{heard} keys; own {own:.3} %, between {excess:.3} more, nearest key {:.3} more", still - own);
-    assert!(measured.len() == 16 && excess <= 0.2, "{excess}");
-    assert!(still - own > 5.0 * excess.max(0.1), "{still}");
+    assert!(excess <= 2.0 * options.error_percent, "{excess}");
+    assert!(still - own > times * excess.max(0.1), "{still}, {own}, {excess}");
 }
 
 #[test]
@@ -164,16 +186,26 @@ fn keys_are_not_close_where_closer_ones_do_no_better() {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn a_follower_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
-    let scene = Arc::new(generate(GeneratedKind::City, 1));
+    a_follower_answers_as_rays_do(generate(GeneratedKind::City, 1), 2048, 300, 60);
+}
+
+#[test]
+fn a_follower_of_a_small_scene_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
+    a_follower_answers_as_rays_do(generate(GeneratedKind::Primitives, 1), 1024, 100, 25);
+}
+
+/// Follows a sun for so many frames, and compares every so many with rays.
+fn a_follower_answers_as_rays_do(scene: Scene, resolution: u64, frames: u32, every: u32) {
+    let scene = Arc::new(scene);
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let points = visible_points(&tracer, 2000, 3);
     let first = Sun::from_angles(120.0, 35.0).unwrap();
-    let options = FollowOptions::new(BakeOptions::new(first, Size::Resolution(2048)));
+    let options = FollowOptions::new(BakeOptions::new(first, Size::Resolution(resolution)));
     let (woken, wakes) = mpsc::channel();
     let mut follower = SunFollower::start(Arc::clone(&scene), options, move || _ = woken.send(())).unwrap();
     // Half a degree a second, ten times a second; the clock stops while a key is baked that is needed now.
     let mut changes = 0;
-    for frame in 0..300 {
+    for frame in 0..frames {
         let seconds = f64::from(frame) / 10.0;
         let sun = Sun::from_angles(120.0 + 0.5 * seconds, 35.0 + 0.1 * seconds).unwrap().towards();
         let mut followed = follower.follow(seconds, sun);
@@ -188,7 +220,7 @@ fn a_follower_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
         let Followed::Moment(moment) = followed else { panic!("{followed:?}") };
         assert!(moment.changes >= changes && moment.towards_sun == sun);
         changes = moment.changes;
-        if frame % 60 == 59 {
+        if frame % every == every - 1 {
             let sampler = moment.sampler(Filter::Nearest);
             let facing: Vec<_> = points.iter().filter(|point| point.faces(sun)).collect();
             let wrong = facing.iter().filter(|point| {
@@ -201,6 +233,6 @@ fn a_follower_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
         }
     }
     assert!(changes >= 3, "{changes}");
-    assert!(matches!(follower.follow(31.0, [0.8, -0.6, 0.0]), Followed::Night));
+    assert!(matches!(follower.follow(f64::from(frames) / 10.0 + 1.0, [0.8, -0.6, 0.0]), Followed::Night));
     assert!(follower.take_fault().is_none());
 }

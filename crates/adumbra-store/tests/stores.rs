@@ -6,7 +6,7 @@ use std::thread;
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, ObjectKey, Objects, Size, Watch, bake_to, bake_with_objects};
-use adumbra_scene::{GeneratedKind, generate};
+use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_store::StoreObjects;
 use object_store::memory::InMemory;
 use object_store::path::Path;
@@ -61,18 +61,26 @@ fn pruned_stores_have_what_was_written_last() {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn bakes_with_a_store_write_the_same_file() {
+    bakes_write_the_same_file(&generate(GeneratedKind::City, 2), 2048);
+}
+
+#[test]
+fn bakes_of_a_small_scene_with_a_store_write_the_same_file() {
+    bakes_write_the_same_file(&generate(GeneratedKind::Primitives, 1), 1024);
+}
+
+fn bakes_write_the_same_file(scene: &Scene, resolution: u64) {
     let folder = tempfile::tempdir().unwrap();
     let url = format!("file://{}/a%20b", folder.path().display());
-    let scene = generate(GeneratedKind::City, 2);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions::new(sun, Size::Resolution(2048));
+    let options = BakeOptions::new(sun, Size::Resolution(resolution));
     let mut fresh = Cursor::new(Vec::new());
-    bake_to(&scene, &options, Watch::none(), &mut fresh).unwrap();
+    bake_to(scene, &options, Watch::none(), &mut fresh).unwrap();
     for number in 0..2 {
         std::fs::create_dir_all(folder.path().join("a b")).unwrap();
         let objects: Arc<dyn Objects> = Arc::new(StoreObjects::open(&url).unwrap());
         let mut out = Cursor::new(Vec::new());
-        let written = bake_with_objects(&scene, &options, &objects, Watch::none(), &mut out).unwrap();
+        let written = bake_with_objects(scene, &options, &objects, Watch::none(), &mut out).unwrap();
         assert!(out.into_inner() == *fresh.get_ref());
         let expected = if number == 0 { 0 } else { written.report.tiles };
         assert_eq!(written.report.reused_tiles, expected);

@@ -28,7 +28,7 @@ pub use fuzz::fuzz_time;
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};
 pub use left_out::left_out;
-pub use limits::assert_keeps_to_limits;
+pub use limits::{assert_keeps_to_limits, run_with_the_memory_it_asks_for};
 pub use parts::{PageParts, TreeParts};
 pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{

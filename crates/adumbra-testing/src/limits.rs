@@ -60,13 +60,9 @@ fn needed_bytes(stderr: &str) -> u64 {
     words[at].parse::<u64>().unwrap_or_else(|_| panic!("{stderr}")) * MIB
 }
 
-/// Runs a program at the least limit that works, found from what refusals say, and at twice as much. Only on Linux, where
-/// the peak can be watched.
-///
-/// # Panics
-///
-/// Panics if a run takes more than its limit, before it refuses it or until it ends.
-pub fn assert_keeps_to_limits(program: &Path, arguments: &[&str]) {
+/// Runs a program at the limits that its refusals ask for, from 1 MiB on, until it is done. Calls `refused` with each limit that
+/// it refuses. Returns the least limit that works.
+fn follow_refusals(program: &Path, arguments: &[&str], refused: impl Fn(u64, &Ended)) -> (u64, Ended) {
     let mut limit = MIB;
     let mut refusals = 0;
     let ended = loop {
@@ -76,6 +72,34 @@ pub fn assert_keeps_to_limits(program: &Path, arguments: &[&str]) {
         }
         assert_eq!(ended.code, 4, "{arguments:?} at {limit}: {}", ended.stderr);
         assert!(ended.stderr.contains("--max-memory"), "{}", ended.stderr);
+        refused(limit, &ended);
+        let needed = needed_bytes(&ended.stderr);
+        assert!(needed > limit, "{arguments:?} at {limit}: {}", ended.stderr);
+        limit = needed;
+        refusals += 1;
+        assert!(refusals < 60, "{arguments:?}: {}", ended.stderr);
+    };
+    assert!(refusals > 0, "{arguments:?}");
+    (limit, ended)
+}
+
+/// Runs a program until it has the memory that its refusals ask for. The last of the runs does its work.
+///
+/// # Panics
+///
+/// Panics if a run fails otherwise, or if a refusal asks for no more than there was.
+pub fn run_with_the_memory_it_asks_for(program: &Path, arguments: &[&str]) {
+    follow_refusals(program, arguments, |_, _| ());
+}
+
+/// Runs a program at the least limit that works, found from what refusals say, and at twice as much. Only on Linux, where
+/// the peak can be watched.
+///
+/// # Panics
+///
+/// Panics if a run takes more than its limit, before it refuses it or until it ends.
+pub fn assert_keeps_to_limits(program: &Path, arguments: &[&str]) {
+    let (limit, ended) = follow_refusals(program, arguments, |limit, ended| {
         let most = (limit + limit / 20).max(PROGRAM_BYTES);
         assert!(
             ended.peak_bytes <= most,
@@ -84,13 +108,7 @@ pub fn assert_keeps_to_limits(program: &Path, arguments: &[&str]) {
             limit / MIB,
             ended.stderr
         );
-        let needed = needed_bytes(&ended.stderr);
-        assert!(needed > limit, "{arguments:?} at {limit}: {}", ended.stderr);
-        limit = needed;
-        refusals += 1;
-        assert!(refusals < 60, "{arguments:?}: {}", ended.stderr);
-    };
-    assert!(refusals > 0, "{arguments:?}");
+    });
     for (limit, ended) in [(limit, ended), (2 * limit, run(program, arguments, 2 * limit))] {
         assert!(ended.is_done(), "{arguments:?} at {limit}: {}", ended.stderr);
         assert!(

@@ -113,8 +113,20 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
     let scene = generate(GeneratedKind::City, 2);
     let sun = Sun::from_angles(37.0, 5.0).expect("above the horizon");
     let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(2048)));
+    caught_in(&scene, &baked, 20_000, filter, shift_texels, lie)
+}
+
+/// The same for a file of any scene.
+fn caught_in(
+    scene: &Scene,
+    baked: &ShadowFile,
+    samples: u64,
+    filter: u32,
+    shift_texels: f64,
+    lie: Lie,
+) -> Vec<Class> {
     let filter = Filter::try_from(filter).expect("a filter");
-    let honest = LightAnswers::of(&baked, baked.sampler(filter));
+    let honest = LightAnswers::of(baked, baked.sampler(filter));
     let grid = &baked.grid;
     let visibility = |honest: &LightAnswers<FileSampler>, p_world, normal: Option<[f64; 3]>| {
         let p_grid = grid.to_grid(p_world);
@@ -123,7 +135,7 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
         lie(p_grid, n_dot_l, honest.visibility(moved, normal))
     };
     let liar = Replaced { answers: honest, visibility, covers: Answers::covers };
-    let v = check(&scene, sun, &liar, 20_000);
+    let v = check(scene, grid.sun, &liar, samples);
     v.classes.iter().filter(|c| !c.holds).map(|c| c.class).collect()
 }
 
@@ -236,10 +248,27 @@ fn a_nan_is_wrong() {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn what_is_no_visibility_is_wrong() {
+    no_visibility_is_caught(|filter, lie| caught(filter, 0.0, lie));
+}
+
+#[test]
+fn what_is_no_visibility_is_wrong_below_floating_cubes() {
+    let scene = cubes_over_a_scaled_floor();
+    let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
+    no_visibility_is_caught(|filter, lie| caught_in(&scene, &baked, 2_000, filter, 0.0, lie));
+}
+
+fn no_visibility_is_caught(caught: impl Fn(u32, Lie) -> Vec<Class>) {
     for filter in [1, 9] {
-        for lie in [(|_, _, _| f32::NAN) as Lie, |_, _, _| f32::INFINITY, |_, _, _| -0.25] {
-            let found = caught(filter, 0.0, lie);
-            assert!(found.contains(&Class::Interior), "{filter}: {found:?}");
+        let lies: [(f32, Lie); 3] = [
+            (f32::NAN, |_, _, _| f32::NAN),
+            (f32::INFINITY, |_, _, _| f32::INFINITY),
+            (-0.25, |_, _, _| -0.25),
+        ];
+        for (value, lie) in lies {
+            let found = caught(filter, lie);
+            assert!(found.contains(&Class::Interior), "{filter}, {value}: {found:?}");
         }
     }
 }

@@ -21,16 +21,22 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
-/// Bisects the smallest memory limit that a bake fits into. Returns the most bytes spilled to disk on the way.
-fn squeeze(options: &BakeOptions, bake: impl Fn(&BakeOptions) -> Result<(DepthTree, Report)> + Sync) -> u64 {
-    let (expected, free) = on_threads(2, || bake(options)).unwrap();
+/// Bisects the smallest memory limit that a bake fits into, in so many steps, on these numbers of threads in turn. Returns the
+/// most bytes spilled to disk on the way.
+fn squeeze(
+    options: &BakeOptions,
+    threads: &[usize],
+    steps: usize,
+    bake: impl Fn(&BakeOptions) -> Result<(DepthTree, Report)> + Sync,
+) -> u64 {
+    let (expected, free) = on_threads(threads[threads.len() - 1], || bake(options)).unwrap();
     assert_eq!(free.spilled_bytes, 0);
     let (mut too_little, mut enough) = (0, free.accounted_bytes * 5 / 4);
     let mut most_spilled = 0;
-    for step in 0..if full() { 8 } else { 5 } {
+    for step in 0..steps {
         let limit = (too_little + enough) / 2;
         let options = BakeOptions { max_memory_bytes: Some(limit), ..options.clone() };
-        match on_threads(1 + step % 2, || bake(&options)) {
+        match on_threads(threads[step % threads.len()], || bake(&options)) {
             Ok((found, report)) => {
                 assert!(found == expected, "{limit} of {}", free.accounted_bytes);
                 assert!(report.accounted_bytes <= limit, "{report:?}");
@@ -55,13 +61,29 @@ fn city() -> Scene {
 #[test]
 #[ignore = "slow: bakes again and again"]
 fn limited_bake_gives_the_depths_of_a_free_one() {
-    let scene = city();
-    let fast = if full() { 8192 } else { 4096 };
-    for (builder, resolution, merged) in
-        [(Builder::Fast, fast, true), (Builder::Fast, fast, false), (Builder::Plain, 512, true)]
-    {
+    let (fast, steps) = if full() { (8192, 8) } else { (4096, 5) };
+    let cases = [(Builder::Fast, fast, true), (Builder::Fast, fast, false), (Builder::Plain, 512, true)];
+    limited_bakes_give_the_depths_of_free_ones(&city(), &cases, &[1, 2], steps);
+}
+
+#[test]
+fn limited_bake_of_few_pages_gives_the_depths_of_a_free_one() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let cases = [(Builder::Fast, 1024, true), (Builder::Plain, 128, true)];
+    // In so many steps the last limits are apart by less than a page. Another thread would take more than all pages.
+    limited_bakes_give_the_depths_of_free_ones(&scene, &cases, &[1], 10);
+}
+
+/// Bakes with each builder and resolution, with equal shapes stored once or not.
+fn limited_bakes_give_the_depths_of_free_ones(
+    scene: &Scene,
+    cases: &[(Builder, u64, bool)],
+    threads: &[usize],
+    steps: usize,
+) {
+    for &(builder, resolution, merged) in cases {
         let options = BakeOptions { builder, ..options(resolution) };
-        let spilled = squeeze(&options, |o| bake_depths(&scene, o, merged));
+        let spilled = squeeze(&options, threads, steps, |o| bake_depths(scene, o, merged));
         // The plain builder's columns take more memory than its depths.
         assert!(spilled > 0 || builder == Builder::Plain, "{builder:?}, {merged}");
     }
@@ -70,19 +92,40 @@ fn limited_bake_gives_the_depths_of_a_free_one() {
 #[test]
 #[ignore = "slow: bakes again and again"]
 fn limited_bake_without_a_folder_to_spill_to_is_an_error() {
-    let scene = city();
+    without_a_folder_to_spill_to_is_an_error(&city(), 2048, |_, free| {
+        (0..8).map(|step| free.accounted_bytes * (24 - 2 * step) / 20).collect()
+    });
+}
+
+#[test]
+fn limited_bake_of_few_pages_without_a_folder_to_spill_to_is_an_error() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    // From where all pages have room to where none has.
+    let limits = |tree: &DepthTree, free: &Report| -> Vec<u64> {
+        let quarter_bytes = tree.code().len() as u64;
+        (0..=8).map(|step| free.accounted_bytes + 4 * quarter_bytes - step * quarter_bytes).collect()
+    };
+    on_threads(1, || without_a_folder_to_spill_to_is_an_error(&scene, 1024, limits));
+}
+
+/// Bakes within the limits that `limits` makes of what a free bake gives.
+fn without_a_folder_to_spill_to_is_an_error(
+    scene: &Scene,
+    resolution: u64,
+    limits: impl Fn(&DepthTree, &Report) -> Vec<u64>,
+) {
     let folder = std::path::PathBuf::from("/nonexistent/adumbra");
-    let options = options(2048);
-    let (_, free) = bake_depths(&scene, &options, true).unwrap();
+    let options = options(resolution);
+    let (tree, free) = bake_depths(scene, &options, true).unwrap();
+    let limits = limits(&tree, &free);
     let mut failed = 0;
-    for step in 0..8 {
-        let limit = free.accounted_bytes * (24 - 2 * step) / 20;
+    for &limit in &limits {
         let options = BakeOptions {
             max_memory_bytes: Some(limit),
             spill_folder: Some(folder.clone()),
             ..options.clone()
         };
-        match bake_depths(&scene, &options, true) {
+        match bake_depths(scene, &options, true) {
             Ok((_, report)) => assert_eq!(report.spilled_bytes, 0, "{limit}"),
             Err(Error::MemoryLimit { .. }) => {}
             Err(Error::Spill(IoError { path, source, .. })) => {
@@ -92,5 +135,5 @@ fn limited_bake_without_a_folder_to_spill_to_is_an_error() {
             Err(error) => panic!("{error}"),
         }
     }
-    assert!(failed > 0);
+    assert!(failed > 0, "a free bake takes {} bytes; at {limits:?} none spills", free.accounted_bytes);
 }

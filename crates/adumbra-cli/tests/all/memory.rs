@@ -1,7 +1,11 @@
 //! `--max-memory` limits the whole program: loading, the forecast of the frame, the bake and `verify`. A run that
 //! succeeds keeps to its limit, and one that cannot is refused with what it needs.
 
-use adumbra_testing::{Folder, assert_keeps_to_limits, program, scene_file, shared};
+use std::fs;
+
+use adumbra_testing::{
+    Folder, adumbra, assert_keeps_to_limits, program, run_with_the_memory_it_asks_for, scene_file, shared,
+};
 
 /// Bakes in every frame, and verifies one file.
 fn assert_scene_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str) {
@@ -17,6 +21,17 @@ fn assert_scene_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str) 
 fn assert_generated_scene_keeps_to_limits(kind: &str) {
     let folder = Folder::new();
     assert_scene_keeps_to_limits(&folder, &folder.generate(kind), "512");
+}
+
+#[test]
+fn bake_with_the_memory_that_it_asks_for_writes_the_same_file() {
+    let folder = Folder::new();
+    let (scene, free, file) = (folder.generate("primitives"), folder.path("free"), folder.path("least"));
+    let bake = ["bake", &scene, "--frame", "light", "--resolution", "256", "--progress", "none"];
+    let (code, error) = adumbra(&[&bake[..], &["-o", &free]].concat());
+    assert_eq!(code, 0, "{error}");
+    run_with_the_memory_it_asks_for(&program(), &[&bake[..], &["-o", &file]].concat());
+    assert!(fs::read(&file).unwrap() == fs::read(&free).unwrap(), "another file within the least memory");
 }
 
 #[cfg(target_os = "linux")]

@@ -22,25 +22,93 @@ fn bake(folder: &Folder, scene: &str, day: &str, more: &[&str]) -> String {
     file
 }
 
+/// What is swept, and what is asked of it.
+struct Sweep<'a> {
+    scene: &'a str,
+    /// A sun path.
+    day: &'a str,
+    camera: &'a str,
+    size: &'a str,
+    steps: &'a str,
+    pixels: u64,
+    /// The most that are wrong of the pixels between keys, that change more often than with rays, and by which the share of those
+    /// that change is off.
+    most: [f64; 3],
+    /// The most that change without shadows, and how many times more are wrong then.
+    without: [f64; 2],
+}
+
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
     let folder = Folder::new();
-    let (scene, out) = (folder.generate("city"), folder.path("out"));
+    let scene = folder.generate("city");
     let day = bake(&folder, &scene, DAY, &["--resolution", "2048"]);
+    let sweep = Sweep {
+        scene: &scene,
+        day: &day,
+        camera: "street",
+        size: "160x90",
+        steps: "40",
+        pixels: 5000,
+        most: [0.03, 0.005, 0.01],
+        without: [1e-3, 4.0],
+    };
+    a_path_is_as_right_as_a_file_and_changes_as_rays_do(&folder, &sweep);
+    a_moment_of_a_path_is_drawn(&folder, &scene, &day);
+}
+
+#[test]
+fn a_coarse_path_between_its_keys_is_about_as_right_as_a_file_and_changes_as_rays_do() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let day = bake(&folder, &scene, DAY, &["--resolution", "512"]);
+    let sweep = Sweep {
+        scene: &scene,
+        day: &day,
+        camera: "overview",
+        size: "64x48",
+        steps: "6",
+        pixels: 500,
+        most: [0.05, 0.02, 0.03],
+        without: [5e-3, 2.0],
+    };
+    a_path_is_as_right_as_a_file_and_changes_as_rays_do(&folder, &sweep);
+}
+
+#[test]
+fn a_moment_of_an_hour_is_drawn_and_none_of_a_file() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let hour = "lat=48,lon=11,date=2026-03-20,from=11:30,to=12:30,step=300";
+    let day = bake(&folder, &scene, hour, &["--resolution", "256"]);
+    a_moment_of_a_path_is_drawn(&folder, &scene, &day);
+}
+
+fn a_moment_of_a_path_is_drawn(folder: &Folder, scene: &str, day: &str) {
+    let picture = folder.path("noon.png");
+    let render = ["render", scene, "--size", "32x18", "--shadow", "voxel:path:filter=1", "-o", &picture];
+    let (code, said) = adumbra(&[&render[..], &["--shadow-file", day, "--sun-time", "12:00"]].concat());
+    assert_eq!(code, 0, "{said}");
+    let (code, said) = adumbra(&[&render[..], &["--resolution", "256"]].concat());
+    assert!(code == 2 && said.contains("it needs a moment of a sun path"), "{said}");
+}
+
+fn a_path_is_as_right_as_a_file_and_changes_as_rays_do(folder: &Folder, asked: &Sweep<'_>) {
+    let out = folder.path("out");
     let report = json(&[
         "compare",
-        &scene,
+        asked.scene,
         "--shadow-file",
-        &day,
+        asked.day,
         "--sun-sweep",
         WITHIN,
         "--sweep-steps",
-        "40",
+        asked.steps,
         "--camera",
-        "street",
+        asked.camera,
         "--size",
-        "160x90",
+        asked.size,
         "--frames",
         "1",
         "--shadow",
@@ -63,17 +131,27 @@ fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
     for row in rows {
         eprintln!("{}: {:?}", row["name"], figures.map(|field| share(row, field)));
     }
-    assert_eq!((&sweep["steps"], &sweep["nights"]), (&40.into(), &0.into()));
-    assert!(sweep["keys"].as_u64().unwrap() >= 2 && sweep["pixels"].as_u64().unwrap() > 5000, "{sweep}");
-    assert_eq!(sweep["seconds"].as_array().unwrap().len(), 40);
+    let steps: u64 = asked.steps.parse().unwrap();
+    assert_eq!((&sweep["steps"], &sweep["nights"]), (&steps.into(), &0.into()));
+    assert!(
+        sweep["keys"].as_u64().unwrap() >= 2 && sweep["pixels"].as_u64().unwrap() > asked.pixels,
+        "{sweep}"
+    );
+    assert_eq!(sweep["seconds"].as_array().unwrap().len() as u64, steps);
 
     let rays = share(sweep, "rays_changes");
+    let [wrong, excess, apart] = asked.most;
     assert!(rays > 1e-3, "the rays change at {rays} of the pixels");
-    assert!(share(path, "wrong") < 0.03 && share(path, "worst_wrong") >= share(path, "wrong"), "{path}");
-    assert!(share(path, "excess") < 0.005 && (share(path, "changes") - rays).abs() < 0.01, "{path}");
+    assert!(share(path, "wrong") < wrong && share(path, "worst_wrong") >= share(path, "wrong"), "{path}");
+    assert!(
+        share(path, "excess") < excess && (share(path, "changes") - rays).abs() < apart,
+        "{rays} change with rays: {path}"
+    );
     // Without shadows next to nothing changes, and what the rays find dark is wrong.
-    assert!(["changes", "excess", "more_often"].iter().all(|field| share(none, field) < 1e-3), "{none}");
-    assert!([path, csm].iter().all(|row| share(none, "wrong") > 4.0 * share(row, "wrong")), "{none}");
+    let [changes, times] = asked.without;
+    assert!(["changes", "excess", "more_often"].iter().all(|field| share(none, field) < changes), "{none}");
+    let is_far_less = |row: &&Value| share(none, "wrong") > times * share(row, "wrong");
+    assert!([path, csm].iter().all(is_far_less), "{none} {path} {csm}");
     // A step's share is that of the pixels that change from the step before.
     let by_step = path["changes_by_step"].as_array().unwrap();
     assert!(by_step[0].is_null() && by_step[1..].iter().all(Value::is_number), "{by_step:?}");
@@ -83,56 +161,74 @@ fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
     }
     let text = fs::read_to_string(folder.path("out/report.md")).unwrap();
     assert!(
-        text.contains("40 steps from 11:15 to 12:45") && text.contains("\n| `voxel:path:filter=1` |"),
+        text.contains(&format!("{steps} steps from 11:15 to 12:45"))
+            && text.contains("\n| `voxel:path:filter=1` |"),
         "{text}"
     );
     assert!(fs::read_to_string(folder.path("out/sweep.svg")).unwrap().contains("Wrong pixels"));
+}
 
-    let picture = folder.path("noon.png");
-    let render = ["render", &scene, "--size", "32x18", "--shadow", "voxel:path:filter=1", "-o", &picture];
-    let (code, said) = adumbra(&[&render[..], &["--shadow-file", &day, "--sun-time", "12:00"]].concat());
-    assert_eq!(code, 0, "{said}");
-    let (code, said) = adumbra(&[&render[..], &["--resolution", "256"]].concat());
-    assert!(code == 2 && said.contains("it needs a moment of a sun path"), "{said}");
+/// Compares a technique while the sun moves across a day.
+fn swept(folder: &Folder, scene: &str, day: &str, shadow: &str, steps: &str, size: &str) -> Value {
+    json(&[
+        "compare",
+        scene,
+        "--sun-sweep",
+        day,
+        "--sweep-steps",
+        steps,
+        "--shadow",
+        shadow,
+        "--resolution",
+        "256",
+        "--size",
+        size,
+        "--frames",
+        "1",
+        "--json",
+        "-o",
+        &folder.path("out"),
+    ])
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn a_sweep_bakes_what_it_needs_and_leaves_the_night_out() {
+    a_sweep_bakes_what_it_needs("voxel:path", "64x48");
+    a_sweep_leaves_the_night_out("13", [7, 6], "64x48");
+}
+
+#[test]
+fn a_sweep_of_a_small_picture_bakes_what_it_needs() {
+    a_sweep_bakes_what_it_needs("voxel:path:filter=1", "32x24");
+}
+
+#[test]
+fn a_sweep_of_few_steps_leaves_the_night_out() {
+    a_sweep_leaves_the_night_out("4", [2, 2], "32x24");
+}
+
+fn a_sweep_bakes_what_it_needs(shadow: &str, size: &str) {
     let folder = Folder::new();
-    let (scene, out) = (folder.generate("primitives"), folder.path("out"));
-    let compare = |day: &str, shadow: &str, steps: &str| {
-        json(&[
-            "compare",
-            &scene,
-            "--sun-sweep",
-            day,
-            "--sweep-steps",
-            steps,
-            "--shadow",
-            shadow,
-            "--resolution",
-            "256",
-            "--size",
-            "64x48",
-            "--frames",
-            "1",
-            "--json",
-            "-o",
-            &out,
-        ])
-    };
-    let baked = compare("lat=48,lon=11,date=2026-03-20,from=12:00,to=12:30,step=300", "voxel:path", "3");
+    let scene = folder.generate("primitives");
+    let day = "lat=48,lon=11,date=2026-03-20,from=12:00,to=12:30,step=300";
+    let baked = swept(&folder, &scene, day, shadow, "3", size);
     assert!(baked["sweep"]["keys"].as_u64().unwrap() >= 1, "{baked}");
     assert!(share(&baked["sweep"]["techniques"][0], "wrong") < 0.1, "{baked}");
+}
 
+/// The sun is up in so many of these steps, and below the horizon in the others.
+fn a_sweep_leaves_the_night_out(steps: &str, [up, nights]: [usize; 2], size: &str) {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
     // The sun rises at about 6:20.
-    let morning = compare("lat=48,lon=11,date=2026-03-20,from=5:00,to=8:00", "none", "13");
+    let day = "lat=48,lon=11,date=2026-03-20,from=5:00,to=8:00";
+    let morning = swept(&folder, &scene, day, "none", steps, size);
     let sweep = &morning["sweep"];
     assert!(sweep["keys"].is_null(), "{sweep}");
-    let up = sweep["elevation_degrees"].as_array().unwrap();
-    assert!(up.iter().all(|degrees| degrees.as_f64().unwrap() > 0.0), "{up:?}");
-    assert_eq!((up.len(), &sweep["nights"]), (7, &6.into()));
+    let elevations = sweep["elevation_degrees"].as_array().unwrap();
+    assert!(elevations.iter().all(|degrees| degrees.as_f64().unwrap() > 0.0), "{elevations:?}");
+    assert_eq!((elevations.len(), &sweep["nights"]), (up, &nights.into()));
 }
 
 #[test]

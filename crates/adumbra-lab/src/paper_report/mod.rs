@@ -253,3 +253,26 @@ fn code(record: &Record, bytes: u64, cancel: &AtomicBool) -> Code {
     let fine = bytes <= MAX_BYTES && record.sections.iter().all(|s| s.outcome == Found::Measured);
     if fine { Code::Fine } else { Code::CheckFailed }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn report_is_fine_if_all_is_measured_and_its_page_is_small_enough() {
+        let machine = Machine::default();
+        let section = |outcome| SectionRecord { outcome, ..SectionRecord::begun("blur", false, &machine) };
+        let record = |outcomes: &[Found]| Record {
+            machine: machine.clone(),
+            sections: outcomes.iter().map(|outcome| section(*outcome)).collect(),
+        };
+        let code = |outcomes: &[Found], bytes| code(&record(outcomes), bytes, &AtomicBool::new(false));
+        assert_eq!(code(&[Found::Measured; 2], MAX_BYTES), Code::Fine);
+        assert_eq!(code(&[Found::Measured; 2], MAX_BYTES + 1), Code::CheckFailed);
+        for outcome in [Found::CheckFailed, Found::Failed, Found::Interrupted] {
+            assert_eq!(code(&[Found::Measured, outcome], 0), Code::CheckFailed, "{outcome:?}");
+        }
+        let cancelled = super::code(&record(&[Found::Measured]), MAX_BYTES + 1, &AtomicBool::new(true));
+        assert_eq!(cancelled, Code::Interrupted);
+    }
+}

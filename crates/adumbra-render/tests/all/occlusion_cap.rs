@@ -67,30 +67,40 @@ fn capped_radius_is_the_smaller_radius_as_a_whole() {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn result_goes_on_where_the_radius_passes_the_cap() {
-    for projection in [
-        Projection::Orthographic { height_world: HEIGHT_WORLD },
-        Projection::Perspective { fov_degrees: 40.0 },
-    ] {
-        let seen = corner(projection);
-        for estimator in ESTIMATORS {
-            let (mut steps, mut last) = (Vec::new(), None::<Vec<f32>>);
-            // The radius grows by a factor of 1.02 per step, from well below the cap everywhere to well above it.
-            for step in 0..48 {
-                let now = visibility(&seen, estimator, 0.4 * libm::pow(1.02, f64::from(step)), CAP);
-                if let Some(last) = &last {
-                    steps.push(mean(now.iter().zip(last).map(|(a, b)| (a - b).abs())));
-                }
-                last = Some(now);
+    // From well below the cap everywhere to well above it.
+    let perspective = Projection::Perspective { fov_degrees: 40.0 };
+    for projection in [Projection::Orthographic { height_world: HEIGHT_WORLD }, perspective] {
+        result_goes_on_while_the_radius_grows(projection, 0.4, 48);
+    }
+}
+
+#[test]
+fn result_goes_on_right_below_the_cap_and_right_above_it() {
+    // The cap is a radius of half a unit.
+    let projection = Projection::Orthographic { height_world: HEIGHT_WORLD };
+    result_goes_on_while_the_radius_grows(projection, 0.48, 7);
+}
+
+/// Grows the radius by a factor of 1.02 per step, to beyond the cap.
+fn result_goes_on_while_the_radius_grows(projection: Projection, from_world: f64, radii: u32) {
+    let seen = corner(projection);
+    for estimator in ESTIMATORS {
+        let (mut steps, mut last) = (Vec::new(), None::<Vec<f32>>);
+        for step in 0..radii {
+            let now = visibility(&seen, estimator, from_world * libm::pow(1.02, f64::from(step)), CAP);
+            if let Some(last) = &last {
+                steps.push(mean(now.iter().zip(last).map(|(a, b)| (a - b).abs())));
             }
-            let (first, most) = (steps[0], steps.iter().copied().fold(0.0, f64::max));
-            let last = steps[steps.len() - 1];
-            println!(
-                "{estimator} {projection:?}: mean step {first:.4} at first, {most:.4} at most, {last:.5} at last"
-            );
-            // Rounding moves taps at every step. Reaching the cap adds no step of its own, and beyond it nothing
-            // changes.
-            assert!(most < 0.02 && most < 2.0 * first, "{estimator} {projection:?}: {steps:?}");
-            assert!(last < 1e-3, "{estimator} {projection:?}: {steps:?}");
+            last = Some(now);
         }
+        let (first, most) = (steps[0], steps.iter().copied().fold(0.0, f64::max));
+        let last = steps[steps.len() - 1];
+        println!(
+            "{estimator} {projection:?}: mean step {first:.4} at first, {most:.4} at most, {last:.5} at last"
+        );
+        // Rounding moves taps at every step. Reaching the cap adds no step of its own, and beyond it nothing
+        // changes.
+        assert!(most < 0.02 && most < 2.0 * first, "{estimator} {projection:?}: {steps:?}");
+        assert!(last < 1e-3, "{estimator} {projection:?}: {steps:?}");
     }
 }
