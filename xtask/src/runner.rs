@@ -15,8 +15,8 @@ const SLOWEST: usize = 15;
 pub(crate) enum Tests<'a> {
     /// Those that are not marked slow, with `#[ignore]`.
     NotSlow,
-    /// Those marked slow whose names are chosen.
-    Slow(&'a dyn Fn(&str) -> bool),
+    /// These of [`slow_tests`].
+    Slow(&'a [String]),
     All,
 }
 
@@ -44,9 +44,8 @@ pub(crate) fn run(
     let (settings, more): (&str, Vec<String>) = match tests {
         Tests::NotSlow => ("default", Vec::new()),
         Tests::All => ("long", ["--run-ignored", "all"].map(str::to_owned).into()),
-        Tests::Slow(is_chosen) => {
-            let Some(filter) = chosen(cargo, &base, is_chosen)? else { return Ok(()) };
-            ("share", ["--run-ignored", "only", "-E", &filter].map(str::to_owned).into())
+        Tests::Slow(filters) => {
+            ("share", ["--run-ignored", "only", "-E", &filters.join(" | ")].map(str::to_owned).into())
         }
     };
     let more: Vec<&str> = more.iter().map(String::as_str).collect();
@@ -80,24 +79,20 @@ struct FilterMatch {
     status: String,
 }
 
-/// Returns a filter for the slow tests that are chosen by the names of their programs and their own, if there are any.
-fn chosen(
+/// Lists the slow tests that a push may run, each as a filter of cargo-nextest that finds it alone.
+pub(crate) fn slow_tests(
     cargo: &Cargo<'_>,
-    base: &[&str],
-    is_chosen: &dyn Fn(&str) -> bool,
-) -> Result<Option<String>, String> {
+    profile: &str,
+    targets: &[&str],
+) -> Result<Vec<String>, String> {
     let list = ["nextest", "list", "--profile", "share", "--run-ignored", "only", "--message-format", "json"];
-    let text = cargo.output(&[&list[..], base].concat())?;
+    let text = cargo.output(&[&list[..], &["--cargo-profile", profile], targets].concat())?;
     let listed: Listed = serde_json::from_str(&text).map_err(|e| format!("the list of tests: {e}"))?;
-    let mut terms = Vec::new();
-    for (program, suite) in &listed.rust_suites {
-        for (test, case) in &suite.testcases {
-            if case.filter_match.status == "matches" && is_chosen(&format!("{program} {test}")) {
-                terms.push(format!("(binary_id(={program}) & test(={test}))"));
-            }
-        }
-    }
-    Ok((!terms.is_empty()).then(|| terms.join(" | ")))
+    let of = |(program, suite): (String, Suite)| {
+        let tests = suite.testcases.into_iter().filter(|(_, case)| case.filter_match.status == "matches");
+        tests.map(move |(test, _)| format!("(binary_id(={program}) & test(={test}))")).collect::<Vec<_>>()
+    };
+    Ok(listed.rust_suites.into_iter().flat_map(of).collect())
 }
 
 /// Reads the slowest tests from a report of cargo-nextest, with their seconds.

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
+use std::time::Instant;
 
 use crate::runner::{self, Tests};
 use crate::steps::{Cargo, PROFILE, Steps, target_folder};
@@ -10,8 +11,12 @@ use crate::{check, docs, rustdoc, steps, tools};
 
 /// The encoders that tests of compressed scenes run.
 const ENCODERS: &str = "xtask/encoders";
-/// Each push runs one of so many shares of the tests marked slow.
-const SHARES: u32 = 16;
+/// For how long each push begins slow tests. What has begun is run to its end.
+const SHARE_SECONDS: u64 = 60;
+/// About as many slow tests are run within [`SHARE_SECONDS`].
+const SHARE_TESTS: usize = 9;
+/// As many slow tests are begun at a time.
+const BATCH: usize = 3;
 
 /// Runs what each push must pass: formatting, lints, every test that is not marked slow, documentation, the documents with most
 /// commands parsed only, and a share of the tests marked slow, another one with each commit.
@@ -62,16 +67,35 @@ fn documentation(root: &Path) -> Result<(), String> {
     rustdoc::test(Cargo::linting(root)?, &target_folder(root))
 }
 
-/// Runs some of the slow tests: by their names and the number of commits, so that all have been run after [`SHARES`] commits.
+/// Runs slow tests for about a minute, from another place in their list with each commit.
 fn share(root: &Path) -> Result<(), String> {
     let commits = steps::output(root, "git", &["rev-list", "--count", "HEAD"])?;
-    let commits: u32 = commits.trim().parse().map_err(|_| format!("git counts {commits:?} commits"))?;
-    let is_chosen = |name: &str| crc32fast::hash(name.as_bytes()) % SHARES == commits % SHARES;
-    run(root, &Tests::Slow(&is_chosen), &[FIXED]).map_err(|fault| {
+    let commits: usize = commits.trim().parse().map_err(|_| format!("git counts {commits:?} commits"))?;
+    let mut tests = runner::slow_tests(&Cargo::linting(root)?, PROFILE, &["--workspace"])?;
+    in_order_of_share(&mut tests, commits);
+    let (start, mut begun, mut outcome) = (Instant::now(), 0, Ok(()));
+    for batch in tests.chunks(BATCH) {
+        if start.elapsed().as_secs() >= SHARE_SECONDS {
+            break;
+        }
+        begun += batch.len();
+        outcome = run(root, &Tests::Slow(batch), &[FIXED]).and(outcome);
+    }
+    println!("{begun} of {} slow tests were run", tests.len());
+    outcome.map_err(|fault| {
         let repeat =
             format!("cargo nextest run --cargo-profile {PROFILE} --run-ignored only -E 'test(=NAME)'");
         format!("{fault}\nrepeat one test with: {repeat}")
     })
+}
+
+/// Orders slow tests as the push after so many commits runs them. The order is that of their checksums, so that those of one
+/// crate are spread, and begins [`SHARE_TESTS`] further on with each commit.
+fn in_order_of_share(tests: &mut [String], commits: usize) {
+    tests.sort_by_key(|test| crc32fast::hash(test.as_bytes()));
+    if !tests.is_empty() {
+        tests.rotate_left(commits % tests.len() * SHARE_TESTS % tests.len());
+    }
 }
 
 /// Runs tests of the workspace, and says how many of them were left out because what they need is absent.
@@ -91,4 +115,23 @@ fn run(root: &Path, tests: &Tests<'_>, variables: &[(&'static str, &str)]) -> Re
         left_out.iter().for_each(|(test, reason)| println!("  {test}: {reason}"));
     }
     outcome
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_slow_test_is_soon_in_a_share() {
+        let names: Vec<String> = (0..150).map(|i| format!("test {i}")).collect();
+        let mut run = std::collections::BTreeSet::new();
+        for commits in 700..717 {
+            let mut tests = names.clone();
+            in_order_of_share(&mut tests, commits);
+            assert_eq!(tests.len(), names.len());
+            run.extend(tests.into_iter().take(SHARE_TESTS));
+        }
+        assert_eq!(run.len(), names.len());
+        in_order_of_share(&mut [], 700);
+    }
 }

@@ -14,10 +14,8 @@ use adumbra_testing::bake_file;
 /// Longer than any wait on a busy machine.
 pub(crate) const LIMIT: Duration = Duration::from_secs(600);
 
-fn coded_city(resolution: u64, levels: u32) -> Vec<u8> {
+fn coded_city(resolution: u64, levels: u32, frame: FrameChoice) -> Vec<u8> {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
-    // Named, as the baker's trial of both frames takes as long as a small bake.
-    let frame = FrameChoice::Light;
     let options = BakeOptions { levels, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
     let mut bytes = Cursor::new(Vec::new());
@@ -28,13 +26,14 @@ fn coded_city(resolution: u64, levels: u32) -> Vec<u8> {
 /// A city of 4 bundles in its finest level, and two coarser levels.
 pub(crate) fn city() -> &'static [u8] {
     static CITY: OnceLock<Vec<u8>> = OnceLock::new();
-    CITY.get_or_init(|| coded_city(4096, 3))
+    // Its frame is named, as the baker's trial of both takes as long as a small bake.
+    CITY.get_or_init(|| coded_city(4096, 3, FrameChoice::Light))
 }
 
 /// A city of 64 bundles in its finest level, and three coarser levels.
 pub(crate) fn large_city() -> &'static [u8] {
     static CITY: OnceLock<Vec<u8>> = OnceLock::new();
-    CITY.get_or_init(|| coded_city(16_384, 4))
+    CITY.get_or_init(|| coded_city(16_384, 4, FrameChoice::Auto))
 }
 
 pub(crate) type Point = ([f64; 3], Option<[f64; 3]>);
