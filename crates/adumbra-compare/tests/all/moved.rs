@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use adumbra::Sun;
+use adumbra::{ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_compare::compare::{Compared, Comparison};
 use adumbra_compare::paths::CameraPath;
@@ -66,9 +66,9 @@ fn moved(scene: &Scene, place: [f64; 3]) -> Scene {
     scene
 }
 
-fn compare_at(scene: &Scene, sun: Sun, place: [f64; 3], cameras: &[Camera]) -> Vec<Comparison> {
-    let options = BakeOptions::new(sun, Size::Resolution(2048));
-    let file = compared::moved(bake_file(scene, &options).unwrap(), place);
+fn compare_at(scene: &Scene, file: &ShadowFile, place: [f64; 3], cameras: &[Camera]) -> Vec<Comparison> {
+    let sun = file.grid.sun;
+    let file = compared::moved(file.clone(), place);
     let scene = moved(scene, place);
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
@@ -104,10 +104,11 @@ fn check(scenes: &Path, name: &str) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let cameras = cameras(&scene, sun);
     assert_eq!(cameras.len(), 2, "{name}");
-    let plain = compare_at(&scene, sun, [0.0; 3], &cameras);
+    let file = bake_file(&scene, &BakeOptions::new(sun, Size::Resolution(2048))).unwrap();
+    let plain = compare_at(&scene, &file, [0.0; 3], &cameras);
     let mut largest = (0.0_f64, String::new());
     for place in PLACES {
-        for (number, (a, b)) in plain.iter().zip(compare_at(&scene, sun, place, &cameras)).enumerate() {
+        for (number, (a, b)) in plain.iter().zip(compare_at(&scene, &file, place, &cameras)).enumerate() {
             let what = format!("{name}, camera {number} at {place:?}");
             assert!(a.pixels.compared > 0, "{what}: {:?}", a.pixels);
             let excluded = a.pixels.excluded.abs_diff(b.pixels.excluded);
