@@ -80,11 +80,7 @@ struct FilterMatch {
 }
 
 /// Lists the slow tests that a push may run, each as a filter of cargo-nextest that finds it alone.
-pub(crate) fn slow_tests(
-    cargo: &Cargo<'_>,
-    profile: &str,
-    targets: &[&str],
-) -> Result<Vec<String>, String> {
+pub(crate) fn slow_tests(cargo: &Cargo<'_>, profile: &str, targets: &[&str]) -> Result<Vec<String>, String> {
     let list = ["nextest", "list", "--profile", "share", "--run-ignored", "only", "--message-format", "json"];
     let text = cargo.output(&[&list[..], &["--cargo-profile", profile], targets].concat())?;
     let listed: Listed = serde_json::from_str(&text).map_err(|e| format!("the list of tests: {e}"))?;
