@@ -187,7 +187,6 @@ fn tree_every_changed_byte_is_an_error() {
 }
 
 #[test]
-#[ignore = "slow: thousands of damaged files"]
 fn tree_mutations_are_refused_or_answer_everywhere() {
     let seeds = [valid(), symmetric()].concat();
     let (accepted, faults) = count_faults(&seeds, 100_000, |bytes, seed| {

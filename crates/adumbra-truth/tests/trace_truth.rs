@@ -104,7 +104,6 @@ fn compare(scene: &Scene, view: &View, stride: usize) -> Figures {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
 fn shared_trace_matches_another_renderer() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = std::fs::read_dir(&truth).unwrap();

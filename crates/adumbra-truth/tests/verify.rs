@@ -116,7 +116,7 @@ fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
     caught_in(&scene, &baked, 20_000, filter, shift_texels, lie)
 }
 
-/// The same for a file of any scene.
+/// Does the same with the correct file of any scene, at this many points.
 fn caught_in(
     scene: &Scene,
     baked: &ShadowFile,

@@ -90,7 +90,6 @@ fn compare_finds_a_street_and_walks_a_file() {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn sun_angle_reaches_and_judges_every_technique_that_takes_one() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("primitives"), folder.path("out"));

@@ -24,9 +24,10 @@ fn bake(folder: &Folder, scene: &str, day: &str, more: &[&str]) -> String {
 
 /// What is swept, and what is asked of it.
 struct Sweep<'a> {
-    scene: &'a str,
-    /// A sun path.
-    day: &'a str,
+    /// A generated scene.
+    kind: &'a str,
+    /// Of its sun path.
+    resolution: &'a str,
     camera: &'a str,
     size: &'a str,
     steps: &'a str,
@@ -41,39 +42,30 @@ struct Sweep<'a> {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
-    let folder = Folder::new();
-    let scene = folder.generate("city");
-    let day = bake(&folder, &scene, DAY, &["--resolution", "2048"]);
-    let sweep = Sweep {
-        scene: &scene,
-        day: &day,
+    a_path_is_as_right_as_a_file_and_changes_as_rays_do(&Sweep {
+        kind: "city",
+        resolution: "2048",
         camera: "street",
         size: "160x90",
         steps: "40",
         pixels: 5000,
         most: [0.03, 0.005, 0.01],
         without: [1e-3, 4.0],
-    };
-    a_path_is_as_right_as_a_file_and_changes_as_rays_do(&folder, &sweep);
-    a_moment_of_a_path_is_drawn(&folder, &scene, &day);
+    });
 }
 
 #[test]
 fn a_coarse_path_between_its_keys_is_about_as_right_as_a_file_and_changes_as_rays_do() {
-    let folder = Folder::new();
-    let scene = folder.generate("primitives");
-    let day = bake(&folder, &scene, DAY, &["--resolution", "512"]);
-    let sweep = Sweep {
-        scene: &scene,
-        day: &day,
+    a_path_is_as_right_as_a_file_and_changes_as_rays_do(&Sweep {
+        kind: "primitives",
+        resolution: "512",
         camera: "overview",
         size: "64x48",
         steps: "6",
         pixels: 500,
         most: [0.05, 0.02, 0.03],
         without: [5e-3, 2.0],
-    };
-    a_path_is_as_right_as_a_file_and_changes_as_rays_do(&folder, &sweep);
+    });
 }
 
 #[test]
@@ -82,25 +74,23 @@ fn a_moment_of_an_hour_is_drawn_and_none_of_a_file() {
     let scene = folder.generate("primitives");
     let hour = "lat=48,lon=11,date=2026-03-20,from=11:30,to=12:30,step=300";
     let day = bake(&folder, &scene, hour, &["--resolution", "256"]);
-    a_moment_of_a_path_is_drawn(&folder, &scene, &day);
-}
-
-fn a_moment_of_a_path_is_drawn(folder: &Folder, scene: &str, day: &str) {
     let picture = folder.path("noon.png");
-    let render = ["render", scene, "--size", "32x18", "--shadow", "voxel:path:filter=1", "-o", &picture];
-    let (code, said) = adumbra(&[&render[..], &["--shadow-file", day, "--sun-time", "12:00"]].concat());
+    let render = ["render", &scene, "--size", "32x18", "--shadow", "voxel:path:filter=1", "-o", &picture];
+    let (code, said) = adumbra(&[&render[..], &["--shadow-file", &day, "--sun-time", "12:00"]].concat());
     assert_eq!(code, 0, "{said}");
     let (code, said) = adumbra(&[&render[..], &["--resolution", "256"]].concat());
     assert!(code == 2 && said.contains("it needs a moment of a sun path"), "{said}");
 }
 
-fn a_path_is_as_right_as_a_file_and_changes_as_rays_do(folder: &Folder, asked: &Sweep<'_>) {
-    let out = folder.path("out");
+fn a_path_is_as_right_as_a_file_and_changes_as_rays_do(asked: &Sweep<'_>) {
+    let folder = Folder::new();
+    let (scene, out) = (folder.generate(asked.kind), folder.path("out"));
+    let day = bake(&folder, &scene, DAY, &["--resolution", asked.resolution]);
     let report = json(&[
         "compare",
-        asked.scene,
+        &scene,
         "--shadow-file",
-        asked.day,
+        &day,
         "--sun-sweep",
         WITHIN,
         "--sweep-steps",
@@ -168,67 +158,42 @@ fn a_path_is_as_right_as_a_file_and_changes_as_rays_do(folder: &Folder, asked: &
     assert!(fs::read_to_string(folder.path("out/sweep.svg")).unwrap().contains("Wrong pixels"));
 }
 
-/// Compares a technique while the sun moves across a day.
-fn swept(folder: &Folder, scene: &str, day: &str, shadow: &str, steps: &str, size: &str) -> Value {
-    json(&[
-        "compare",
-        scene,
-        "--sun-sweep",
-        day,
-        "--sweep-steps",
-        steps,
-        "--shadow",
-        shadow,
-        "--resolution",
-        "256",
-        "--size",
-        size,
-        "--frames",
-        "1",
-        "--json",
-        "-o",
-        &folder.path("out"),
-    ])
-}
-
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn a_sweep_bakes_what_it_needs_and_leaves_the_night_out() {
-    a_sweep_bakes_what_it_needs("voxel:path", "64x48");
-    a_sweep_leaves_the_night_out("13", [7, 6], "64x48");
-}
-
-#[test]
-fn a_sweep_of_a_small_picture_bakes_what_it_needs() {
-    a_sweep_bakes_what_it_needs("voxel:path:filter=1", "32x24");
-}
-
-#[test]
-fn a_sweep_of_few_steps_leaves_the_night_out() {
-    a_sweep_leaves_the_night_out("4", [2, 2], "32x24");
-}
-
-fn a_sweep_bakes_what_it_needs(shadow: &str, size: &str) {
     let folder = Folder::new();
-    let scene = folder.generate("primitives");
-    let day = "lat=48,lon=11,date=2026-03-20,from=12:00,to=12:30,step=300";
-    let baked = swept(&folder, &scene, day, shadow, "3", size);
+    let (scene, out) = (folder.generate("primitives"), folder.path("out"));
+    let compare = |day: &str, shadow: &str, steps: &str| {
+        json(&[
+            "compare",
+            &scene,
+            "--sun-sweep",
+            day,
+            "--sweep-steps",
+            steps,
+            "--shadow",
+            shadow,
+            "--resolution",
+            "256",
+            "--size",
+            "64x48",
+            "--frames",
+            "1",
+            "--json",
+            "-o",
+            &out,
+        ])
+    };
+    let baked = compare("lat=48,lon=11,date=2026-03-20,from=12:00,to=12:30,step=300", "voxel:path", "3");
     assert!(baked["sweep"]["keys"].as_u64().unwrap() >= 1, "{baked}");
     assert!(share(&baked["sweep"]["techniques"][0], "wrong") < 0.1, "{baked}");
-}
 
-/// The sun is up in so many of these steps, and below the horizon in the others.
-fn a_sweep_leaves_the_night_out(steps: &str, [up, nights]: [usize; 2], size: &str) {
-    let folder = Folder::new();
-    let scene = folder.generate("primitives");
     // The sun rises at about 6:20.
-    let day = "lat=48,lon=11,date=2026-03-20,from=5:00,to=8:00";
-    let morning = swept(&folder, &scene, day, "none", steps, size);
+    let morning = compare("lat=48,lon=11,date=2026-03-20,from=5:00,to=8:00", "none", "13");
     let sweep = &morning["sweep"];
     assert!(sweep["keys"].is_null(), "{sweep}");
-    let elevations = sweep["elevation_degrees"].as_array().unwrap();
-    assert!(elevations.iter().all(|degrees| degrees.as_f64().unwrap() > 0.0), "{elevations:?}");
-    assert_eq!((elevations.len(), &sweep["nights"]), (up, &nights.into()));
+    let up = sweep["elevation_degrees"].as_array().unwrap();
+    assert!(up.iter().all(|degrees| degrees.as_f64().unwrap() > 0.0), "{up:?}");
+    assert_eq!((up.len(), &sweep["nights"]), (7, &6.into()));
 }
 
 #[test]

@@ -51,7 +51,6 @@ fn bench_writes_tables() {
 }
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_bake_reads_files_outside_where_it_is_allowed() {
     let folder = Folder::new();
     fs::create_dir(folder.path("sub")).unwrap();

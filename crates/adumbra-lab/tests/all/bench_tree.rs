@@ -5,7 +5,6 @@ use std::fs;
 use adumbra_testing::{Folder, lab};
 
 #[test]
-#[ignore = "slow: a whole benchmark"]
 fn bench_tree_writes_tables_plots_and_pictures() {
     let folder = Folder::new();
     let out = folder.path("bench");

@@ -7,24 +7,14 @@ use adumbra_testing::{Folder, lab, lab_json, lab_program, stderr};
 use serde_json::json;
 
 #[test]
-#[ignore = "slow: runs every verb"]
 fn threads_memory_and_json_go_with_every_verb_of_tree() {
-    threads_memory_and_json_go_with_every_verb("city", "256", "10000");
-}
-
-#[test]
-fn threads_memory_and_json_go_with_every_verb_of_a_small_tree() {
-    threads_memory_and_json_go_with_every_verb("primitives", "128", "4000");
-}
-
-fn threads_memory_and_json_go_with_every_verb(kind: &str, resolution: &str, samples: &str) {
     let folder = Folder::new();
-    let (scene, file, picture) = (folder.generate(kind), folder.path("a.adumtree"), folder.path("a.png"));
+    let (scene, file, picture) = (folder.generate("city"), folder.path("a.adumtree"), folder.path("a.png"));
     let (texture, back) = (folder.path("t.png"), folder.path("b.adumtree"));
     let (points, answers) = (folder.write_f32("p.f32", &[0.0, 500.0, 0.0]), folder.path("v.f32"));
-    let verify = ["tree", "verify", &file, "--scene", &scene, "--samples", samples, "--min-interior", "0"];
+    let verify = ["tree", "verify", &file, "--scene", &scene, "--samples", "10000", "--min-interior", "0"];
     let calls: &[(&[&str], &str)] = &[
-        (&["tree", "bake", &scene, "--resolution", resolution, "-o", &file], "file_bytes"),
+        (&["tree", "bake", &scene, "--resolution", "256", "-o", &file], "file_bytes"),
         (&verify, "agreement"),
         (&["tree", "query", &file, "--points", &points, "-o", &answers], "points"),
         (&["tree", "export", &file, "--texture", &texture], "words"),

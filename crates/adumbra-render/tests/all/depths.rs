@@ -79,7 +79,6 @@ fn depths_on_the_gpu_count_the_taps_and_know_the_depths_that_the_cpu_does() {
 }
 
 #[test]
-#[ignore = "slow: takes over eight seconds"]
 fn depths_in_six_bindings_answer_as_in_one() {
     let baked = BakedScene::new(generate(GeneratedKind::City, 3), [0.5, 0.8, 0.35], 512);
     let bytes = 4 * (baked.light.tree.bytes() / 16).next_power_of_two();

@@ -192,7 +192,6 @@ fn files_that_are_not_there_or_not_scenes() {
 }
 
 #[test]
-#[ignore = "slow: real scenes"]
 fn shared_scenes_have_the_triangles_that_their_list_says() {
     let Some(folder) = adumbra_testing::shared("scenes") else { return };
     // Name, stored triangles, instanced triangles (0: the same number).
