@@ -37,7 +37,7 @@ const LOCKED: [&str; 5] =
 /// it.
 fn dependencies(root: &Path) -> Result<(), String> {
     let config = root.join("deny.toml").display().to_string();
-    let check = ["deny", "--log-level", "error", "check", "--config", &config, "bans", "licenses", "sources"];
+    let check = ["deny", "--log-level", "error", "--config", &config, "check", "bans", "licenses", "sources"];
     if steps::output(root, "cargo", &["deny", "--version"]).is_err() {
         return Err("cargo-deny is missing; install it with: cargo install --locked cargo-deny".to_owned());
     }

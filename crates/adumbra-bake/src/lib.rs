@@ -77,6 +77,8 @@
 //! - The grid has a margin of one voxel before the first surface and behind the last.
 //! - Static receivers are answered for filters up to 9 texels wide, with normals.
 
+#![forbid(unsafe_code)]
+
 mod bake;
 mod baker;
 mod choose;

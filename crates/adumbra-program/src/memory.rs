@@ -17,6 +17,23 @@ const UNMEASURED_BYTES: u64 = 10 << 20;
 /// The peak may exceed the limit by one part in this many.
 const TOLERANCE: u64 = 20;
 
+/// Size from which freed blocks go back to the system at once.
+const RETURNED_BYTES: i32 = 4 << 20;
+
+/// Makes the allocator return large blocks to the system as soon as they are freed. To be called once, when the program
+/// begins. Without it, glibc keeps up to 64 MiB in each thread's arena once a block of 32 MiB has been freed, which nothing
+/// counts: sorting 614,000 triangles left 23 of 110 MiB so. Other allocators are left as they are.
+pub(crate) fn return_freed_memory() {
+    #[cfg(target_env = "gnu")]
+    for parameter in [libc::M_MMAP_THRESHOLD, libc::M_TRIM_THRESHOLD] {
+        #[expect(unsafe_code, reason = "the standard library does not reach the allocator's parameters")]
+        // SAFETY: `mallopt` takes two numbers, and takes the allocator's own lock while it stores them. It refuses what it
+        // does not know.
+        let is_set = unsafe { libc::mallopt(parameter, RETURNED_BYTES) };
+        debug_assert_eq!(is_set, 1, "parameter {parameter}");
+    }
+}
+
 /// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux does.
 pub fn peak_bytes() -> Option<u64> {
     status_bytes("VmHWM:")

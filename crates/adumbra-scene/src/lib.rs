@@ -4,6 +4,8 @@
 //! Loaders ([`load`]) validate: after loading, every vertex and transform is finite, every index is in range, and at
 //! least one triangle casts a shadow.
 
+#![forbid(unsafe_code)]
+
 mod affine;
 mod budget;
 mod camera;

@@ -18,6 +18,8 @@
 //! # Ok::<(), adumbra::Error>(())
 //! ```
 
+#![forbid(unsafe_code)]
+
 mod coder;
 mod error;
 #[doc(hidden)]
