@@ -3,9 +3,9 @@
 //! `cargo doc` checks every dependency first, which takes minutes where nothing is built. Doc tests use what the tests have
 //! built already.
 
-use std::env;
 use std::path::Path;
-use std::process::{Command, ExitCode};
+use std::process::{Child, Command, ExitCode};
+use std::{env, io};
 
 use crate::steps::{Cargo, PROFILE};
 
@@ -31,13 +31,16 @@ pub(crate) fn test(cargo: Cargo<'_>, target: &Path) -> Result<(), String> {
 /// Does rustdoc's work if cargo runs this program in its place. Returns `None` if it is run as itself.
 pub(crate) fn stand_in(arguments: &[String]) -> Option<ExitCode> {
     let output = env::var(OUTPUT).ok()?;
-    let rustdoc = |arguments: &[String]| Command::new("rustdoc").args(arguments).status();
+    let rustdoc = |arguments: &[String]| Command::new("rustdoc").args(arguments).spawn();
+    let passed = |started: io::Result<Child>| {
+        started.and_then(|mut process| process.wait()).is_ok_and(|status| status.success())
+    };
+    // Cargo tests one library after the other; two processes have the work of each.
     let is_test = arguments.iter().any(|argument| argument == "--test");
-    if is_test && !rustdoc(&documenting(arguments, &output)).is_ok_and(|status| status.success()) {
-        return Some(ExitCode::FAILURE);
-    }
-    let passed = rustdoc(arguments).is_ok_and(|status| status.success());
-    Some(if passed { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    let documented = is_test.then(|| rustdoc(&documenting(arguments, &output)));
+    let is_tested = passed(rustdoc(arguments));
+    let is_fine = documented.is_none_or(passed) && is_tested;
+    Some(if is_fine { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
 /// Returns the arguments that document what these arguments test.

@@ -235,6 +235,14 @@ impl<'s> Plan<'s> {
         Ok(self.spill.resident_bytes())
     }
 
+    /// Limits the memory for pages, while a structure of `held_bytes` is built, to what the bake and the structure leave.
+    /// The `finish_bytes` that finishing it will need stay free from the start: pages that go to disk only then leave holes
+    /// that nothing large fits.
+    pub(crate) fn limit_pages_while_building(&self, held_bytes: u64, finish_bytes: u64) {
+        let working_bytes = self.workers as u64 * self.worker_bytes;
+        self.limit_pages(self.scene_bytes + held_bytes + working_bytes.max(finish_bytes));
+    }
+
     /// Limits the memory for pages to what `held_bytes` leave.
     pub(crate) fn limit_pages(&self, held_bytes: u64) {
         if let Some(limit) = self.limit_bytes {

@@ -1,13 +1,17 @@
 //! Bakes within a memory limit: they give the same bytes as without one, whatever goes to disk, or an error that says
 //! why not.
 
+use std::sync::Arc;
+
 use adumbra::layout::depths::DepthTree;
 use adumbra::{IoError, Sun};
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_testing::full;
 
+use crate::choose;
 use crate::error::{Error, Result};
 use crate::options::{BakeOptions, Builder, FrameChoice, Size};
+use crate::pages::PageStore;
 use crate::progress::Report;
 use crate::test_bakes::bake_depths;
 
@@ -72,6 +76,24 @@ fn limited_bake_of_few_pages_gives_the_depths_of_a_free_one() {
     let cases = [(Builder::Fast, 1024, true), (Builder::Plain, 128, true)];
     // In so many steps the last limits are apart by less than a page. Another thread would take more than all pages.
     limited_bakes_give_the_depths_of_free_ones(&scene, &cases, &[1], 10);
+}
+
+#[test]
+fn what_finishing_needs_stays_free_while_pages_are_added() {
+    let scene = generate(GeneratedKind::Primitives, 1);
+    let limited = |limit| BakeOptions { max_memory_bytes: Some(limit), ..options(256) };
+    let baking_bytes = choose::plan(&scene, &limited(1 << 30)).unwrap().baking_bytes();
+    let limit = baking_bytes + 100;
+    let plan = on_threads(1, || choose::plan(&scene, &limited(limit))).unwrap();
+    let store = PageStore::new(Arc::clone(&plan.spill));
+    let (held_bytes, page) = (20, vec![0; 4]);
+    plan.limit_pages_while_building(held_bytes, 0);
+    let room = limit - plan.baking_bytes() - held_bytes;
+    (0..room / 16 + 1).for_each(|_| _ = store.add(0, page.clone()));
+    assert_eq!(plan.paged_bytes().unwrap(), room / 16 * 16);
+    plan.limit_pages_while_building(held_bytes, limit - plan.scene_bytes - held_bytes - 32);
+    store.shrink();
+    assert_eq!(plan.paged_bytes().unwrap(), 32);
 }
 
 /// Bakes with each builder and resolution, with equal shapes stored once or not.

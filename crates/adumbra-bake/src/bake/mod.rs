@@ -279,7 +279,7 @@ pub(crate) fn build_planned<S: Structure>(
     let sink = sink(plan);
     let finished_tile = || {
         sink.check_room()?;
-        plan.limit_pages(plan.baking_bytes() + sink.memory_bytes());
+        plan.limit_pages_while_building(sink.memory_bytes(), sink.finish_bytes());
         sink.make_room();
         tally.finished_tile(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
     };
