@@ -15,6 +15,7 @@
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
 mod advice;
+mod allocator;
 pub mod args;
 pub mod bounds;
 mod environment;

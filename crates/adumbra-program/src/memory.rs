@@ -6,6 +6,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
+use crate::allocator;
 use crate::exit::Failure;
 
 /// What the process needs besides what is measured and counted: code that is not yet loaded, and buffers of files.
@@ -16,23 +17,10 @@ const THREAD_BYTES: u64 = 1 << 19;
 const UNMEASURED_BYTES: u64 = 10 << 20;
 /// The peak may exceed the limit by one part in this many.
 const TOLERANCE: u64 = 20;
-
-/// Size from which freed blocks go back to the system at once.
-const RETURNED_BYTES: i32 = 4 << 20;
-
-/// Makes the allocator return large blocks to the system as soon as they are freed. To be called once, when the program
-/// begins. Without it, glibc keeps up to 64 MiB in each thread's arena once a block of 32 MiB has been freed, which nothing
-/// counts: sorting 614,000 triangles left 23 of 110 MiB so. Other allocators are left as they are.
-pub(crate) fn return_freed_memory() {
-    #[cfg(target_env = "gnu")]
-    for parameter in [libc::M_MMAP_THRESHOLD, libc::M_TRIM_THRESHOLD] {
-        #[expect(unsafe_code, reason = "the standard library does not reach the allocator's parameters")]
-        // SAFETY: `mallopt` takes two numbers, and takes the allocator's own lock while it stores them. It refuses what it
-        // does not know.
-        let is_set = unsafe { libc::mallopt(parameter, RETURNED_BYTES) };
-        debug_assert_eq!(is_set, 1, "parameter {parameter}");
-    }
-}
+/// Free memory is returned once less than one part in this many is left of the limit.
+const NEAR: u64 = 4;
+/// Free memory is returned again after the process has grown by one part in this many of the limit.
+const TRIM_STEP: u64 = 32;
 
 /// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux does.
 pub fn peak_bytes() -> Option<u64> {
@@ -40,7 +28,7 @@ pub fn peak_bytes() -> Option<u64> {
 }
 
 /// Returns the resident set size in bytes. `None` if the system does not report it; Linux does.
-fn resident_bytes() -> Option<u64> {
+pub(crate) fn resident_bytes() -> Option<u64> {
     status_bytes("VmRSS:")
 }
 
@@ -73,6 +61,9 @@ impl MemoryLimit {
     /// Returns the share of what counts the memory that it holds. `counted_bytes` of that are held already.
     pub fn share(&self, counted_bytes: u64) -> Share {
         let threads = rayon::current_num_threads() as u64;
+        if self.limit_bytes.is_some() {
+            allocator::return_free_pages();
+        }
         let held_bytes =
             resident_bytes().map_or(UNMEASURED_BYTES, |resident| resident.saturating_sub(counted_bytes));
         Share {
@@ -152,19 +143,34 @@ pub struct Guard<'a> {
     limit: MemoryLimit,
     cancel: &'a AtomicBool,
     exceeded_bytes: AtomicU64,
+    /// Free memory is returned beyond this resident size.
+    trim_at_bytes: AtomicU64,
 }
 
 impl<'a> Guard<'a> {
     /// Creates a guard of a step that ends soon after `cancel` is set.
     pub fn new(limit: MemoryLimit, cancel: &'a AtomicBool) -> Self {
-        Self { limit, cancel, exceeded_bytes: AtomicU64::new(0) }
+        let trim_at_bytes = limit.limit_bytes.map_or(u64::MAX, |bytes| bytes - bytes / NEAR);
+        Self { limit, cancel, exceeded_bytes: AtomicU64::new(0), trim_at_bytes: trim_at_bytes.into() }
     }
 
     /// Cancels the step if the process is beyond the limit. To be called now and then.
     pub fn look(&self) {
+        self.trim();
         if let Some(peak) = self.limit.exceeded_bytes() {
             self.exceeded_bytes.store(peak, Ordering::Relaxed);
             self.cancel.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Returns free memory to the system if the process comes near the limit. Pages that have gone to disk one by one leave
+    /// holes, which no large table fits.
+    fn trim(&self) {
+        let Some(limit) = self.limit.limit_bytes else { return };
+        if resident_bytes().is_some_and(|bytes| bytes > self.trim_at_bytes.load(Ordering::Relaxed)) {
+            allocator::return_free_pages();
+            let next_bytes = resident_bytes().map_or(u64::MAX, |bytes| bytes + limit / TRIM_STEP);
+            self.trim_at_bytes.store(next_bytes.max(limit - limit / NEAR), Ordering::Relaxed);
         }
     }
 

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use crate::exit::{Code, Outcome};
-use crate::{environment, memory, signals};
+use crate::{allocator, environment, signals};
 
 /// A program's arguments, and how they are run.
 pub trait Program: Parser {
@@ -24,7 +24,7 @@ pub trait Program: Parser {
 /// Runs a program: its whole `main`.
 pub fn main<P: Program>() -> ExitCode {
     environment::set_runtime_folder();
-    memory::return_freed_memory();
+    allocator::return_large_blocks();
     signals::survive_file_size_limit();
     let program = match P::try_parse() {
         Ok(program) => program,
