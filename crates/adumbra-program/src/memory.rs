@@ -19,8 +19,6 @@ const UNMEASURED_BYTES: u64 = 10 << 20;
 const TOLERANCE: u64 = 20;
 /// Free memory is returned once less than one part in this many is left of the limit.
 const NEAR: u64 = 4;
-/// Free memory is returned again after the process has grown by one part in this many of the limit.
-const TRIM_STEP: u64 = 32;
 
 /// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux does.
 pub fn peak_bytes() -> Option<u64> {
@@ -143,34 +141,24 @@ pub struct Guard<'a> {
     limit: MemoryLimit,
     cancel: &'a AtomicBool,
     exceeded_bytes: AtomicU64,
-    /// Free memory is returned beyond this resident size.
-    trim_at_bytes: AtomicU64,
 }
 
 impl<'a> Guard<'a> {
     /// Creates a guard of a step that ends soon after `cancel` is set.
     pub fn new(limit: MemoryLimit, cancel: &'a AtomicBool) -> Self {
-        let trim_at_bytes = limit.limit_bytes.map_or(u64::MAX, |bytes| bytes - bytes / NEAR);
-        Self { limit, cancel, exceeded_bytes: AtomicU64::new(0), trim_at_bytes: trim_at_bytes.into() }
+        Self { limit, cancel, exceeded_bytes: AtomicU64::new(0) }
     }
 
-    /// Cancels the step if the process is beyond the limit. To be called now and then.
+    /// Cancels the step if the process is beyond the limit. To be called now and then. If the process is near the limit, free
+    /// memory goes back to the system: pages that have gone to disk one by one leave holes, which no large table fits.
     pub fn look(&self) {
-        self.trim();
+        let Some(limit) = self.limit.limit_bytes else { return };
+        if resident_bytes().is_some_and(|bytes| bytes > limit - limit / NEAR) {
+            allocator::return_free_pages();
+        }
         if let Some(peak) = self.limit.exceeded_bytes() {
             self.exceeded_bytes.store(peak, Ordering::Relaxed);
             self.cancel.store(true, Ordering::Relaxed);
-        }
-    }
-
-    /// Returns free memory to the system if the process comes near the limit. Pages that have gone to disk one by one leave
-    /// holes, which no large table fits.
-    fn trim(&self) {
-        let Some(limit) = self.limit.limit_bytes else { return };
-        if resident_bytes().is_some_and(|bytes| bytes > self.trim_at_bytes.load(Ordering::Relaxed)) {
-            allocator::return_free_pages();
-            let next_bytes = resident_bytes().map_or(u64::MAX, |bytes| bytes + limit / TRIM_STEP);
-            self.trim_at_bytes.store(next_bytes.max(limit - limit / NEAR), Ordering::Relaxed);
         }
     }
 
