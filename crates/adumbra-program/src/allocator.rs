@@ -6,8 +6,8 @@
 const RETURNED_BYTES: i32 = 4 << 20;
 
 /// Makes the allocator return large blocks to the system as soon as they are freed. To be called once, when the program
-/// begins. Without it, blocks of up to 32 MiB are kept once one of that size has been freed: sorting 614,000 triangles left 23
-/// of 110 MiB so.
+/// begins. Without it, blocks of up to 32 MiB are kept once one of that size has been freed, such as the tables that sort a
+/// scene's triangles.
 pub(crate) fn return_large_blocks() {
     #[cfg(target_env = "gnu")]
     for parameter in [libc::M_MMAP_THRESHOLD, libc::M_TRIM_THRESHOLD] {

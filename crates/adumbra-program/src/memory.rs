@@ -17,7 +17,7 @@ const THREAD_BYTES: u64 = 1 << 19;
 const UNMEASURED_BYTES: u64 = 10 << 20;
 /// The peak may exceed the limit by one part in this many.
 const TOLERANCE: u64 = 20;
-/// Free memory is returned from this part of the limit on: a half. It takes 2 % of a bake's time.
+/// Free memory is returned from this part of the limit on: a half.
 const RETURNED_FROM: u64 = 2;
 
 /// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux does.
@@ -26,7 +26,7 @@ pub fn peak_bytes() -> Option<u64> {
 }
 
 /// Returns the resident set size in bytes. `None` if the system does not report it; Linux does.
-pub(crate) fn resident_bytes() -> Option<u64> {
+fn resident_bytes() -> Option<u64> {
     status_bytes("VmRSS:")
 }
 
