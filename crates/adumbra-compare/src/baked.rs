@@ -7,6 +7,7 @@ use adumbra::{Filter, PathSampler, PointVisibility, ShadowFile, Sun, SunPath};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_program::exit::Failure;
 use adumbra_program::lookup::LookupArgs;
+use adumbra_program::memory::MemoryLimit;
 use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, sun_path};
 use adumbra_program::output::note_input;
 use adumbra_render::voxel::LightFile;
@@ -112,9 +113,9 @@ impl BakedFiles {
     ///
     /// # Errors
     ///
-    /// Returns an error if a file cannot be read, if two files are of one kind, or if they have different suns.
-    pub fn read(paths: &[PathBuf], more: Option<Box<dyn MoreFiles>>) -> Result<Self> {
-        Self::read_at(paths, None, more)
+    /// Returns an error if a file cannot be read or does not fit into the limit, if two files are of one kind, or if they have different suns.
+    pub fn read(paths: &[PathBuf], limit: MemoryLimit, more: Option<Box<dyn MoreFiles>>) -> Result<Self> {
+        Self::read_at(paths, None, limit, more)
     }
 
     /// Reads the files, of which one may be a sun path: then a moment is given.
@@ -126,14 +127,15 @@ impl BakedFiles {
     pub fn read_at(
         paths: &[PathBuf],
         time: Option<TimeArg>,
+        limit: MemoryLimit,
         more: Option<Box<dyn MoreFiles>>,
     ) -> Result<Self> {
         let mut files = Self::with(more);
         for path in paths {
             note_input("the shadow file itself", path);
             let facts = match sun_path(path)? {
-                Some(sun_path) => files.read_moment(path, &sun_path, time)?,
-                None => files.read_one(path)?,
+                Some(sun_path) => files.read_moment(path, &sun_path, time, limit)?,
+                None => files.read_one(path, limit)?,
             };
             let before = files.given.get_or_insert(facts);
             if before.sun != facts.sun {
@@ -150,7 +152,13 @@ impl BakedFiles {
         Ok(files)
     }
 
-    fn read_moment(&mut self, path: &Path, sun_path: &SunPath, time: Option<TimeArg>) -> Result<FileFacts> {
+    fn read_moment(
+        &mut self,
+        path: &Path,
+        sun_path: &SunPath,
+        time: Option<TimeArg>,
+        limit: MemoryLimit,
+    ) -> Result<FileFacts> {
         let file = path.display();
         let Some(time) = time else {
             return Err(Failure::Usage(format!(
@@ -159,7 +167,7 @@ impl BakedFiles {
             .into());
         };
         let seconds = moment(sun_path, "--sun-time", time)?;
-        let Some(moment) = path_moment(sun_path, seconds)? else {
+        let Some(moment) = path_moment(sun_path, seconds, limit)? else {
             let time = shown(sun_path, seconds);
             return Err(Failure::Usage(format!("--sun-time: at {time} the sun is below the horizon")).into());
         };
@@ -168,13 +176,13 @@ impl BakedFiles {
         Ok(facts)
     }
 
-    fn read_one(&mut self, path: &Path) -> Result<FileFacts> {
+    fn read_one(&mut self, path: &Path, limit: MemoryLimit) -> Result<FileFacts> {
         if let Some(more) = &mut self.more
             && let Some(facts) = more.read(path)?
         {
             return Ok(facts);
         }
-        let file = ShadowFile::read(path)?.in_world();
+        let file = limit.read_shadow_file(path)?.in_world();
         let facts = FileFacts { sun: file.sun(), ignore_alpha: file.ignores_alpha() };
         match self.light.replace(file) {
             None => Ok(facts),

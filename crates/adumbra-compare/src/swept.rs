@@ -9,6 +9,7 @@ use adumbra::{ShadowFile, SunPath};
 use adumbra_bake::Watch;
 use adumbra_path::{BakedKey, BakedPath, PathOptions, bake_path};
 use adumbra_program::exit::Failure;
+use adumbra_program::memory::MemoryLimit;
 use adumbra_program::moment::{shown, span, sun_path, suns_of_day};
 use adumbra_program::output::note_input;
 use adumbra_render::voxel::{LightFile, MovingLight};
@@ -72,9 +73,9 @@ impl SweptSun {
     ///
     /// # Errors
     ///
-    /// Returns an error if the file is not a sun path or cannot be read, does not cover the day, or has other suns, and if
-    /// the sun is above the horizon in fewer than two steps.
-    pub fn of_file(file: &Path, day: Option<&Day>, steps: u32) -> Result<Self> {
+    /// Returns an error if the file is not a sun path or cannot be read, does not fit into the limit, does not cover the day, or has
+    /// other suns, and if the sun is above the horizon in fewer than two steps.
+    pub fn of_file(file: &Path, day: Option<&Day>, steps: u32, limit: MemoryLimit) -> Result<Self> {
         let name = file.display();
         note_input("the shadow file itself", file);
         let Some(path) = sun_path(file)? else {
@@ -83,6 +84,7 @@ impl SweptSun {
             ))
             .into());
         };
+        limit.check_keys(&path)?;
         let [first, last] = span(&path);
         let ends = match day {
             Some(day) => of_option(day.ends())?.map(|seconds| seconds as f64),

@@ -20,6 +20,7 @@ pub mod args;
 pub mod bounds;
 mod environment;
 pub mod exit;
+mod files;
 pub mod lookup;
 pub mod memory;
 pub mod mirrors;

@@ -56,6 +56,11 @@ impl MemoryLimit {
         Self { limit_bytes }
     }
 
+    /// Whether there is a limit.
+    pub(crate) fn is_given(&self) -> bool {
+        self.limit_bytes.is_some()
+    }
+
     /// Returns the share of what counts the memory that it holds. `counted_bytes` of that are held already.
     pub fn share(&self, counted_bytes: u64) -> Share {
         let threads = rayon::current_num_threads() as u64;

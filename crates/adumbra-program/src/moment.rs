@@ -10,6 +10,7 @@ use adumbra::{IoError, ShadowFile, Sun, SunPath, SunStep};
 use adumbra_solar::{Clock, Day};
 
 use crate::exit::Failure;
+use crate::memory::MemoryLimit;
 
 /// A moment of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -130,13 +131,13 @@ pub struct PathMoment {
 ///
 /// # Errors
 ///
-/// Returns [`Failure`] if a key cannot be read.
-pub fn path_moment(path: &SunPath, seconds: f64) -> Result<Option<PathMoment>, Failure> {
+/// Returns [`Failure`] if a key cannot be read or does not fit into the limit.
+pub fn path_moment(path: &SunPath, seconds: f64, limit: MemoryLimit) -> Result<Option<PathMoment>, Failure> {
     let (Some(towards), Some([first, second])) = (path.sun_at(seconds), path.keys_at(seconds)) else {
         return Ok(None);
     };
     let sun = Sun::from_direction(towards)?;
-    let first_file = path.key(first)?;
-    let second_file = if second == first { first_file.clone() } else { path.key(second)? };
+    let first_file = limit.read_key(path, first)?;
+    let second_file = if second == first { first_file.clone() } else { limit.read_key(path, second)? };
     Ok(Some(PathMoment { sun, keys: [first_file, second_file] }))
 }

@@ -70,6 +70,10 @@ pub struct More<'a> {
     pub value: &'a (dyn Fn([f64; 3], Option<[f64; 3]>) -> f32 + Sync),
 }
 
+/// While points are read, their bytes, a copy of these, and their numbers are in memory. Of float32 that is four times
+/// their bytes.
+const READING_RATIO: u64 = 4;
+
 /// Points and normals that were read.
 pub struct Points {
     points: Vec<[f64; 3]>,
@@ -104,12 +108,15 @@ impl Query {
         }
     }
 
-    /// Reads the points. The shadow file has `file_bytes` bytes.
+    /// Reads the points.
     ///
     /// # Errors
     ///
     /// Returns [`Failure`] if a file cannot be read, if there is not one normal per point, or if memory is not enough.
-    pub fn read(&self, file_bytes: u64) -> Result<Points, Failure> {
+    pub fn read(&self) -> Result<Points, Failure> {
+        let paths = [Some(self.points_path()), self.normals.as_deref()];
+        let bytes: u64 = paths.into_iter().flatten().filter_map(|p| Some(p.metadata().ok()?.len())).sum();
+        self.run.check_memory("the points", 0, READING_RATIO * bytes)?;
         let points = match &self.points_f64 {
             Some(path) => read_f64_triples(path)?,
             None => read_f32_triples(self.points_path())?,
@@ -129,8 +136,8 @@ impl Query {
         // Bytes per point: the point (24), its normal (24), its answer in its batch (4) and in the whole (4), and the
         // answer's bytes (4).
         let count = points.len() as u64;
-        let held = count * if normals.is_some() { 24 + 24 } else { 24 } + file_bytes;
-        self.run.check_memory("the points", held, count * (24 + 24 + 4 + 4 + 4) + file_bytes)?;
+        let held = count * if normals.is_some() { 24 + 24 } else { 24 };
+        self.run.check_memory("the points", held, count * (24 + 24 + 4 + 4 + 4))?;
         Ok(Points { points, normals })
     }
 

@@ -63,16 +63,6 @@ pub struct Verified {
 }
 
 impl Verify {
-    /// Refuses a file whose bytes and decoded contents do not fit into memory.
-    ///
-    /// # Errors
-    ///
-    /// Returns [`Failure::Bake`] if they do not.
-    pub fn check_file_memory(&self) -> Result<(), Failure> {
-        let bytes = std::fs::metadata(&self.file).map_or(0, |file| file.len());
-        self.run.check_memory("the shadow file", 0, 2 * bytes)
-    }
-
     /// Compares `answers`, which are those of `file`, with rays, and reports the result.
     ///
     /// # Errors

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use adumbra::{AtRest, IoError, ShadowFile};
+use adumbra::{AtRest, IoError};
 use adumbra_files as files;
 use adumbra_program::args::RunArgs;
 use adumbra_program::exit::{Code, Failure, Outcome};
@@ -33,9 +33,7 @@ pub(super) struct Converted {
 /// Writes a shadow file to `output`, stored in another way. Returns the bytes before and now.
 pub(super) fn store(file: &Path, output: &Path, at_rest: AtRest, run: &RunArgs) -> Result<[u64; 2], Failure> {
     let bytes_before = fs::metadata(file).map_err(IoError::at("read", file))?.len();
-    // A coded file is decoded into about three times its bytes.
-    run.check_memory("the shadow file", 0, 8 * bytes_before)?;
-    let found = ShadowFile::read(file)?;
+    let found = run.memory_limit().read_shadow_file(file)?;
     Ok([bytes_before, files::replace_file(output, |out| found.write_to(out, at_rest))?])
 }
 

@@ -97,8 +97,9 @@ pub(super) fn query(args: &Query, path: &SunPath, time: Option<TimeArg>, level: 
     }
     let seconds = moment(path, "--time", time)?;
     let filter = Filter::try_from(args.lookup.filter)?;
-    let points = args.read(path.file_bytes())?;
-    let Some(PathMoment { sun, keys }) = path_moment(path, seconds)? else {
+    let answering = path_moment(path, seconds, args.run.memory_limit())?;
+    let points = args.read()?;
+    let Some(PathMoment { sun, keys }) = answering else {
         let time = shown(path, seconds);
         eprintln!("warning: at {time} the sun is below the horizon: all points are in shadow");
         return args.answer(&points, &Night, None);
@@ -130,6 +131,7 @@ pub(super) fn verify(
         return Err(Failure::Usage(format!("--max-excess {}: give 0 or more percent", of_path.max_excess)));
     }
     let mut load = args.load.load_options()?;
+    args.run.memory_limit().check_keys(path)?;
     load.ignore_alpha |= path.key(0)?.settings.ignore_alpha;
     let ignore_alpha = load.ignore_alpha;
     let scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;

@@ -1,6 +1,5 @@
 //! `adumbra query`: points in, visibilities out.
 
-use adumbra::ShadowFile;
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::moment;
 
@@ -17,11 +16,12 @@ pub(crate) fn run(QueryFile { query: args, level, time }: &QueryFile) -> Outcome
         return Err(Failure::Usage(format!("--time: {file} is the file of one sun; give a sun path")));
     }
     if let Some(regions) = regions::manifest(&args.file)? {
-        let points = args.read(regions::file_bytes(&regions, &args.file))?;
+        args.run.memory_limit().check_regions(&regions, &args.file)?;
         let sampler = regions::sampler(&regions, &args.file, &args.lookup, level.level)?;
+        let points = args.read()?;
         return args.answer(&points, &sampler, None);
     }
-    let file = level.of(&ShadowFile::read(&args.file)?, &args.file)?;
-    let points = args.read(file.encoded_len())?;
+    let file = level.of(&args.run.memory_limit().read_shadow_file(&args.file)?, &args.file)?;
+    let points = args.read()?;
     args.answer(&points, &args.lookup.sampler(&file)?, None)
 }

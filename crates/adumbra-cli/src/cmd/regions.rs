@@ -44,7 +44,7 @@ pub(super) fn sampler(
 }
 
 /// Returns the bytes of all files.
-pub(super) fn file_bytes(regions: &Regions, path: &Path) -> u64 {
+fn file_bytes(regions: &Regions, path: &Path) -> u64 {
     let folder = adumbra_files::folder_of(path);
     let bytes = |(_, name): (Region, &str)| fs::metadata(folder.join(name)).map_or(0, |file| file.len());
     regions.iter().map(bytes).sum()

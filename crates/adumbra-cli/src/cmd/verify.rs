@@ -1,7 +1,7 @@
 //! `adumbra verify`: compares a file's answers with rays.
 
 use adumbra::regions::Regions;
-use adumbra::{FileSettings, Filter, ShadowFile};
+use adumbra::{FileSettings, Filter};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::moment;
 use adumbra_program::output::print_json;
@@ -34,11 +34,10 @@ pub(crate) fn run(VerifyFile { verify: args, level, path: of_path }: &VerifyFile
         }
         return Ok(code);
     }
-    args.check_file_memory()?;
     if let Some(regions) = regions::manifest(&args.file)? {
         return run_regions(args, &regions, level.level);
     }
-    let file = level.of(&ShadowFile::read(&args.file)?, &args.file)?;
+    let file = level.of(&args.run.memory_limit().read_shadow_file(&args.file)?, &args.file)?;
     if let Some(region) = file.settings.region {
         return Err(Failure::Usage(format!(
             "{} is the file of region ({}, {}) of a world; verify the world's manifest",
@@ -59,7 +58,7 @@ pub(crate) fn run(VerifyFile { verify: args, level, path: of_path }: &VerifyFile
 
 /// Verifies all regions of a world as one.
 fn run_regions(args: &Verify, regions: &Regions, level: u32) -> Outcome {
-    args.run.check_memory("the regions' files", 0, 2 * regions::file_bytes(regions, &args.file))?;
+    args.run.memory_limit().check_regions(regions, &args.file)?;
     let sampler = regions::sampler(regions, &args.file, &args.lookup, level)?;
     let Some(&settings) = sampler.settings() else {
         return Err(Failure::BadInput(format!(

@@ -34,13 +34,14 @@ fn look_up<'f>(args: &LookupArgs, file: &'f DagFile) -> Result<DagQuery<'f>, Fai
 
 fn query(args: &Query) -> Outcome {
     args.check_outputs(None)?;
+    args.run.memory_limit().check_plain_file(&args.file)?;
     let file = DagFile::read(&args.file)?;
-    let points = args.read(file.encoded_len())?;
+    let points = args.read()?;
     args.answer(&points, &look_up(&args.lookup, &file)?, None)
 }
 
 fn verify(args: &Verify) -> Outcome {
-    args.check_file_memory()?;
+    args.run.memory_limit().check_plain_file(&args.file)?;
     let file = DagFile::read(&args.file)?;
     if args.volume && file.settings.assume_ground {
         return Err(Failure::Usage(format!(

@@ -23,8 +23,9 @@ fn lookup<'f, T: Voxels>(
 pub(super) fn query(args: &TreeQuery) -> Outcome {
     let TreeQuery { query, weights, penumbra } = args;
     query.check_outputs(penumbra.as_deref().map(|path| ("--penumbra", path)))?;
+    query.run.memory_limit().check_plain_file(&query.file)?;
     let file = TreeFile::read(&query.file)?;
-    let points = query.read(file.encoded_len())?;
+    let points = query.read()?;
     let weights = Weights::from(*weights);
     let lookup: Box<dyn PointVisibility + '_> = match &file.body {
         TreeBody::Words(tree) => Box::new(lookup(&query.lookup, weights, &file, tree)?),
@@ -55,7 +56,7 @@ fn penumbrae<'f>(
 
 pub(super) fn verify(args: &TreeVerify) -> Outcome {
     let TreeVerify { verify, weights } = args;
-    verify.check_file_memory()?;
+    verify.run.memory_limit().check_plain_file(&verify.file)?;
     let file = TreeFile::read(&verify.file)?;
     let weights = Weights::from(*weights);
     let verified = Verified {

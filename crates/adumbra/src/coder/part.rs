@@ -82,6 +82,7 @@ pub(crate) fn decode_bundle(bytes: &[u8], words: usize, common: &Common) -> Resu
         found[3 * page..][..3].copy_from_slice(&[at, base, page_words.len() as u32]);
         found.append(&mut page_words);
     }
+    found.shrink_to_fit();
     if found.len() == words { Ok(found) } else { Err(Fault) }
 }
 

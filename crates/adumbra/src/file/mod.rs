@@ -17,6 +17,7 @@ mod common;
 mod directory;
 pub mod fields;
 mod header;
+mod memory;
 pub mod placement;
 mod read;
 pub mod sections;
@@ -26,6 +27,7 @@ mod write;
 pub use common::{CommonSection, HEAD_WORDS};
 pub use directory::{GridEntry, LEVEL_STEP};
 pub use header::{GRID_BYTES, HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
+pub use memory::FileMemory;
 pub use read::{beginning_bytes, name_of_bundle};
 pub use table::{BUNDLE_ENTRY_BYTES, Bundle, BundleEntry, StoredBundle};
 pub use write::FileWriter;
@@ -153,4 +155,14 @@ fn each<T: Sync, R: Send>(items: &[T], f: impl Fn(&T) -> R + Sync + Send) -> Vec
     }
     #[cfg(not(feature = "rayon"))]
     items.iter().map(f).collect()
+}
+
+/// Returns the number of threads that [`each`] uses.
+fn threads() -> usize {
+    #[cfg(feature = "rayon")]
+    {
+        rayon::current_num_threads()
+    }
+    #[cfg(not(feature = "rayon"))]
+    1
 }

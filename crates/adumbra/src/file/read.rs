@@ -32,7 +32,8 @@ impl ShadowFile {
 
     /// Decodes and validates a whole file.
     ///
-    /// Cost: time linear in the decoded words; memory for them twice, and some 40 bytes per page.
+    /// Cost: time linear in the decoded words; memory for them once, and for the file's bytes. Besides, 64 bundles are
+    /// decoded at a time.
     ///
     /// # Errors
     /// Returns the fault with the values found. All bytes that are not exactly one valid file are refused.
@@ -87,6 +88,24 @@ impl Contents {
         let tables = tables.collect::<Result<_, _>>()?;
         Ok(Self { header, grids, tables })
     }
+}
+
+/// Returns the offset at which the directory ends. `front` has the header.
+///
+/// # Errors
+/// Returns the fault with the values found.
+pub(super) fn directory_end(front: &[u8]) -> Result<u64, FormatError> {
+    let grids = Header::parse(front)?.grids;
+    Ok((HEADER_BYTES + directory_bytes(grids)) as u64)
+}
+
+/// Returns the offset at which the tables end. `front` has header and directory.
+///
+/// # Errors
+/// Returns the fault with the values found.
+pub(super) fn tables_end(front: &[u8]) -> Result<u64, FormatError> {
+    let (_, grids) = header_and_directory(front)?;
+    Ok(grids.iter().map(|grid| grid.table.end()).max().unwrap_or_default())
 }
 
 /// Returns the length in bytes of the beginning of a file up to the end of its coarsest level. `front` is the beginning
@@ -147,6 +166,9 @@ fn checked(bytes: &[u8], section: Section, name: impl Fn() -> String) -> Result<
     Err(FormatError::SectionChecksum { section: name().into(), stored, computed })
 }
 
+/// Number of bundles that are decoded at a time. Their words are in memory twice until they are in the tree.
+pub(super) const BATCH_BUNDLES: usize = 64;
+
 /// The parts of one grid in a file whose directory fits its length.
 struct Part<'b> {
     bytes: &'b [u8],
@@ -185,29 +207,9 @@ impl Part<'_> {
         let name = || format!("common section of level {level}");
         let common = checked(self.bytes, grid.common, name)?;
         let common = CommonSection::parse(common, grid.common_raw_bytes, self.at_rest, name)?;
-        let stored = self.bundles(grid, table, &common)?;
         let size = grid.grid.size;
-        let places = bundles(page_dims(size));
+        let (dims, places) = (page_dims(size), bundles(page_dims(size)));
         let mut builder = TreeBuilder::new(size, common.words().to_vec());
-        builder.reserve(stored.iter().map(Bundle::page_words).sum());
-        for (bundle, &place) in stored.iter().zip(&places) {
-            builder.add(place, &bundle.pages());
-        }
-        let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
-        let mut ranges = Ranges::new(common.words());
-        for (i, ((bundle, entry), &place)) in stored.iter().zip(table).zip(&places).enumerate() {
-            bundle.check(entry, (place, page_dims(size)), &mut ranges, || self.name_of_bundle(i))?;
-        }
-        Ok(tree)
-    }
-
-    /// Reads the bundles. The error is that of the first that has one.
-    fn bundles(
-        &self,
-        grid: &GridEntry,
-        table: &[BundleEntry],
-        common: &CommonSection,
-    ) -> Result<Vec<Bundle>, FormatError> {
         let mut at = grid.bundles.offset as usize;
         let stored: Vec<(usize, &BundleEntry, &[u8])> = (0..)
             .zip(table)
@@ -218,8 +220,22 @@ impl Part<'_> {
             })
             .collect();
         let parse = |&(i, entry, bytes): &(usize, &BundleEntry, &[u8])| {
-            Bundle::parse(entry, bytes, common, || self.name_of_bundle(i))
+            let name = || self.name_of_bundle(i);
+            let bundle = Bundle::parse(entry, bytes, &common, name)?;
+            bundle.check_pages(entry, (places[i], dims), name)?;
+            Ok(bundle)
         };
-        each(&stored, parse).into_iter().collect()
+        for batch in stored.chunks(BATCH_BUNDLES) {
+            // The error is that of the first bundle that has one.
+            for (&(i, ..), bundle) in batch.iter().zip(each(batch, parse)) {
+                builder.add(places[i], &bundle?.pages());
+            }
+        }
+        let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
+        let mut ranges = Ranges::new(common.words());
+        for (i, (entry, &place)) in table.iter().zip(&places).enumerate() {
+            entry.check_range(&tree.bundle(place), (place, dims), &mut ranges, || self.name_of_bundle(i))?;
+        }
+        Ok(tree)
     }
 }

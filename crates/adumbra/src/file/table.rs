@@ -74,6 +74,28 @@ impl BundleEntry {
         };
         Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })
     }
+
+    /// Checks that the range is that of the bundle's pages, which are valid, and that nothing is stored where one depth
+    /// suffices.
+    pub(super) fn check_range(
+        &self,
+        pages: &[Page<'_>; BUNDLE_PAGES],
+        (bundle, page_dims): ([u32; 2], [u32; 2]),
+        ranges: &mut Ranges<'_>,
+        section: impl Fn() -> String,
+    ) -> Result<(), FormatError> {
+        if self.stored_bytes == 0 {
+            return Ok(());
+        }
+        let (range, is_uniform) = range_of(bundle, page_dims, pages, ranges);
+        if is_uniform {
+            return Err(fault(section, "bytes although all columns switch at one depth", "none"));
+        }
+        if range != self.range {
+            return Err(fault(section, &format!("{:?}", self.range), "the range of depths of its columns"));
+        }
+        Ok(())
+    }
 }
 
 /// A bundle as it is stored.
@@ -151,11 +173,6 @@ impl Bundle {
         Ok(Self { heads, words })
     }
 
-    /// Returns the number of words of all pages.
-    pub(super) fn page_words(&self) -> usize {
-        self.words.len()
-    }
-
     /// Returns the pages. Those outside the grid are as they are stored.
     pub fn pages(&self) -> [Page<'_>; BUNDLE_PAGES] {
         let mut first = 0;
@@ -166,39 +183,30 @@ impl Bundle {
         })
     }
 
-    /// Checks what a valid tree does not depend on: that pages outside the grid are as writers write them, that the
-    /// stored range is the pages' own, and that nothing is stored where one depth suffices.
-    pub(super) fn check(
+    /// Checks what the tree does not show: that pages outside the grid and uniform pages are as writers write them.
+    pub(super) fn check_pages(
         &self,
         entry: &BundleEntry,
         (bundle, page_dims): ([u32; 2], [u32; 2]),
-        ranges: &mut Ranges<'_>,
         section: impl Fn() -> String,
     ) -> Result<(), FormatError> {
         if entry.stored_bytes == 0 {
             return Ok(());
         }
-        let fault = |found: &str, expected| {
-            Err(FormatError::Bundle { section: section(), found: found.to_owned(), expected })
-        };
-        let pages = self.pages();
-        for (place, page) in pages_of(bundle, page_dims).into_iter().zip(&pages) {
+        for (place, page) in pages_of(bundle, page_dims).into_iter().zip(&self.pages()) {
             if place.is_none() && *page != Page::OUTSIDE {
-                return fault("something outside the grid", "no switches there");
+                return Err(fault(&section, "something outside the grid", "no switches there"));
             }
             if page.root == UNIFORM && !page.words.is_empty() {
-                return fault("words in a uniform page", "none");
+                return Err(fault(&section, "words in a uniform page", "none"));
             }
-        }
-        let (range, is_uniform) = range_of(bundle, page_dims, &pages, ranges);
-        if is_uniform {
-            return fault("bytes although all columns switch at one depth", "none");
-        }
-        if range != entry.range {
-            return fault(&format!("{:?}", entry.range), "the range of depths of its columns");
         }
         Ok(())
     }
+}
+
+fn fault(section: impl Fn() -> String, found: &str, expected: &'static str) -> FormatError {
+    FormatError::Bundle { section: section(), found: found.to_owned(), expected }
 }
 
 /// Returns the length in bytes of a bundle's words. 0 if all of its columns switch at one depth.

@@ -16,8 +16,8 @@ use std::sync::Arc;
 pub use sampler::PathSampler;
 
 use crate::error::{Error, FormatError, IoError, Result};
-use crate::file::ShadowFile;
 use crate::file::fields::field;
+use crate::file::{FileMemory, ShadowFile};
 use crate::grid::vec3::{dot, normalize};
 use crate::path::format::{Front, HEADER_BYTES};
 use crate::stream::{FileSource, ShadowSource, SourceError};
@@ -200,6 +200,23 @@ impl SunPath {
             return Err(invalid(&self.name, field("words of a key", words.to_string(), found.to_string())));
         }
         Ok(file)
+    }
+
+    /// Returns the memory that a key takes once it is read, and while it is.
+    ///
+    /// # Errors
+    /// Returns [`Error::Io`] if the source fails, and [`Error::Format`] if header, directory or tables of the key's file are
+    /// not valid.
+    ///
+    /// # Panics
+    /// Panics if there is no such key.
+    #[doc(hidden)]
+    pub fn key_memory(&self, index: usize) -> Result<FileMemory> {
+        let source = self.key_source(index);
+        FileMemory::of(
+            |end| source.read(0..end).map_err(|error| failed(&self.name, error)),
+            |fault| invalid(&self.name, fault),
+        )
     }
 
     /// Returns the bytes of a key's shadow file as a source, for [`stream`](crate::stream).

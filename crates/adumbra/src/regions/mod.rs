@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, IoError, Result};
-use crate::file::ShadowFile;
+use crate::file::{FileMemory, ShadowFile};
 use crate::grid::{Frame, LightGrid, Region, Sun};
 use crate::query::Filter;
 
@@ -99,6 +99,18 @@ impl Regions {
         region.origin(&self.grid)
     }
 
+    /// Returns the memory that the files of all regions take together. `manifest` is the path that the manifest was read
+    /// from.
+    ///
+    /// # Errors
+    /// Returns the errors of [`ShadowFile::memory`].
+    #[doc(hidden)]
+    pub fn memory(&self, manifest: impl AsRef<Path>) -> Result<FileMemory> {
+        let manifest = manifest.as_ref();
+        let memory = |name: &String| ShadowFile::memory(path_of(manifest, name));
+        self.files.values().map(memory).try_fold(FileMemory::default(), |all, file| Ok(all.then(file?)))
+    }
+
     /// Reads the files of all regions, and returns look-ups in them. `manifest` is the path that the manifest was read from.
     ///
     /// Cost: the memory of all files. An engine opens those near its camera instead.
@@ -119,8 +131,7 @@ impl Regions {
         let Some(name) = self.files.get(&region) else {
             return Err(refuse(format!("it has no region ({}, {})", region.x, region.y)));
         };
-        let path = manifest.parent().map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
-        let file = ShadowFile::read(&path)?;
+        let file = ShadowFile::read(path_of(manifest, name))?;
         let in_world = file.clone().in_world().grid;
         let first = region.first_texel();
         let covers = (0..2).all(|a| {
@@ -141,4 +152,9 @@ impl Regions {
         }
         Ok(file)
     }
+}
+
+/// Returns the path of a region's file from its name in a manifest.
+fn path_of(manifest: &Path, name: &str) -> PathBuf {
+    manifest.parent().map_or_else(|| PathBuf::from(name), |folder| folder.join(name))
 }

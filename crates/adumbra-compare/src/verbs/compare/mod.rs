@@ -53,8 +53,10 @@ pub fn run(args: &Compare, offer: Offer<'_>) -> Result<Code> {
     }
     let swept = args.sun_sweep.as_ref().map(|day| swept_sun(args, day.as_ref())).transpose()?;
     let more = (offer.more_files)();
-    let files =
-        if swept.is_some() { BakedFiles::with(more) } else { BakedFiles::read(&args.shadow_file, more)? };
+    let files = match swept {
+        Some(_) => BakedFiles::with(more),
+        None => BakedFiles::read(&args.shadow_file, args.run.memory_limit(), more)?,
+    };
     with_threads(args.run.threads, || draw(args, &specs, files, swept))?
 }
 
@@ -66,7 +68,7 @@ fn swept_sun(args: &Compare, day: Option<&Day>) -> Result<SweptSun> {
             "--sun-sweep: give a day, such as lat=48,lon=11,date=2026-06-21,from=7,to=19, or a sun path with --shadow-file",
         ),
         ([], Some(day)) => SweptSun::of_day(day, args.sweep_steps),
-        ([file], day) => SweptSun::of_file(file, day, args.sweep_steps),
+        ([file], day) => SweptSun::of_file(file, day, args.sweep_steps, args.run.memory_limit()),
         _ => usage("--shadow-file: --sun-sweep takes one, a sun path"),
     }
 }

@@ -118,7 +118,8 @@ pub fn run(args: &Render, offer: Offer<'_>) -> Result<Code> {
         )
         .into());
     }
-    let files = BakedFiles::read_at(args.shadow_file.as_slice(), args.sun_time, (offer.more_files)())?;
+    let limit = args.run.memory_limit();
+    let files = BakedFiles::read_at(args.shadow_file.as_slice(), args.sun_time, limit, (offer.more_files)())?;
     if files.is_given() && args.sun.is_given() {
         return Err(Failure::Usage(
             "--sun: the shadow file determines the sun; remove the option".to_owned(),

@@ -119,6 +119,9 @@ struct PlacedPage {
     words: usize,
 }
 
+/// What a tree holds of a page beside its words, in bytes.
+pub const PLACED_PAGE_BYTES: u64 = size_of::<PlacedPage>() as u64;
+
 /// A tree whose pages are added bundle by bundle.
 #[derive(Debug)]
 pub struct TreeBuilder {
@@ -144,11 +147,6 @@ impl TreeBuilder {
         Self { tree }
     }
 
-    /// Makes room for this many words of pages.
-    pub fn reserve(&mut self, words: usize) {
-        self.tree.code.reserve_exact(words);
-    }
-
     /// Adds the pages of the bundle at this place. Those outside the grid are ignored.
     pub fn add(&mut self, bundle: [u32; 2], pages: &[Page<'_>; BUNDLE_PAGES]) {
         let dims = self.tree.page_dims;
@@ -170,6 +168,7 @@ impl TreeBuilder {
     /// Returns the first fault of a traversal from the roots down.
     pub fn finish(self) -> Result<DepthTree, DepthsError> {
         let mut tree = self.tree;
+        tree.code.shrink_to_fit();
         validate::validate(&tree)?;
         tree.blocks = tree.find_blocks();
         Ok(tree)

@@ -1,0 +1,97 @@
+//! Reading of whole files within a limit on memory.
+
+use std::path::Path;
+
+use adumbra::file::FileMemory;
+use adumbra::regions::Regions;
+use adumbra::{IoError, ShadowFile, SunPath};
+
+use crate::exit::Failure;
+use crate::memory::MemoryLimit;
+
+impl MemoryLimit {
+    /// Reads the shadow file at `path`.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the file cannot be read or does not fit into the limit.
+    pub fn read_shadow_file(&self, path: &Path) -> Result<ShadowFile, Failure> {
+        self.check_files("the shadow file", || ShadowFile::memory(path))?;
+        Ok(ShadowFile::read(path)?)
+    }
+
+    /// Reads a key of a sun path.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the key cannot be read or does not fit into the limit.
+    pub fn read_key(&self, path: &SunPath, index: usize) -> Result<ShadowFile, Failure> {
+        self.check_files("a key of the sun path", || path.key_memory(index))?;
+        Ok(path.key(index)?)
+    }
+
+    /// Checks that any two keys of a sun path that follow each other fit into the limit.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if they do not, or if one of them cannot be read.
+    pub fn check_keys(&self, path: &SunPath) -> Result<(), Failure> {
+        self.check_files("two keys of the sun path", || {
+            let keys = 0..path.key_seconds().len();
+            let keys = keys.map(|index| path.key_memory(index)).collect::<adumbra::Result<Vec<_>>>()?;
+            let two = keys.iter().zip(keys.iter().skip(1)).map(|(first, second)| first.then(*second));
+            Ok(two.chain(keys.first().copied()).max_by_key(|memory| memory.peak_bytes).unwrap_or_default())
+        })
+    }
+
+    /// Checks that the files of all regions fit into the limit. `manifest` is the path that the manifest was read from.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if they do not, or if one of them cannot be read.
+    pub fn check_regions(&self, regions: &Regions, manifest: &Path) -> Result<(), Failure> {
+        self.check_files("the regions' files", || regions.memory(manifest))
+    }
+
+    /// Checks that the file at `path` fits into the limit, if its contents take as much memory as its bytes, which are
+    /// held at the same time.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if it does not, or cannot be found.
+    pub fn check_plain_file(&self, path: &Path) -> Result<(), Failure> {
+        let bytes = std::fs::metadata(path).map_err(IoError::at("read", path))?.len();
+        self.share(0).check("the file", 2 * bytes)
+    }
+
+    /// Nothing is read twice without a limit, so a pipe can be a file too.
+    fn check_files(
+        &self,
+        what: &'static str,
+        memory: impl FnOnce() -> adumbra::Result<FileMemory>,
+    ) -> Result<(), Failure> {
+        if !self.is_given() {
+            return Ok(());
+        }
+        self.share(0).check(what, memory()?.peak_bytes)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn file_is_read_if_what_it_takes_is_allowed() {
+        let path = adumbra_testing::vectors("valid/many_pages_depths.adumbra");
+        let file = ShadowFile::read(&path).unwrap();
+        assert!(MemoryLimit::new(None).read_shadow_file(&path).unwrap() == file);
+        assert!(MemoryLimit::new(Some(1 << 40)).read_shadow_file(&path).unwrap() == file);
+        let refused = MemoryLimit::new(Some(1)).read_shadow_file(&path);
+        let Err(Failure::Bake(adumbra_bake::Error::MemoryLimit { what, needed_bytes, .. })) = refused else {
+            panic!("{refused:?}");
+        };
+        let least = ShadowFile::memory(&path).unwrap().peak_bytes;
+        assert!(what == "the shadow file" && needed_bytes > least, "{what}: {needed_bytes}, not {least}");
+    }
+}

@@ -1,0 +1,103 @@
+//! What a file takes in memory, from its header, directory and tables alone.
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+use crate::error::{Error, FormatError, IoError, Result};
+use crate::file::read::{BATCH_BUNDLES, directory_end, tables_end};
+use crate::file::{BundleEntry, Contents, GridEntry, HEAD_WORDS, HEADER_BYTES, ShadowFile, threads};
+use crate::layout::depths::{PLACED_PAGE_BYTES, page, top};
+
+/// What decoding a part takes beside its words, as a multiple of them: its shapes, as a list. A node of 30 bytes takes
+/// some 150 in lists that may be half empty.
+const SHAPES_RATIO: u64 = 12;
+
+/// The memory that a shadow file takes, for programs with a limit on theirs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FileMemory {
+    /// Bytes of all levels, once they are read.
+    pub held_bytes: u64,
+    /// Most bytes at any time while the file is read, with what is held by then. About right: how an allocator rounds is
+    /// not counted.
+    pub peak_bytes: u64,
+}
+
+impl FileMemory {
+    /// Returns the memory of a file. `first` returns its first bytes, as many as it is asked for or as there are.
+    pub(crate) fn of(
+        mut first: impl FnMut(u64) -> Result<Vec<u8>>,
+        invalid: impl Fn(FormatError) -> Error,
+    ) -> Result<Self> {
+        let mut bytes = first(HEADER_BYTES as u64)?;
+        for end in [directory_end, tables_end] {
+            bytes = first(end(&bytes).map_err(&invalid)?)?;
+        }
+        Ok(Self::of_contents(&Contents::parse_beginning(&bytes).map_err(invalid)?))
+    }
+
+    fn of_contents(Contents { header, grids, tables }: &Contents) -> Self {
+        let tables_bytes = tables.iter().map(|table| size_of_val(&table[..]) as u64).sum::<u64>();
+        let mut memory = Self { held_bytes: 0, peak_bytes: 0 };
+        for (grid, table) in grids.iter().zip(tables) {
+            memory.held_bytes += held_bytes(grid, table);
+            memory.peak_bytes = memory.peak_bytes.max(memory.held_bytes + decoding_bytes(grid, table));
+        }
+        memory.peak_bytes += header.file_bytes + tables_bytes;
+        memory
+    }
+
+    /// Returns the memory of this file and of another that is read after it.
+    #[must_use]
+    pub fn then(self, next: Self) -> Self {
+        Self {
+            held_bytes: self.held_bytes + next.held_bytes,
+            peak_bytes: self.peak_bytes.max(self.held_bytes + next.peak_bytes),
+        }
+    }
+}
+
+impl ShadowFile {
+    /// Returns the memory that the file at `path` takes. The file's first bytes are read, up to the end of its tables.
+    ///
+    /// # Errors
+    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if these bytes are not
+    /// valid.
+    #[doc(hidden)]
+    pub fn memory(path: impl AsRef<Path>) -> Result<FileMemory> {
+        let path = path.as_ref();
+        let mut file = File::open(path).map_err(IoError::at("read", path))?;
+        let mut first = |end| {
+            let mut bytes = Vec::new();
+            file.rewind()?;
+            (&mut file).take(end).read_to_end(&mut bytes)?;
+            Ok(bytes)
+        };
+        FileMemory::of(
+            |end| first(end).map_err(|error| IoError::at("read", path)(error).into()),
+            |fault| Error::Format { path: path.to_owned(), source: Box::new(fault) },
+        )
+    }
+}
+
+/// Returns the bytes of a level that was read.
+fn held_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
+    let size = grid.grid.size;
+    let count = |dims: [u32; 2]| dims.map(u64::from).iter().product::<u64>();
+    let pages = table.iter().map(page_bytes).sum::<u64>();
+    let blocks = count(top::block_dims(size, top::block_level(size)));
+    grid.common_raw_bytes + pages + PLACED_PAGE_BYTES * count(page::page_dims(size)) + 8 * blocks
+}
+
+/// Returns the bytes that a level takes while it is read, beside what is held.
+fn decoding_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
+    let batches = table.chunks(BATCH_BUNDLES).map(|batch| batch.iter().map(page_bytes).sum::<u64>());
+    let largest = table.iter().map(page_bytes).max().unwrap_or_default();
+    let shapes = grid.common_raw_bytes + threads() as u64 * largest;
+    grid.common_raw_bytes + batches.max().unwrap_or_default() + SHAPES_RATIO * shapes
+}
+
+/// Returns the bytes of the words of a bundle's pages.
+fn page_bytes(entry: &BundleEntry) -> u64 {
+    u64::from(entry.raw_bytes).saturating_sub(4 * HEAD_WORDS as u64)
+}
