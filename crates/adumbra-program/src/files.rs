@@ -4,7 +4,7 @@ use std::path::Path;
 
 use adumbra::file::FileMemory;
 use adumbra::regions::Regions;
-use adumbra::{IoError, ShadowFile, SunPath};
+use adumbra::{AtRest, IoError, ShadowFile, SunPath};
 
 use crate::exit::Failure;
 use crate::memory::MemoryLimit;
@@ -16,7 +16,20 @@ impl MemoryLimit {
     ///
     /// Returns [`Failure`] if the file cannot be read or does not fit into the limit.
     pub fn read_shadow_file(&self, path: &Path) -> Result<ShadowFile, Failure> {
-        self.check_files("the shadow file", || ShadowFile::memory(path))?;
+        self.check_files("the shadow file", || Ok(ShadowFile::memory(path)?.peak_bytes))?;
+        Ok(ShadowFile::read(path)?)
+    }
+
+    /// Reads the shadow file at `path`, to store it again in this way.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if the file cannot be read, or if it or coding it does not fit into the limit.
+    pub fn read_to_store(&self, path: &Path, at_rest: AtRest) -> Result<ShadowFile, Failure> {
+        self.check_files("storing the shadow file", || {
+            let FileMemory { peak_bytes, writing_bytes, .. } = ShadowFile::memory(path)?;
+            Ok(if at_rest == AtRest::Coded { peak_bytes.max(writing_bytes) } else { peak_bytes })
+        })?;
         Ok(ShadowFile::read(path)?)
     }
 
@@ -26,7 +39,7 @@ impl MemoryLimit {
     ///
     /// Returns [`Failure`] if the key cannot be read or does not fit into the limit.
     pub fn read_key(&self, path: &SunPath, index: usize) -> Result<ShadowFile, Failure> {
-        self.check_files("a key of the sun path", || path.key_memory(index))?;
+        self.check_files("a key of the sun path", || Ok(path.key_memory(index)?.peak_bytes))?;
         Ok(path.key(index)?)
     }
 
@@ -40,7 +53,7 @@ impl MemoryLimit {
             let keys = 0..path.key_seconds().len();
             let keys = keys.map(|index| path.key_memory(index)).collect::<adumbra::Result<Vec<_>>>()?;
             let two = keys.iter().zip(keys.iter().skip(1)).map(|(first, second)| first.then(*second));
-            Ok(two.chain(keys.first().copied()).max_by_key(|memory| memory.peak_bytes).unwrap_or_default())
+            Ok(two.chain(keys.first().copied()).map(|memory| memory.peak_bytes).max().unwrap_or_default())
         })
     }
 
@@ -50,7 +63,7 @@ impl MemoryLimit {
     ///
     /// Returns [`Failure`] if they do not, or if one of them cannot be read.
     pub fn check_regions(&self, regions: &Regions, manifest: &Path) -> Result<(), Failure> {
-        self.check_files("the regions' files", || regions.memory(manifest))
+        self.check_files("the regions' files", || Ok(regions.memory(manifest)?.peak_bytes))
     }
 
     /// Checks that the file at `path` fits into the limit, if its contents take as much memory as its bytes, which are
@@ -68,12 +81,12 @@ impl MemoryLimit {
     fn check_files(
         &self,
         what: &'static str,
-        memory: impl FnOnce() -> adumbra::Result<FileMemory>,
+        needed_bytes: impl FnOnce() -> adumbra::Result<u64>,
     ) -> Result<(), Failure> {
         if !self.is_given() {
             return Ok(());
         }
-        self.share(0).check(what, memory()?.peak_bytes)
+        self.share(0).check(what, needed_bytes()?)
     }
 }
 

@@ -54,8 +54,8 @@ fn memory_is_known_before_any_page_is_read() {
 
 #[test]
 fn files_that_are_read_one_after_the_other_hold_both() {
-    let [first, second] =
-        [[10, 100], [20, 50]].map(|[held_bytes, peak_bytes]| FileMemory { held_bytes, peak_bytes });
-    assert_eq!(first.then(second), FileMemory { held_bytes: 30, peak_bytes: 100 });
-    assert_eq!(second.then(first), FileMemory { held_bytes: 30, peak_bytes: 120 });
+    let memory = |held_bytes, peak_bytes, writing_bytes| FileMemory { held_bytes, peak_bytes, writing_bytes };
+    let [first, second] = [memory(10, 100, 40), memory(20, 50, 60)];
+    assert_eq!(first.then(second), memory(30, 100, 70));
+    assert_eq!(second.then(first), memory(30, 120, 70));
 }

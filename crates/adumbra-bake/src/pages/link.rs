@@ -1,5 +1,6 @@
 //! Links pages: chooses their common section, and writes each page again with pointers into it.
 
+use adumbra::file::CODING_RATIO;
 use adumbra::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page, bundles, page_dims, pages_of};
 use adumbra::layout::depths::write::{OutOfReach, Place};
 use adumbra::layout::depths::{DepthTree, NEVER, ShapePlace, TreeBuilder, UNIFORM};
@@ -12,6 +13,9 @@ use crate::error::{Error, Result};
 
 /// Number of bundles that are written at a time, on all threads.
 const BUNDLES_AT_A_TIME: usize = 64;
+
+/// Of real scenes, one byte in 15 to 50 is common.
+const BYTES_PER_COMMON: u64 = 32;
 
 /// All pages of a grid, each on its own.
 pub struct Pages {
@@ -41,9 +45,13 @@ impl Pages {
         Ok(Linked { pages: self, common })
     }
 
-    /// Returns the bytes that linking needs besides the pages: what finds the common section, and what is written at a time.
-    pub(crate) fn link_bytes(store: &PageStore) -> u64 {
-        super::common::finding_bytes(store) + store.halves() / 4
+    /// Returns the bytes that linking needs besides the pages: what finds the common section, and then what codes it and a
+    /// bundle on each thread; and what is written at a time.
+    pub(crate) fn link_bytes(store: &PageStore, fullest_bundle_bytes: u64) -> u64 {
+        let bytes = 2 * store.halves();
+        let fullest = bytes.min(rayon::current_num_threads() as u64 * fullest_bundle_bytes);
+        let coding = CODING_RATIO * (bytes / BYTES_PER_COMMON + fullest);
+        super::common::finding_bytes(store).max(coding) + bytes / 8
     }
 
     /// Links the pages to a tree in memory.

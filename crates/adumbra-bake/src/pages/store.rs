@@ -178,6 +178,15 @@ impl PageStore {
         self.halves.load(Ordering::Relaxed)
     }
 
+    /// Returns the bytes of a page's words. 0 if it was lost, or is not needed any more.
+    pub(crate) fn page_bytes(&self, number: u32) -> u64 {
+        4 * match &lock(&self.pages)[number as usize].words {
+            Words::Here(words) => words.len() as u64,
+            Words::OnDisk { count, .. } => u64::from(*count),
+            Words::Gone => 0,
+        }
+    }
+
     /// Adds a page and returns its number. The numbers depend on the order of calls.
     pub(crate) fn add(&self, root: u32, words: Vec<u32>) -> u32 {
         self.halves.fetch_add(2 * words.len() as u64, Ordering::Relaxed);

@@ -19,7 +19,7 @@ use crate::pack::leaf::{Leaf, sort_columns};
 use crate::pages::{Child, Children, Draft, PageStore, Pages, Spill};
 use crate::sink::recent::RecentOfLevel;
 use crate::sink::{BlockSink, HELD_LEAF_BYTES, Structure};
-use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
+use adumbra::layout::depths::page::{BUNDLE_SIDE, PAGE_LEVEL, page_dims};
 use adumbra::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Number of half-words above which no more roots are accepted.
@@ -37,6 +37,9 @@ pub struct DepthsSink {
     store: PageStore,
     /// Number in the store, or [`UNIFORM`], and base of each page, x fastest.
     places: Mutex<Vec<[u32; 2]>>,
+    /// Bytes of the pages of each bundle so far, and of the fullest one.
+    bundle_bytes: Mutex<HashMap<[u32; 2], u64>>,
+    fullest_bundle_bytes: AtomicU64,
     /// Root blocks that are smaller than their pages, by page.
     waiting: Mutex<HashMap<[u32; 2], Waiting>>,
     waiting_leaves: AtomicU64,
@@ -176,6 +179,8 @@ impl DepthsSink {
             arch: pulp::Arch::new(),
             store: PageStore::new(Arc::clone(spill)),
             places: Mutex::new(vec![[UNIFORM, NEVER]; pages]),
+            bundle_bytes: Mutex::default(),
+            fullest_bundle_bytes: AtomicU64::new(0),
             waiting: Mutex::default(),
             waiting_leaves: AtomicU64::new(0),
             is_too_large: AtomicBool::new(false),
@@ -358,8 +363,15 @@ impl DepthsSink {
 
     fn put(&self, [x, y]: [u32; 2], page: [u32; 2]) {
         let dims = page_dims(self.size);
-        if x < dims[0] && y < dims[1] {
-            lock(&self.places)[(y * dims[0] + x) as usize] = page;
+        if x >= dims[0] || y >= dims[1] {
+            return;
+        }
+        lock(&self.places)[(y * dims[0] + x) as usize] = page;
+        if page[0] != UNIFORM {
+            let mut bundles = lock(&self.bundle_bytes);
+            let bundle = bundles.entry([x, y].map(|n| n / BUNDLE_SIDE)).or_default();
+            *bundle += self.store.page_bytes(page[0]);
+            self.fullest_bundle_bytes.fetch_max(*bundle, Ordering::Relaxed);
         }
     }
 
@@ -454,7 +466,7 @@ impl Structure for DepthsSink {
     }
 
     fn finish_bytes(&self) -> u64 {
-        Pages::link_bytes(&self.store)
+        Pages::link_bytes(&self.store, self.fullest_bundle_bytes.load(Ordering::Relaxed))
     }
 
     fn check_room(&self) -> crate::Result<()> {

@@ -33,7 +33,7 @@ pub(super) struct Converted {
 /// Writes a shadow file to `output`, stored in another way. Returns the bytes before and now.
 pub(super) fn store(file: &Path, output: &Path, at_rest: AtRest, run: &RunArgs) -> Result<[u64; 2], Failure> {
     let bytes_before = fs::metadata(file).map_err(IoError::at("read", file))?.len();
-    let found = run.memory_limit().read_shadow_file(file)?;
+    let found = run.memory_limit().read_to_store(file, at_rest)?;
     Ok([bytes_before, files::replace_file(output, |out| found.write_to(out, at_rest))?])
 }
 

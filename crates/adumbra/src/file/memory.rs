@@ -11,7 +11,10 @@ use crate::layout::depths::{PLACED_PAGE_BYTES, page, top};
 
 /// What decoding a part takes beside its words, as a multiple of them: its shapes, as a list. A node of 30 bytes takes
 /// some 150 in lists that may be half empty.
-const SHAPES_RATIO: u64 = 12;
+const DECODING_RATIO: u64 = 12;
+/// What coding a part takes beside its words, as a multiple of them: its shapes, and tables of them that find equal ones.
+/// 22 were measured for bundles, and 17 for common sections.
+pub const CODING_RATIO: u64 = 24;
 
 /// The memory that a shadow file takes, for programs with a limit on theirs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -21,6 +24,8 @@ pub struct FileMemory {
     /// Most bytes at any time while the file is read, with what is held by then. About right: how an allocator rounds is
     /// not counted.
     pub peak_bytes: u64,
+    /// Most bytes at any time while the file is written again, coded, with what is held.
+    pub writing_bytes: u64,
 }
 
 impl FileMemory {
@@ -38,11 +43,14 @@ impl FileMemory {
 
     fn of_contents(Contents { header, grids, tables }: &Contents) -> Self {
         let tables_bytes = tables.iter().map(|table| size_of_val(&table[..]) as u64).sum::<u64>();
-        let mut memory = Self { held_bytes: 0, peak_bytes: 0 };
+        let mut memory = Self::default();
+        let mut coding = 0;
         for (grid, table) in grids.iter().zip(tables) {
             memory.held_bytes += held_bytes(grid, table);
             memory.peak_bytes = memory.peak_bytes.max(memory.held_bytes + decoding_bytes(grid, table));
+            coding = coding.max(CODING_RATIO * shapes_bytes(grid, table));
         }
+        memory.writing_bytes = memory.held_bytes + coding;
         memory.peak_bytes += header.file_bytes + tables_bytes;
         memory
     }
@@ -53,6 +61,7 @@ impl FileMemory {
         Self {
             held_bytes: self.held_bytes + next.held_bytes,
             peak_bytes: self.peak_bytes.max(self.held_bytes + next.peak_bytes),
+            writing_bytes: (self.writing_bytes + next.held_bytes).max(self.held_bytes + next.writing_bytes),
         }
     }
 }
@@ -92,9 +101,16 @@ fn held_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
 /// Returns the bytes that a level takes while it is read, beside what is held.
 fn decoding_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let batches = table.chunks(BATCH_BUNDLES).map(|batch| batch.iter().map(page_bytes).sum::<u64>());
+    let words = grid.common_raw_bytes + batches.max().unwrap_or_default();
+    words + DECODING_RATIO * shapes_bytes(grid, table)
+}
+
+/// Returns the bytes of words whose shapes are listed at a time, to be coded or decoded: the common section, and a bundle on
+/// each thread.
+fn shapes_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let largest = table.iter().map(page_bytes).max().unwrap_or_default();
-    let shapes = grid.common_raw_bytes + threads() as u64 * largest;
-    grid.common_raw_bytes + batches.max().unwrap_or_default() + SHAPES_RATIO * shapes
+    let all = table.iter().map(page_bytes).sum();
+    grid.common_raw_bytes + (threads() as u64 * largest).min(all)
 }
 
 /// Returns the bytes of the words of a bundle's pages.

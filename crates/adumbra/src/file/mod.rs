@@ -27,7 +27,7 @@ mod write;
 pub use common::{CommonSection, HEAD_WORDS};
 pub use directory::{GridEntry, LEVEL_STEP};
 pub use header::{GRID_BYTES, HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
-pub use memory::FileMemory;
+pub use memory::{CODING_RATIO, FileMemory};
 pub use read::{beginning_bytes, name_of_bundle};
 pub use table::{BUNDLE_ENTRY_BYTES, Bundle, BundleEntry, StoredBundle};
 pub use write::FileWriter;
