@@ -69,20 +69,43 @@ fn memory_of_wires_keeps_to_every_limit() {
     assert_generated_scene_keeps_to_limits("wires");
 }
 
+fn assert_shared_scene_keeps_to_limits(name: &str, resolution: &str) {
+    let Some(scenes) = shared("scenes") else { return };
+    let scene = scene_file(&scenes, name);
+    assert_scene_keeps_to_limits(&Folder::new(), scene.to_str().unwrap(), resolution);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "slow: bakes again and again"]
-fn memory_of_real_scenes_keeps_to_every_limit() {
-    let Some(scenes) = shared("scenes") else { return };
-    let folder = Folder::new();
-    for (name, resolution) in [
-        ("box-city-51k", "65536"),
-        ("kaykit_city_21", "16384"),
-        ("dragon_202k", "8192"),
-        ("auster", "8192"),
-        ("oak_medium", "4096"),
-    ] {
-        let scene = scene_file(&scenes, name);
-        assert_scene_keeps_to_limits(&folder, scene.to_str().unwrap(), resolution);
-    }
+fn memory_of_shared_box_city_keeps_to_every_limit() {
+    assert_shared_scene_keeps_to_limits("box-city-51k", "65536");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow: bakes again and again"]
+fn memory_of_shared_instanced_town_keeps_to_every_limit() {
+    assert_shared_scene_keeps_to_limits("kaykit_city_21", "16384");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow: bakes again and again"]
+fn memory_of_shared_dragon_keeps_to_every_limit() {
+    assert_shared_scene_keeps_to_limits("dragon_202k", "8192");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow: bakes again and again"]
+fn memory_of_shared_mountains_keeps_to_every_limit() {
+    assert_shared_scene_keeps_to_limits("auster", "8192");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+#[ignore = "slow: bakes again and again"]
+fn memory_of_shared_tree_keeps_to_every_limit() {
+    assert_shared_scene_keeps_to_limits("oak_medium", "4096");
 }
