@@ -16,6 +16,9 @@ const DECODING_RATIO: u64 = 12;
 /// 22 were measured for bundles, and 17 for common sections.
 pub const CODING_RATIO: u64 = 24;
 
+/// Lengths are counted up to here. What a file says of them is not yet known to be true, and is multiplied.
+const MOST_BYTES: u64 = 1 << 50;
+
 /// The memory that a shadow file takes, for programs with a limit on theirs.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct FileMemory {
@@ -51,7 +54,7 @@ impl FileMemory {
             coding = coding.max(CODING_RATIO * shapes_bytes(grid, table));
         }
         memory.writing_bytes = memory.held_bytes + coding;
-        memory.peak_bytes += header.file_bytes + tables_bytes;
+        memory.peak_bytes += header.file_bytes.min(MOST_BYTES) + tables_bytes;
         memory
     }
 
@@ -95,13 +98,13 @@ fn held_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let count = |dims: [u32; 2]| dims.map(u64::from).iter().product::<u64>();
     let pages = table.iter().map(page_bytes).sum::<u64>();
     let blocks = count(top::block_dims(size, top::block_level(size)));
-    grid.common_raw_bytes + pages + PLACED_PAGE_BYTES * count(page::page_dims(size)) + 8 * blocks
+    common_bytes(grid) + pages + PLACED_PAGE_BYTES * count(page::page_dims(size)) + 8 * blocks
 }
 
 /// Returns the bytes that a level takes while it is read, beside what is held.
 fn decoding_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let batches = table.chunks(BATCH_BUNDLES).map(|batch| batch.iter().map(page_bytes).sum::<u64>());
-    let words = grid.common_raw_bytes + batches.max().unwrap_or_default();
+    let words = common_bytes(grid) + batches.max().unwrap_or_default();
     words + DECODING_RATIO * shapes_bytes(grid, table)
 }
 
@@ -110,10 +113,34 @@ fn decoding_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
 fn shapes_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let largest = table.iter().map(page_bytes).max().unwrap_or_default();
     let all = table.iter().map(page_bytes).sum();
-    grid.common_raw_bytes + (threads() as u64 * largest).min(all)
+    common_bytes(grid) + (threads() as u64 * largest).min(all)
+}
+
+fn common_bytes(grid: &GridEntry) -> u64 {
+    grid.common_raw_bytes.min(MOST_BYTES)
 }
 
 /// Returns the bytes of the words of a bundle's pages.
 fn page_bytes(entry: &BundleEntry) -> u64 {
     u64::from(entry.raw_bytes).saturating_sub(4 * HEAD_WORDS as u64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_that_cannot_be_true_are_too_much() {
+        let bytes = std::fs::read(adumbra_testing::vectors("valid/many_pages_depths.adumbra")).unwrap();
+        let contents = Contents::parse(&bytes).unwrap();
+        let true_bytes = FileMemory::of_contents(&contents).peak_bytes;
+        let forge: [fn(&mut Contents); 2] =
+            [|c| c.header.file_bytes = u64::MAX, |c| c.grids[0].common_raw_bytes = u64::MAX];
+        for forge in forge {
+            let mut forged = contents.clone();
+            forge(&mut forged);
+            let found = FileMemory::of_contents(&forged);
+            assert!(found.peak_bytes >= MOST_BYTES && true_bytes < 1 << 30, "{found:?}");
+        }
+    }
 }
