@@ -14,7 +14,7 @@ use crate::error::{Error, Result};
 /// Number of bundles that are written at a time, on all threads.
 const BUNDLES_AT_A_TIME: usize = 64;
 
-/// Of real scenes, one byte in 15 to 50 is common.
+/// About one byte in so many is common: one in 20 of a town of instanced houses, one in 54 of a city of boxes.
 const BYTES_PER_COMMON: u64 = 32;
 
 /// All pages of a grid, each on its own.
