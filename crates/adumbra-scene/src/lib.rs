@@ -69,7 +69,7 @@ pub struct Scene {
     /// The instances that move, and how. Their `world_from_mesh` is their position at the time last passed to
     /// [`Scene::pose`], initially 0. A bake treats every instance as static: call [`Scene::remove_movers`] first.
     pub movers: Movers,
-    /// The directional lights of the file, in the order of its nodes. The first is the default sun of every verb.
+    /// The directional lights of the file that shine, in the order of its nodes. The first is the default sun of every verb.
     pub suns: Vec<FileSun>,
     /// Counts and warnings from loading.
     pub notes: LoadNotes,

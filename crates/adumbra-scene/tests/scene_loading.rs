@@ -182,6 +182,12 @@ fn gltf_skin_stands_in_bind_pose_with_a_warning() {
     assert_eq!(world_triangles(&scene)[0], [[0.0, 3.0, 0.0], [1.0, 3.0, 0.0], [0.0, 3.0, 1.0]]);
     assert!(scene.notes.warnings[0].contains("skinned"));
 
+    // Without weights, a vertex follows the first joint that it names.
+    let none = glb.floats(&[0.0; 12], "VEC4");
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(none);
+    assert_eq!(world_triangles(&glb.load().expect("loads")), world_triangles(&scene));
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
+
     // Another joint, in a second set, has as much weight.
     let others = glb.accessor(&[1, 0, 0, 0].repeat(3), 5121, "VEC4", 3);
     let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];

@@ -24,7 +24,7 @@ pub(super) struct Document {
     pub(super) root: Root,
     /// The transforms of all nodes, in double precision.
     pub(super) places: Vec<Place>,
-    /// For each light of `KHR_lights_punctual`, whether it is directional.
+    /// For each light of `KHR_lights_punctual`, whether it is directional and shines.
     pub(super) lights: Vec<bool>,
     /// Number of morph targets of texture coordinates or colours.
     pub(super) other_targets: u64,
@@ -249,7 +249,7 @@ fn names(members: &Members<'_>, list: &str) -> Vec<String> {
     elements.into_iter().filter_map(|raw| serde_json::from_str(raw.get()).ok()).collect()
 }
 
-/// For each light, whether it is directional.
+/// For each light, whether it is directional and shines: a light of no intensity, or a black one, is no sun.
 fn lights(members: &Members<'_>) -> Vec<bool> {
     #[derive(serde::Deserialize)]
     struct Extensions<'a> {
@@ -262,16 +262,27 @@ fn lights(members: &Members<'_>) -> Vec<bool> {
         lights: Vec<&'a RawValue>,
     }
     #[derive(serde::Deserialize)]
-    struct Light {
+    struct Light<'a> {
         r#type: String,
+        #[serde(borrow)]
+        intensity: Option<&'a RawValue>,
+        #[serde(borrow)]
+        color: Option<&'a RawValue>,
     }
     let parsed =
         members.get("extensions").and_then(|raw| serde_json::from_str::<Extensions<'_>>(raw.get()).ok());
     let lights = parsed.and_then(|e| e.punctual).map_or_else(Vec::new, |p| p.lights);
-    let is_directional = |raw: &RawValue| {
-        serde_json::from_str::<Light>(raw.get()).is_ok_and(|light| light.r#type == "directional")
+    // What cannot be read is passed over: a light shines unless it says otherwise.
+    let is_sun = |raw: &RawValue| {
+        serde_json::from_str::<Light<'_>>(raw.get()).is_ok_and(|light| {
+            let intensity = light.intensity.and_then(|raw| serde_json::from_str(raw.get()).ok());
+            let color: Option<Vec<f64>> = light.color.and_then(|raw| serde_json::from_str(raw.get()).ok());
+            light.r#type == "directional"
+                && intensity.is_none_or(|intensity: f64| intensity > 0.0)
+                && color.is_none_or(|color| color.iter().any(|&c| c > 0.0))
+        })
     };
-    lights.into_iter().map(is_directional).collect()
+    lights.into_iter().map(is_sun).collect()
 }
 
 /// Refuses every version but 2.0. A later 2.x is read if it does not ask for more than 2.0 (glTF 2.0, 3.2).

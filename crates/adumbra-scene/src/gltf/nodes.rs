@@ -25,7 +25,7 @@ pub(super) struct Nodes {
     pub(super) order: Vec<usize>,
     /// The nodes of the scene that have a mesh, depth first, and whether they cast.
     pub(super) drawn: Vec<(usize, bool)>,
-    /// The nodes of the scene with a directional light, depth first.
+    /// The nodes of the scene with a directional light that shines, depth first.
     suns: Vec<usize>,
     /// Whether the file has a default scene without nodes.
     pub(super) is_empty_scene: bool,

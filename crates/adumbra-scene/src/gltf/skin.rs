@@ -16,7 +16,7 @@ use crate::gltf::nodes::Nodes;
 /// The joint matrices of a skin, from mesh to world.
 pub(super) struct Skin {
     world_from_mesh: Rc<[Affine]>,
-    /// Transform for vertices without any joint weights.
+    /// Transform for vertices without any joint.
     node: Affine,
 }
 
@@ -75,12 +75,15 @@ impl<'a> Skins<'a> {
 
 impl Skin {
     /// Returns the vertex in world space: the weighted mean of its positions under each joint. Weights that do not add
-    /// up to one are normalised. If the weights sum to zero, the node's own transform is used.
+    /// up to one are normalised. A vertex whose weights sum to zero follows the first joint that it names, as in three.js and
+    /// Blender; glTF 2.0, 3.7.3.3, leaves it open.
     pub(super) fn place(&self, p: [f32; 3], influences: impl Iterator<Item = (u32, f32)>) -> [f32; 3] {
         let p = p.map(f64::from);
         let apply = |m: &Affine| m.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);
         let (mut sum, mut total) = ([0.0; 3], 0.0);
+        let mut first = None;
         for (joint, weight) in influences {
+            first = first.or(Some(joint));
             if weight == 0.0 {
                 continue;
             }
@@ -92,7 +95,9 @@ impl Skin {
             }
             total += weight;
         }
-        let placed = if total == 0.0 { apply(&self.node) } else { sum.map(|s| s / total) };
+        let followed =
+            || first.and_then(|joint| self.world_from_mesh.get(joint as usize)).unwrap_or(&self.node);
+        let placed = if total == 0.0 { apply(followed()) } else { sum.map(|s| s / total) };
         placed.map(|c| c as f32)
     }
 }

@@ -207,6 +207,24 @@ fn gltf_suns_come_from_where_their_nodes_turn_them() {
 }
 
 #[test]
+fn gltf_lights_that_do_not_shine_are_no_suns() {
+    let lights = json!([
+        {"type": "directional", "name": "moon", "intensity": 0},
+        {"type": "directional", "intensity": 5, "color": [0, 0, 0]},
+        {"type": "directional", "intensity": -1.5},
+        {"type": "point", "intensity": 100},
+        {"type": "directional", "intensity": 0.01, "color": [0, 0, 0.2]},
+        {"type": "directional"},
+        {"type": "directional", "intensity": "bright", "color": null},
+    ]);
+    let named = |light: usize| shining(light, json!({"name": light.to_string()}));
+    let scene =
+        lit(lights, (0..7).map(named).collect(), &json!([0, 1, 2, 3, 4, 5, 6])).load().expect("loads");
+    let suns: Vec<&str> = scene.suns.iter().map(|sun| sun.name.as_str()).collect();
+    assert_eq!(suns, ["4", "5", "6"]);
+}
+
+#[test]
 fn gltf_suns_are_in_the_order_of_the_nodes_depth_first() {
     let named = |name: &str, children: &[usize]| shining(0, json!({"name": name, "children": children}));
     let nodes =
