@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use adumbra::{Bounds, Receivers, Sun};
 use adumbra_bake::{
-    BakeOptions, FolderObjects, FrameChoice, Objects, Size, Watch, bake_to, bake_with_objects,
+    AssumeGround, BakeOptions, FolderObjects, FrameChoice, Objects, Size, Watch, bake_to, bake_with_objects,
 };
 use adumbra_files::{check_output, folder_of, same_file, target_of};
 use pyo3::prelude::*;
@@ -27,7 +27,7 @@ pub(crate) struct Options {
     thickness: f64,
     switch_within: u32,
     levels: u32,
-    assume_ground: bool,
+    assume_ground: Option<bool>,
     closed_regions: bool,
     receivers: String,
     bounds: Option<([f64; 3], [f64; 3])>,
@@ -72,7 +72,7 @@ impl Options {
             switch_within_voxels: self.switch_within,
             levels: self.levels,
             at_rest: at_rest(&self.at_rest)?,
-            assume_ground: self.assume_ground,
+            assume_ground: self.assume_ground.map_or(AssumeGround::Auto, AssumeGround::from),
             closed_regions: self.closed_regions,
             ignore_alpha,
             receivers,

@@ -26,7 +26,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"resolution": 2048, "switch_within": 8}, "--resolution 2048 --switch-within 8"),
     (
         {"resolution": 2048, "assume_ground": False, "closed_regions": False},
-        "--resolution 2048 --no-assume-ground --no-closed-regions",
+        "--resolution 2048 --assume-ground no --no-closed-regions",
     ),
     (
         {"resolution": 2048, "bounds": (-50, -1, -50, 50, 40, 50), "exclude": ["ground*"]},
@@ -100,7 +100,7 @@ def test_properties_say_what_was_baked(mesh: Mesh) -> None:
     assert baked.settings == {
         "thickness": 0.5,
         "switch_within": 0,
-        "assume_ground": True,
+        "assume_ground": False,
         "closed_regions": True,
         "receivers": "all",
         "ignore_alpha": False,

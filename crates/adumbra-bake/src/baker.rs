@@ -39,7 +39,7 @@ use crate::sink::recent::RecentBlocks;
 /// ```
 pub struct Baker {
     scene: Scene,
-    /// With the frame that was chosen first.
+    /// With the frame that was chosen first, and with the first decision on the ground.
     options: BakeOptions,
     objects: Arc<dyn Objects>,
     /// The objects, if they are in memory.
@@ -68,7 +68,7 @@ pub struct BakerPage {
 
 impl Baker {
     /// Plans the bake of a scene, and keeps what is baked in memory. The frame that the options let the bake choose is
-    /// chosen once, for all edits.
+    /// chosen once, for all edits, and so is whether a ground is assumed.
     ///
     /// # Errors
     /// Returns the errors of [`BakePlan::new`].
@@ -84,7 +84,8 @@ impl Baker {
     /// Returns the errors of [`BakePlan::new`].
     pub fn with_objects(scene: Scene, options: &BakeOptions, objects: Arc<dyn Objects>) -> Result<Self> {
         let (plan, prepared) = BakePlan::prepared(&scene, options)?;
-        let options = BakeOptions { frame: plan.options().frame, ..options.clone() };
+        let BakeOptions { frame, assume_ground, .. } = plan.options();
+        let options = BakeOptions { frame, assume_ground, ..options.clone() };
         let is_unlimited = options.max_memory_bytes.is_none();
         let (prepared, recent) = (is_unlimited.then_some(prepared), is_unlimited.then(Arc::default));
         Ok(Self { scene, options, objects, memory: None, plan, known: HashSet::new(), prepared, recent })

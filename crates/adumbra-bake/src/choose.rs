@@ -26,27 +26,31 @@ const FORECAST_CORNERS: u64 = 1_000_000;
 
 /// What holds for every level of a bake.
 pub(crate) struct Choice {
+    /// The options, with a decision on the ground.
+    options: BakeOptions,
     pub(crate) clusters: Arc<SceneClusters>,
     /// The grid of each level, the finest first.
     pub(crate) levels: Vec<Placement>,
 }
 
 impl Choice {
-    /// Chooses the frame, and places the grids of all levels.
+    /// Decides on the ground, chooses the frame, and places the grids of all levels.
     pub(crate) fn new(scene: &Scene, options: &BakeOptions) -> Result<Self> {
         options.check()?;
+        let options = BakeOptions { assume_ground: options.assume_ground.decided(scene), ..options.clone() };
+        let options = &options;
         check_sorting(scene, options)?;
         let clusters = SceneClusters::new(scene, caster_options(options));
         let levels = match options.region {
             Some(region) => placements(scene, &clusters, options, region)?,
             None => chosen(scene, &clusters, options)?,
         };
-        Ok(Self { clusters, levels })
+        Ok(Self { options: options.clone(), clusters, levels })
     }
 
     /// Plans the bake of a level.
-    pub(crate) fn plan<'s>(&self, scene: &'s Scene, options: &BakeOptions, level: usize) -> Result<Plan<'s>> {
-        Plan::placed(scene, options, self.levels[level], &self.clusters)
+    pub(crate) fn plan<'s>(&self, scene: &'s Scene, level: usize) -> Result<Plan<'s>> {
+        Plan::placed(scene, &self.options, self.levels[level], &self.clusters)
     }
 }
 
@@ -83,7 +87,7 @@ pub(crate) fn frame(
 
 /// Plans the bake of the finest level of `scene`.
 pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
-    Choice::new(scene, options)?.plan(scene, options, 0)
+    Choice::new(scene, options)?.plan(scene, 0)
 }
 
 /// Checks that sorting the scene's triangles fits the memory limit.

@@ -58,7 +58,7 @@ impl<'s> LayerCapture<'s> {
         let rules = ColumnRules {
             bias,
             thickness: 0,
-            assume_ground: false,
+            level_lift: None,
             receivers: Receivers::All,
             depth_voxels: 0,
             normal_offset: NormalOffset::new(&bias, grid),

@@ -51,11 +51,11 @@
 //! next bake need not make it again. `farm/` plans a bake whose parts other machines bake, and links them. [`Baker`] holds
 //! a scene and its parts while it is edited.
 //!
-//! `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better. `regions`
+//! `ground` says whether a scene has a ground of its own. `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better. `regions`
 //! cuts a world that is too wide for one file into regions with a file each; `region_grids` places their grids.
 //!
 //! Dependencies go one way: triangles → columns → tiles → pack → pages → objects → sink → fast and plain → plan →
-//! region_grids → choose → regions → inputs → bake → farm → baker.
+//! region_grids → ground → choose → regions → inputs → bake → farm → baker.
 //! [`layers`] provides first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
 //! # Design decisions, and departures from the specification
@@ -89,6 +89,7 @@ mod farm;
 mod fast;
 #[cfg(test)]
 mod fuzz;
+mod ground;
 mod inputs;
 pub mod layers;
 mod objects;
@@ -115,10 +116,11 @@ pub use baker::{Baker, BakerPage};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
+pub use ground::Ground;
 pub use objects::{FolderContents, FolderObjects, MemoryObjects, ObjectKey, Objects};
 pub use options::{
-    BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS, LOWEST_OBLIQUE_DEGREES,
-    MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
+    AssumeGround, BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS,
+    LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
 };
 pub use progress::{Progress, Report, Watch};
 pub use regions::{DEFAULT_REGION_TEXELS, RegionPlan};

@@ -45,6 +45,24 @@ pub enum FrameChoice {
 /// be more than eleven times as long as its caster is high, and the grid would be as long.
 pub const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
 
+/// Whether shadows below the last surface of a column are left out, because they would fall on nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum AssumeGround {
+    /// Left out if the scene has a ground of its own, see [`Ground`](crate::Ground).
+    #[default]
+    Auto,
+    /// Left out.
+    Yes,
+    /// Kept: for a ground that only the app draws, and for what moves below bridges with nothing under them.
+    No,
+}
+
+impl From<bool> for AssumeGround {
+    fn from(assume: bool) -> Self {
+        if assume { Self::Yes } else { Self::No }
+    }
+}
+
 /// The method that finds the columns. Both give the same answer at every point that must be answered. Their files
 /// differ in voxels that cannot be seen.
 #[doc(hidden)]
@@ -69,9 +87,8 @@ pub struct BakeOptions {
     /// How far below an open surface a shadow may begin, in world units along the light, at least 0. The bias at the surface's slope
     /// applies instead if it is larger.
     pub thickness_world: f64,
-    /// Whether to assume that no static surface is behind the last one of a column, so that its shadow may begin
-    /// anywhere there.
-    pub assume_ground: bool,
+    /// Whether to assume that nothing is below the last surface of a column, so that its shadow may begin anywhere there.
+    pub assume_ground: AssumeGround,
     /// Whether voxels inside closed components may be either lit or shadowed.
     pub closed_regions: bool,
     /// Whether to treat masked materials as opaque.
@@ -113,14 +130,15 @@ pub const DEFAULT_LEVELS: u32 = 3;
 pub const LEAST_LEVEL_TEXELS: u32 = 256;
 
 impl BakeOptions {
-    /// Creates default options for a sun and a size: ground assumed, closed regions used, every point answered.
+    /// Creates default options for a sun and a size: a ground assumed where the scene has one, closed regions used, every
+    /// point answered.
     pub fn new(sun: Sun, size: Size) -> Self {
         Self {
             sun,
             frame: FrameChoice::default(),
             size,
             thickness_world: 0.0,
-            assume_ground: true,
+            assume_ground: AssumeGround::default(),
             closed_regions: true,
             ignore_alpha: false,
             receivers: Receivers::All,

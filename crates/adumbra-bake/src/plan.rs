@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use crate::columns::capture;
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::error::{Error, Result};
-use crate::options::{BakeOptions, Builder};
+use crate::options::{AssumeGround, BakeOptions, Builder};
 use crate::pages::Spill;
 use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
@@ -156,11 +156,14 @@ impl<'s> Plan<'s> {
         let rules = ColumnRules {
             bias: options.bias,
             thickness: ColumnRules::thickness_of(options.thickness_world / grid.voxel_along_light()),
-            assume_ground: options.assume_ground,
+            level_lift: None,
             receivers: options.receivers,
             depth_voxels: grid.size[2],
             normal_offset: NormalOffset::new(&options.bias, &grid),
         };
+        // Left to the bake until a choice is made.
+        let assume_ground = options.assume_ground == AssumeGround::Yes;
+        let rules = rules.with_ground(assume_ground, &grid);
         let reach = rules.contact_reach_texels() + 1.0;
         let tiles = [top_dims[0], top_dims[1]];
         let clusters = Arc::clone(clusters);
@@ -171,7 +174,7 @@ impl<'s> Plan<'s> {
         let settings = FileSettings {
             resolution,
             thickness_world: options.thickness_world,
-            assume_ground: options.assume_ground,
+            assume_ground,
             closed_regions: options.closed_regions,
             ignore_alpha: options.ignore_alpha,
             receivers: options.receivers,

@@ -50,6 +50,7 @@ impl RegionPlan {
             )
             .into());
         }
+        let options = &BakeOptions { assume_ground: options.assume_ground.decided(scene), ..options.clone() };
         check_sorting(scene, options)?;
         let clusters = SceneClusters::new(scene, caster_options(options));
         let extents = Extents::new(scene, options);

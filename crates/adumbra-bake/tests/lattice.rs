@@ -2,7 +2,7 @@
 
 use adumbra::query::receiver;
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{Mesh, Scene};
 use adumbra_testing::{add_box, bake_file, scene_of};
@@ -27,7 +27,9 @@ fn scene(has_grown: bool) -> Scene {
 
 fn bake(has_grown: bool, frame: FrameChoice, voxel: f64) -> ShadowFile {
     let sun = Sun::from_direction([0.6, 0.7, 0.2]).unwrap();
-    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::VoxelSize(voxel)) };
+    // The same decision for both.
+    let assume_ground = AssumeGround::Yes;
+    let options = BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::VoxelSize(voxel)) };
     bake_file(&scene(has_grown), &options).unwrap()
 }
 

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use adumbra::{AtRest, Bias, Bounds, Receivers, Sun};
 use adumbra_bake::{
-    BakeOptions, Builder, FolderObjects, FrameChoice, ObjectKey, Objects, Report, Size, Watch, bake_to,
-    bake_with_objects,
+    AssumeGround, BakeOptions, Builder, FolderObjects, FrameChoice, ObjectKey, Objects, Report, Size, Watch,
+    bake_to, bake_with_objects,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{
@@ -177,7 +177,7 @@ fn every_option_that_matters_has_its_own_objects() {
         BakeOptions { frame: FrameChoice::ObliqueAt(0.1), ..plain.clone() },
         BakeOptions { frame: FrameChoice::Light, ..plain.clone() },
         BakeOptions { thickness_world: 0.5, ..plain.clone() },
-        BakeOptions { assume_ground: false, ..plain.clone() },
+        BakeOptions { assume_ground: AssumeGround::No, ..plain.clone() },
         BakeOptions { closed_regions: false, ..plain.clone() },
         BakeOptions { ignore_alpha: true, ..plain.clone() },
         BakeOptions { receivers: Receivers::Static, ..plain.clone() },
@@ -369,7 +369,7 @@ fn pages_change_only_with_the_version_of_the_rules() {
             pages.iter().for_each(|page| _ = digest.update(page));
         }
     }
-    let expected = "9b9cc22e1da6579a4fac20809b64f9a257da32177e1e6e06d79c6cc6cf8b4961";
+    let expected = "1b89715b0b44ebf41e99e0308dd05026ef4b4a521510af321a60e9662dcaad44";
     assert_eq!(
         digest.finalize().to_hex().as_str(),
         expected,

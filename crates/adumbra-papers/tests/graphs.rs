@@ -166,7 +166,7 @@ fn graphs_and_quadtrees_hold_to_the_same_columns() {
             frame: [FrameChoice::Light, FrameChoice::Oblique, FrameChoice::Auto][case as usize % 3],
             builder: if case % 4 == 3 { Builder::Plain } else { Builder::Fast },
             thickness_world: if case % 2 == 0 { 0.0 } else { any(0.0, 0.5) },
-            assume_ground: case % 5 != 0,
+            assume_ground: (case % 5 != 0).into(),
             closed_regions: case % 7 != 0,
             receivers: if case % 3 == 0 { Receivers::Static } else { Receivers::All },
             switch_within_voxels: if case % 6 == 0 { 4 } else { 0 },

@@ -48,7 +48,8 @@ fn packed_bakes_answer_alike_whatever_the_options() {
             ([0.0, 1.0, 0.0], Receivers::Static, true, true),
             ([-0.9, 0.1, 0.2], Receivers::All, false, false),
         ] {
-            let options = |o| BakeOptions { receivers, assume_ground: ground, closed_regions: closed, ..o };
+            let options =
+                |o| BakeOptions { receivers, assume_ground: ground.into(), closed_regions: closed, ..o };
             let share = share_of_packed(&baked(&scene, sun, options), 200_000);
             assert!(share < 0.5, "{kind:?} {sun:?}: {share}");
         }

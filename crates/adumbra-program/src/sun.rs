@@ -90,7 +90,7 @@ impl fmt::Display for ChosenSun {
     }
 }
 
-/// Returns the sun of a scene if nothing else determines it: its first directional light that is above the horizon, or
+/// Returns the sun of a scene if nothing else determines it: its first directional light that shines and is above the horizon, or
 /// the default. Also returns one message for each light before it that cannot be the sun.
 ///
 /// # Errors

@@ -33,7 +33,7 @@ pub struct Verify {
     /// Seed of the points
     #[arg(long, default_value_t = 1)]
     pub seed: u64,
-    /// Sample points in free space instead of points on surfaces; for files baked with --no-assume-ground
+    /// Sample points in free space instead of points on surfaces; for files baked with --assume-ground no
     #[arg(long)]
     pub volume: bool,
     /// Look-up.
@@ -131,7 +131,7 @@ impl Verify {
                 Sampler::Surface(SurfaceSampler::new(&scene, &solids, towards, ignore_alpha))
             }
         };
-        let verifier = Verifier::new(answers, &tracer, &solids);
+        let verifier = Verifier::new(answers, &tracer, &solids).with_ground();
         let verifier = match self.min_interior {
             Some(least) => verifier.with_interior_promise(least),
             None => verifier,
@@ -184,7 +184,9 @@ fn print_result(result: &Verification, filter: u32) {
     say!("  interior agreement  {:.4} %", 100.0 * result.interior_agreement);
     say!();
     say!("  class       points   share  agreement       acne       leak  misplaced  promise");
-    for class in &result.classes {
+    // Most files promise nothing of ground that the scene does not have.
+    let is_shown = |class: &&ClassResult| class.class != Class::Ground || class.promised_agreement.is_some();
+    for class in result.classes.iter().filter(is_shown) {
         let share = 100.0 * class.points as f64 / result.samples.max(1) as f64;
         let misplaced = if filter == 1 { class.misplaced.to_string() } else { "–".to_owned() };
         let agreement =

@@ -5,7 +5,7 @@
 
 use adumbra::grid::Frame;
 use adumbra::{Bounds, Filter, Receivers, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra_testing::{TreeParts, bake_file, full, npz_array, npz_camera, shared};
@@ -136,8 +136,10 @@ fn interior_agrees(kinds: &[GeneratedKind], resolution: u64, samples: u64) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for &kind in kinds {
         let scene = generate(kind, 1);
-        let everywhere =
-            BakeOptions { assume_ground: false, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+        let everywhere = BakeOptions {
+            assume_ground: AssumeGround::No,
+            ..BakeOptions::new(sun, Size::Resolution(resolution))
+        };
         let baked = bake_quietly(&scene, &everywhere);
         let surface = verify(&scene, &baked, false, samples);
         let volume = verify(&scene, &baked, true, samples);

@@ -2,7 +2,7 @@
 
 use adumbra::query::{Receiver, receiver};
 use adumbra::{Filter, Sampler as FileSampler, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, Instance, Scene, generate};
 use adumbra_testing::{bake_file, cuboid, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
@@ -145,7 +145,8 @@ fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
     for (elevation, filter, is_right) in [(6.0, 9, true), (3.0, 9, false), (2.0, 5, false), (2.0, 9, false)] {
         let sun = Sun::from_angles(37.0, elevation).expect("above the horizon");
         // Without assumed ground, the columns of the floor switch to shadow below it.
-        let options = BakeOptions { assume_ground: false, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+        let options =
+            BakeOptions { assume_ground: AssumeGround::No, ..BakeOptions::new(sun, Size::Resolution(1024)) };
         let baked = bake_quietly(&scene, &options);
         let query = baked.sampler(Filter::try_from(filter).expect("a filter"));
         let honest = || LightAnswers::of(&baked, query.clone());

@@ -29,7 +29,7 @@ pub struct ViewOptions {
     pub layer: String,
     /// How both sides are shown.
     pub shown: Shown,
-    /// The sun. The default is the shadow file's, or the scene's first directional light, or the usual one.
+    /// The sun. The default is the shadow file's, or the scene's first directional light that shines, or the usual one.
     pub sun: Option<Sun>,
     /// Camera position. The default is a position from which the whole scene is visible.
     pub eye: Option<[f64; 3]>,

@@ -32,7 +32,7 @@ class BakeOptions(LoadOptions, total=False):
     thickness: float
     switch_within: int
     levels: int
-    assume_ground: bool
+    assume_ground: bool | None
     closed_regions: bool
     receivers: Literal["all", "static"]
     bounds: ArrayLike | None
@@ -54,7 +54,7 @@ def bake(
     thickness: float = 0.0,
     switch_within: int = 0,
     levels: int = 3,
-    assume_ground: bool = True,
+    assume_ground: bool | None = None,
     closed_regions: bool = True,
     receivers: Literal["all", "static"] = "all",
     bounds: ArrayLike | None = None,
@@ -78,7 +78,7 @@ def bake(
             space, shape (N, 3), of any real type.
         faces: The vertices of each triangle, shape (M, 3), of any integer type, if vertices are given.
         sun: Direction towards the sun in world space, three numbers, of any length, with y above 0. Without it and
-            ``elevation``, that of the scene's first directional light, or else (0.5, 0.8, 0.35).
+            ``elevation``, that of the scene's first directional light that shines, or else (0.5, 0.8, 0.35).
         azimuth: Azimuth of the sun in degrees, clockwise from -Z as seen from above: 90 is +X. 0 unless it is given.
         elevation: Elevation of the sun in degrees above the horizon, above 0 and at most 90.
         resolution: Texels on the longest side of the scene as the sun sees it: a power of two, 8 to 262144.
@@ -89,7 +89,8 @@ def bake(
             filter around a surface reads.
         levels: Number of levels of detail, 1 to 8, each with voxels four times as large as the one before. Levels of fewer
             than 256 texels are left out.
-        assume_ground: Whether shadows below the last surface of a column may be left out.
+        assume_ground: Whether shadows below the last surface of a column are left out. ``None`` leaves them out if the scene
+            has a ground of its own. ``False`` keeps them, for a ground that only the app draws.
         closed_regions: Whether points inside closed solids may be lit or shadowed, whichever is smaller.
         receivers: ``"all"``: every point in space is answered. ``"static"``: only points on static surfaces, with normals,
             for filters up to 9.
@@ -166,7 +167,7 @@ def options_of(
     thickness: float = 0.0,
     switch_within: int = 0,
     levels: int = 3,
-    assume_ground: bool = True,
+    assume_ground: bool | None = None,
     closed_regions: bool = True,
     receivers: str = "all",
     bounds: ArrayLike | None = None,
@@ -185,7 +186,7 @@ def options_of(
         "thickness": float(thickness),
         "switch_within": whole("switch_within", switch_within, 0, 65535),
         "levels": whole("levels", levels, 1, 8),
-        "assume_ground": bool(assume_ground),
+        "assume_ground": None if assume_ground is None else bool(assume_ground),
         "closed_regions": bool(closed_regions),
         "receivers": receivers,
         "bounds": None if bounds is None else _corners(bounds),

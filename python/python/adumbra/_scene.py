@@ -118,7 +118,7 @@ class Scene:
     def sun(self) -> tuple[float, float, float]:
         """The unit vector towards the sun that a bake takes unless another is given.
 
-        It is that of the scene's first directional light above the horizon, or else of (0.5, 0.8, 0.35).
+        It is that of the scene's first directional light that shines and is above the horizon, or else of (0.5, 0.8, 0.35).
         """
         x, y, z = self._native.sun
         return x, y, z

@@ -11,7 +11,7 @@ class ClassResult:
     """The comparison in one class of points. Classes depend on rays alone."""
 
     name: str
-    """``interior``, ``grazing``, ``edge``, ``narrow``, ``thin`` or ``edge-on``."""
+    """``interior``, ``grazing``, ``ground``, ``edge``, ``narrow``, ``thin`` or ``edge-on``."""
     points: int
     """Number of points."""
     agreement: float

@@ -85,6 +85,14 @@ def _add_run(verb: argparse.ArgumentParser) -> None:
     verb.add_argument("--json", action="store_true", help="print one JSON object")
 
 
+def _assume_ground(text: str) -> bool | None:
+    """Return what ``auto``, ``yes`` or ``no`` stands for."""
+    known = {"auto": None, "yes": True, "no": False}
+    if text not in known:
+        raise argparse.ArgumentTypeError(f"{text!r} must be auto, yes or no")
+    return known[text]
+
+
 def _add_options(verb: argparse.ArgumentParser) -> None:
     unset: Any = {"default": argparse.SUPPRESS}
     number: Any = {"type": float, **unset}
@@ -98,7 +106,7 @@ def _add_options(verb: argparse.ArgumentParser) -> None:
     group.add_argument("--switch-within", type=int, metavar="VOXELS", **unset)
     group.add_argument("--at-rest", choices=["coded", "raw"], **unset)
     group.add_argument("--levels", type=int, metavar="N", **unset)
-    group.add_argument("--no-assume-ground", dest="assume_ground", action="store_false", **unset)
+    group.add_argument("--assume-ground", type=_assume_ground, metavar="WHEN", **unset)
     group.add_argument("--no-closed-regions", dest="closed_regions", action="store_false", **unset)
     group.add_argument("--receivers", choices=["all", "static"], **unset)
     group.add_argument("--bounds", type=_numbers(6), metavar="X0,Y0,Z0,X1,Y1,Z1", **unset)

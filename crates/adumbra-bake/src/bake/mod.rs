@@ -93,7 +93,7 @@ fn bake_in_memory(
     let mut report = Report::default();
     let mut settings = None;
     for level in (0..choice.levels.len()).rev() {
-        let plan = choice.plan(scene, options, level)?;
+        let plan = choice.plan(scene, level)?;
         let built = build_level(&plan, options, &choice, level, objects, watch)?;
         report = report.with(&built.report);
         settings = Some(built.settings);
@@ -145,7 +145,7 @@ fn bake_file(
     out: impl Write + Seek,
 ) -> Result<Written> {
     let choice = Choice::new(scene, options)?;
-    let plan_of = |level: usize| choice.plan(scene, options, level);
+    let plan_of = |level: usize| choice.plan(scene, level);
     let plan = plan_of(choice.levels.len() - 1)?;
     // Only the resolution differs from level to level.
     let settings = FileSettings { resolution: choice.levels[0].resolution, ..plan.settings };

@@ -10,6 +10,7 @@ use crate::triangles::project::{
 };
 use crate::triangles::surface::Surface;
 use adumbra::grid::vec3::dot;
+use adumbra::query::receiver;
 use adumbra::{Bias, LightGrid, MAX_PLANE_SLOPE, Receivers};
 
 /// Offset in depth steps that makes a depth an unsigned key.
@@ -186,7 +187,9 @@ pub(crate) struct ColumnRules {
     /// How far below an open surface a shadow may begin, 1/256 voxel. The bias at the surface's slope applies instead if
     /// it is larger.
     pub(crate) thickness: FixedDepth,
-    pub(crate) assume_ground: bool,
+    /// How far before level ground its look-ups sample, 1/256 voxel, if points below the last surface of a column are to be
+    /// answered. `None` if nothing is there.
+    pub(crate) level_lift: Option<FixedDepth>,
     pub(crate) receivers: Receivers,
     /// Voxels along the light.
     pub(crate) depth_voxels: u32,
@@ -388,6 +391,19 @@ impl ColumnRules {
         if triangle.covers(i, j) || part_is_behind() { sampled.lifted } else { FixedDepth::MAX }
     }
 
+    /// Returns rules that assume a ground, or that answer the points below the last surface of a column. Those are not on
+    /// static surfaces, so rules for static receivers alone do not answer them.
+    pub(crate) fn with_ground(self, is_assumed: bool, grid: &LightGrid) -> Self {
+        let answers_below = !is_assumed && self.receivers == Receivers::All;
+        let level = || {
+            let gradient = receiver(grid, &self.bias, [0.0; 3], Some([0.0, 1.0, 0.0])).gradient;
+            let ReceiverPlane { lift_voxels, rounding_voxels, .. } =
+                self.receiver_on(Plane::at_origin(gradient));
+            -floor_fixed_depth(-lift_voxels - rounding_voxels)
+        };
+        Self { level_lift: answers_below.then(level), ..self }
+    }
+
     /// Returns the largest x if only static receivers must be answered, from the nearest depth at which one requires
     /// shadow.
     pub(crate) fn static_end(&self, first: FirstSurface, next: FixedDepth) -> u32 {
@@ -414,11 +430,12 @@ impl ColumnRules {
     /// Points in space, whose look-ups have no slope, get the switch nearest to the first surface, and no later than
     /// its exit. A receiver behind, at whose lifted point `next` shadow must have begun, takes precedence: e is reduced
     /// for it. But e is not reduced below what points before the first surface need, whose look-ups sample at least the
-    /// constant bias before it.
+    /// constant bias before it. Where no ground is assumed, [`Self::below`] is such a receiver.
     #[inline(always)]
     pub(crate) fn column(&self, first: FirstSurface, base: FixedDepth, next: FixedDepth) -> [u32; 2] {
         // The grid's depth if there is no surface.
         let e = self.quantize(first.depth());
+        let next = next.min(self.below(first, base));
         let nothing_behind = first.is_none() | (next == FixedDepth::MAX);
         let end = self.latest_switch(self.exit(first, base)).max(e);
         let is_free = first.is_none() | nothing_behind & self.is_last(first.depth());
@@ -465,7 +482,7 @@ impl ColumnRules {
     /// not: bounds hide what is behind it.
     #[inline(always)]
     pub(crate) fn is_last(&self, depth: FixedDepth) -> bool {
-        self.assume_ground & (depth >= 0)
+        self.level_lift.is_none() & (depth >= 0)
     }
 
     /// Returns where the shadow must have begun for points in space: at the solid's end, or an open surface's thickness
@@ -474,6 +491,26 @@ impl ColumnRules {
     pub(crate) fn exit(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
         let open_exit = first.depth().saturating_add(self.open_thickness(first));
         if first.is_solid() { base } else { open_exit }
+    }
+
+    /// Returns the nearest depth at which look-ups from below a column's exit sample it; [`FixedDepth::MAX`] if nothing is
+    /// there.
+    ///
+    /// Those from level ground right behind the end of a solid sample before the end: where the ground that an app draws meets
+    /// the foot of a wall. Below an open surface, only those that sample behind the exit are answered: the shadow would begin
+    /// at the surface everywhere otherwise, at up to three times the bytes. Look-ups that sample less than a voxel behind the
+    /// first surface are not told from those before it. So e stays, and what is below something thin gets no acne.
+    #[inline(always)]
+    pub(crate) fn below(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
+        self.below_exit(self.exit(first, base), first.depth(), first.is_solid())
+    }
+
+    /// Returns [`Self::below`] for an exit, the depth of the first surface, and whether that bounds a solid.
+    #[inline(always)]
+    pub(crate) fn below_exit(&self, exit: FixedDepth, first: FixedDepth, is_solid: bool) -> FixedDepth {
+        let nearest = first.saturating_add(SUBTEXEL as FixedDepth);
+        let lead = |lift: FixedDepth| if is_solid { lift } else { 0 };
+        self.level_lift.map_or(FixedDepth::MAX, |lift| exit.saturating_sub(lead(lift)).max(nearest))
     }
 
     /// Returns how far below an open first surface its shadow may begin, 1/256 voxel.

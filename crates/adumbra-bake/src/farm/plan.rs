@@ -103,7 +103,7 @@ impl BakePlan {
         let mut bins = Vec::with_capacity(choice.levels.len());
         // The finest last: the file has its settings.
         for level in (0..choice.levels.len()).rev() {
-            let plan = choice.plan(scene, &options, level)?;
+            let plan = choice.plan(scene, level)?;
             settings = plan.settings;
             bins.insert(0, Arc::clone(&plan.tiles.casters.bins));
             let own = Parts::new(plan.tiles.grid.size, plan.tiles.root_level);
@@ -156,7 +156,7 @@ impl BakePlan {
                 adumbra::Frame::Oblique { yaw_radians } => FrameChoice::ObliqueAt(yaw_radians),
             },
             thickness_world: settings.thickness_world,
-            assume_ground: settings.assume_ground,
+            assume_ground: settings.assume_ground.into(),
             closed_regions: settings.closed_regions,
             ignore_alpha: settings.ignore_alpha,
             receivers: settings.receivers,

@@ -203,12 +203,16 @@ fn earliest_end(groups: &[Group], known_behind: FixedDepth, cover: &Cover, rules
         &mut groups.iter().filter(could_be_first).filter(|g| seams || !is_solid(g)).map(|g| g.z_low),
     );
     let bias = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.bias));
-    let mut exit = FixedDepth::MAX;
+    let first_low = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.z_low));
+    let (mut exit, mut below) = (FixedDepth::MAX, FixedDepth::MAX);
     if solid_first {
-        exit = exit.min(solid_exit);
+        exit = solid_exit;
+        below = rules.below_exit(solid_exit, first_low, true);
     }
     if open_low != FixedDepth::MAX {
-        exit = exit.min(open_low.saturating_add(rules.thickness.max(bias)));
+        let open_exit = open_low.saturating_add(rules.thickness.max(bias));
+        exit = exit.min(open_exit);
+        below = below.min(rules.below_exit(open_exit, open_low, false));
     }
 
     // A first surface that is one smooth layer over the whole block is not behind itself.
@@ -216,7 +220,6 @@ fn earliest_end(groups: &[Group], known_behind: FixedDepth, cover: &Cover, rules
     let smooth =
         cover.is_alone(groups) && first.rise_of_neighbours(rules) <= f64::from(first.bias - DEPTH_SLACK);
     let base_low = if solid_first { solid_exit.min(open_low) } else { open_low };
-    let first_low = smallest(&mut groups.iter().filter(could_be_first).map(|g| g.z_low));
     let mut end = FREE_TO_END;
     for (_, g) in groups.iter().enumerate().filter(|(n, _)| !(smooth && *n == cover.group)) {
         let Some(sampled) = g.sampled else { continue };
@@ -226,6 +229,9 @@ fn earliest_end(groups: &[Group], known_behind: FixedDepth, cover: &Cover, rules
     }
     if known_behind != FixedDepth::MAX {
         end = end.min(rules.sampled_voxel(known_behind));
+    }
+    if below != FixedDepth::MAX {
+        end = end.min(rules.sampled_voxel(below));
     }
     if end == FREE_TO_END && rules.is_last(first_low) { end } else { end.min(rules.latest_switch(exit)) }
 }

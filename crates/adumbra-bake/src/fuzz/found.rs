@@ -2,7 +2,7 @@
 //! is 1 m, so grid point (x, y, z) is world point (x, -z, y).
 
 use crate::choose;
-use crate::options::{BakeOptions, Size};
+use crate::options::{AssumeGround, BakeOptions, Size};
 use crate::plain::agreement::{BothBuffers, for_each_column};
 use adumbra::Bias;
 use adumbra::grid::Sun;
@@ -28,8 +28,9 @@ fn scene(triangles: &[[[f32; 3]; 3]], times: usize) -> Scene {
 
 fn assert_builders_agree(scene: &Scene, bias: Bias) {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("overhead");
-    let plan = choose::plan(scene, &BakeOptions { bias, ..BakeOptions::new(sun, Size::VoxelSize(1.0)) })
-        .expect("small");
+    let assume_ground = AssumeGround::Yes;
+    let options = BakeOptions { bias, assume_ground, ..BakeOptions::new(sun, Size::VoxelSize(1.0)) };
+    let plan = choose::plan(scene, &options).expect("small");
     let (mut buffers, mut undrawn) = (BothBuffers::default(), 0);
     for tile in 0..plan.tiles.count() {
         for_each_column(&plan, tile, &mut buffers, |column| {

@@ -174,7 +174,7 @@ fn options(dice: &mut Dice, frame: &Frame, sun: Sun, resolution: u32, voxel_worl
     };
     BakeOptions {
         thickness_world: if dice.chance(0.3) { dice.within(0.0..3.0) * frame.scale } else { 0.0 },
-        assume_ground: dice.chance(0.6),
+        assume_ground: dice.chance(0.6).into(),
         closed_regions: dice.chance(0.85),
         ignore_alpha: dice.chance(0.15),
         receivers: if dice.chance(0.15) { Receivers::Static } else { Receivers::All },

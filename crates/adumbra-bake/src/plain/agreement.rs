@@ -8,7 +8,7 @@ use crate::columns::capture::{CaptureBuffers, capture};
 use crate::columns::rules::Columns;
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::descent::{DescentBuffers, build_root};
-use crate::options::{BakeOptions, Size};
+use crate::options::{AssumeGround, BakeOptions, Size};
 use crate::plan::Plan;
 use crate::sink::BlockSink;
 use crate::test_bakes::bake_depths;
@@ -226,7 +226,7 @@ fn shared_scenes_agree_under_every_option() {
         let scene = load(&folder.join(name), &LoadOptions::default()).expect("a good scene");
         let plain = BakeOptions::new(sun([-0.45, 0.75, -0.35]), Size::Resolution(1024));
         let all = [
-            BakeOptions { assume_ground: false, ..plain.clone() },
+            BakeOptions { assume_ground: AssumeGround::No, ..plain.clone() },
             BakeOptions { closed_regions: false, thickness_world: 0.3, ..plain.clone() },
             BakeOptions { ignore_alpha: true, ..plain.clone() },
             BakeOptions { receivers: Receivers::Static, ..plain },

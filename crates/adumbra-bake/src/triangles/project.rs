@@ -69,6 +69,11 @@ impl Plane {
         Self { origin: [x, y, if faces_sun { nearest } else { deepest }], gradient: [0.0; 2] }
     }
 
+    /// Returns the plane through the grid's corner with this gradient.
+    pub(crate) fn at_origin(gradient: [f64; 2]) -> Self {
+        Self { origin: [0.0; 3], gradient }
+    }
+
     /// Returns |dz/dx| + |dz/dy|.
     pub(crate) fn gradient_sum(&self) -> f64 {
         self.gradient[0].abs() + self.gradient[1].abs()

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::{AtRest, Bounds, Receivers, Sun};
-use adumbra_bake::{BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_program::progress::Style;
@@ -42,6 +42,13 @@ pub(crate) enum AtRestArg {
     Coded,
     /// As it is in memory.
     Raw,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub(crate) enum AssumeGroundArg {
+    Auto,
+    Yes,
+    No,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -99,11 +106,12 @@ pub(crate) struct BakeSettings {
     /// are left out.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_LEVELS)]
     levels: u32,
-    /// Keep shadows below the last surface of a column too
+    /// Leave out shadows below the last surface
     ///
-    /// For movers under bridges with nothing below.
-    #[arg(long)]
-    no_assume_ground: bool,
+    /// auto leaves them out if the scene has a ground of its own. no keeps them, for a ground that only the app draws, and for
+    /// movers under bridges with nothing below.
+    #[arg(long, value_enum, value_name = "auto|yes|no", default_value = "auto", hide_possible_values = true)]
+    assume_ground: AssumeGroundArg,
     /// Answer points inside closed solids too
     ///
     /// Without it, the bake chooses freely whether voxels there are lit or shadowed.
@@ -167,7 +175,11 @@ impl BakeSettings {
                 AtRestArg::Coded => AtRest::Coded,
                 AtRestArg::Raw => AtRest::Raw,
             },
-            assume_ground: !self.no_assume_ground,
+            assume_ground: match self.assume_ground {
+                AssumeGroundArg::Auto => AssumeGround::Auto,
+                AssumeGroundArg::Yes => AssumeGround::Yes,
+                AssumeGroundArg::No => AssumeGround::No,
+            },
             closed_regions: !self.no_closed_regions,
             ignore_alpha,
             receivers: match self.receivers {
@@ -193,7 +205,7 @@ pub(crate) struct Bake {
     pub(crate) output: Option<PathBuf>,
     /// Also write the shadow file's name into this .glb or .gltf
     ///
-    /// Usually the scene itself: into the extras of its first directional light, or of a new one if it has none. Bevy and
+    /// Usually the scene itself: into the extras of its first directional light that shines, or of a new one if it has none. Bevy and
     /// three.js load it from there.
     #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
     pub(crate) into: Option<PathBuf>,

@@ -62,7 +62,7 @@ fn sun(args: &SunArgs) -> Used {
     let [x, y, z] = DEFAULT_SUN;
     let none = absent(args.given().unwrap().as_ref(), "");
     vec![
-        ("--sun", format!("the scene's first directional light, or {x},{y},{z}")),
+        ("--sun", format!("the scene's first directional light that shines, or {x},{y},{z}")),
         ("--azimuth", none.clone()),
         ("--elevation", none),
     ]
@@ -133,6 +133,7 @@ fn settings(args: &bake::BakeSettings) -> Used {
         ("--switch-within", options.switch_within_voxels.to_string()),
         ("--at-rest", lower(format!("{:?}", options.at_rest))),
         ("--levels", options.levels.to_string()),
+        ("--assume-ground", lower(format!("{:?}", options.assume_ground))),
         ("--receivers", lower(format!("{:?}", options.receivers))),
         ("--bounds", absent(options.bounds.as_ref(), "")),
         ("--frame", name(&args.frame)),

@@ -19,6 +19,7 @@ use serde::Serialize;
 
 use super::bake_path::{self, BakedSunPath};
 use super::bake_regions::{self, BakedRegions};
+use super::ground::DecidedGround;
 use super::staged::Baking;
 use super::store::objects;
 use super::{bake_watch, bits_per_texel};
@@ -86,6 +87,8 @@ pub(super) struct Baked {
     omissions: Vec<Omitted>,
     /// Whether `--bounds` were given and contain no part of the scene.
     empty_bounds: bool,
+    /// Whether shadows below the last surface of a column are left out.
+    assumes_ground: bool,
 }
 
 /// The forecast costs of a bake. Each pair is the least and the most.
@@ -109,6 +112,8 @@ pub(super) struct Forecast {
     omissions: Vec<Omitted>,
     /// Whether `--bounds` were given and contain no part of the scene.
     empty_bounds: bool,
+    /// Whether shadows below the last surface of a column are left out.
+    assumes_ground: bool,
 }
 
 pub(crate) fn run(args: &Bake) -> Outcome {
@@ -152,7 +157,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let sun = args.settings.sun.choose(&scene, &args.scene)?;
         warn_of_low_sun(&sun.sun);
         let share = limit.share(scene.memory_bytes());
-        let options = BakeOptions {
+        let mut options = BakeOptions {
             max_memory_bytes: share.bytes(),
             // The system's temporary folder may be in memory. The folder of the output is on a disk.
             spill_folder: Some(files::folder_of(
@@ -164,9 +169,10 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             refuse_read("--output", &output).map_err(bad_input)?;
         }
         let empty_bounds = bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
+        let ground = DecidedGround::of(&scene, &mut options);
         if args.dry_run {
             let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
-            return dry_run(args, (&scene, &sun), (&options, &forecast), empty_bounds);
+            return dry_run(args, (&scene, &sun), (&options, &forecast), &ground, empty_bounds);
         }
         let cache = args.cache.as_deref().map(objects).transpose()?;
         let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel: &cancel };
@@ -203,6 +209,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 sun_origin: sun.origin,
                 omissions: omitted(&scene),
                 empty_bounds,
+                assumes_ground: ground.is_assumed,
             }))?;
         } else {
             say!(
@@ -215,6 +222,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 format_bytes(peak)
             );
             say!("  {sun}");
+            say!("  {ground}");
             if let Some(cache) = &args.cache {
                 let (reused, tiles) = (report.reused_tiles, report.tiles);
                 say!("  {reused} of {tiles} tiles from {}", cache.display());
@@ -249,6 +257,7 @@ fn dry_run(
     args: &Bake,
     (scene, sun): (&Scene, &ChosenSun),
     (options, e): (&BakeOptions, &Estimate),
+    ground: &DecidedGround,
     empty_bounds: bool,
 ) -> Outcome {
     if args.run.json {
@@ -262,6 +271,7 @@ fn dry_run(
             sun_origin: sun.origin.clone(),
             omissions: omitted(scene),
             empty_bounds,
+            assumes_ground: ground.is_assumed,
         }))?;
     } else {
         let range = |r: [u64; 2]| format!("{} to {}", format_bytes(r[0]), format_bytes(r[1]));
@@ -270,6 +280,7 @@ fn dry_run(
         say!("  memory  {}", range(e.memory_bytes));
         say!("  file    {}", range(e.file_bytes));
         say!("  {sun}");
+        say!("  {ground}");
         say!("  a lower --resolution, a larger --thickness or --receivers static makes the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {

@@ -20,6 +20,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::args::Bake;
+use crate::cmd::ground::DecidedGround;
 use crate::cmd::path::say_hidden;
 
 /// The result of a path's bake.
@@ -39,6 +40,8 @@ pub(in crate::cmd) struct BakedSunPath {
     dark_after_voxels: u32,
     /// Number of steps of the sun.
     steps: usize,
+    /// Whether shadows below the last surface of a column are left out.
+    assumes_ground: bool,
     /// The keys, in the order of time.
     keys: Vec<Key>,
 }
@@ -109,13 +112,14 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
         [(SCENE, &*args.scene)].into_iter().chain(args.path.suns.as_deref().map(|p| ("the suns", p)));
     refuse_inputs("--output", &output, inputs)?;
     files::check_output(&output)?;
-    let baked = with_threads(args.run.threads, || -> Result<BakedPath, Failure> {
+    let (ground, baked) = with_threads(args.run.threads, || -> Result<_, Failure> {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
         let share = limit.share(scene.memory_bytes());
         let sun = Sun::from_angles(0.0, 45.0)?;
         let mut bake = args.settings.options(sun, args.load.ignore_alpha);
         bake.max_memory_bytes = share.bytes();
+        let ground = DecidedGround::of(&scene, &mut bake);
         let options = PathOptions { error_percent, lowest_degrees, ..PathOptions::new(bake) };
         let watch = Watch::new(&|_| {}, cancel);
         let on_key = |key: &BakedKey| {
@@ -123,7 +127,8 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
                 say!("{}", line(&suns, key));
             }
         };
-        bake_path(&scene, &suns.steps, &options, watch, on_key).map_err(|error| failure(error, &output))
+        let baked = bake_path(&scene, &suns.steps, &options, watch, on_key);
+        Ok((ground, baked.map_err(|error| failure(error, &output))?))
     })??;
     let BakedPath { keys, voxel_size, dark_after_voxels } = baked;
     let resident_bytes =
@@ -146,6 +151,7 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
         voxel_size,
         dark_after_voxels,
         steps,
+        assumes_ground: ground.is_assumed,
         keys: shown,
     };
     if !args.run.json {
@@ -157,6 +163,7 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
             format_bytes(file_bytes),
             format_bytes(resident_bytes)
         );
+        say!("  {ground}");
         say_hidden(dark_after_voxels, voxel_size);
     }
     Ok(baked)

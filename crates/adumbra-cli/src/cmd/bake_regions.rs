@@ -17,6 +17,7 @@ use adumbra_program::{memory, mirrors, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::ground::DecidedGround;
 use super::staged::Baking;
 use super::store::objects;
 use crate::args::{Bake, Shard};
@@ -51,6 +52,8 @@ pub(super) struct BakedRegions {
     sun_origin: SunOrigin,
     /// What the scene's file holds and the loader left out, each kind once.
     omissions: Vec<Omitted>,
+    /// Whether shadows below the last surface of a column are left out.
+    assumes_ground: bool,
 }
 
 /// A region that was baked.
@@ -90,11 +93,12 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
         warn_of_low_sun(&sun.sun);
         refuse_read("--output", &manifest).map_err(bad_input)?;
         let share = limit.share(scene.memory_bytes());
-        let options = BakeOptions {
+        let mut options = BakeOptions {
             max_memory_bytes: share.bytes(),
             spill_folder: Some(names.folder.clone()),
             ..args.settings.options(sun.sun, args.load.ignore_alpha)
         };
+        let ground = DecidedGround::of(&scene, &mut options);
         let plan = RegionPlan::new(&scene, &options, texels).map_err(|error| share.whole(error.into()))?;
         make_folder(&names.folder)?;
         let cache = args.cache.as_deref().map(objects).transpose()?;
@@ -140,6 +144,7 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
             sun: sun.sun.towards(),
             sun_origin: sun.origin.clone(),
             omissions: omitted(&scene),
+            assumes_ground: ground.is_assumed,
         };
         if !args.run.json {
             say!(
@@ -154,6 +159,7 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
                 format_bytes(result.peak_bytes)
             );
             say!("  {sun}");
+            say!("  {ground}");
         }
         Ok(result)
     })?

@@ -20,6 +20,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::args::Bake;
+use crate::cmd::ground::DecidedGround;
 use crate::cmd::staged::staged;
 use crate::cmd::store::objects;
 
@@ -75,11 +76,15 @@ impl Follower<'_> {
         warn_of_low_sun(&sun.sun);
         let mut followed = self.follow_files(&scene)?;
         let start = Instant::now();
-        let options = BakeOptions {
+        let mut options = BakeOptions {
             max_memory_bytes: self.args.run.memory_limit().share(scene.memory_bytes()).bytes(),
             spill_folder: Some(files::folder_of(self.output)),
             ..self.args.settings.options(sun.sun, self.args.load.ignore_alpha)
         };
+        let ground = DecidedGround::of(&scene, &mut options);
+        if !self.args.run.json {
+            say!("  {ground}");
+        }
         let mut baker = match &self.args.cache {
             Some(folder) => Baker::with_objects(scene, &options, objects(folder)?)?,
             None => Baker::new(scene, &options)?,

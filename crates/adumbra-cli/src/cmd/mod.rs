@@ -11,6 +11,7 @@ mod demo;
 mod export;
 mod farm;
 mod generate;
+mod ground;
 mod info;
 mod inspect;
 mod path;

@@ -82,7 +82,7 @@ fn run_regions(args: &Verify, regions: &Regions, level: u32) -> Outcome {
 fn refuse_volume(args: &Verify, settings: &FileSettings) -> Result<(), Failure> {
     if args.volume && settings.assume_ground {
         return Err(Failure::Usage(format!(
-            "{} was baked with ground assumed, so it promises nothing about points in free space; bake with --no-assume-ground",
+            "{} was baked with ground assumed, so it promises nothing about points in free space; bake with --assume-ground no",
             args.file.display()
         )));
     }

@@ -116,7 +116,7 @@ fn bake_writes_the_same_bytes_for_any_threads_and_memory() {
     let reference = bytes_with("a", &[]);
     assert!(reference == bytes_with("b", &["--threads", "1"]));
     assert!(reference == bytes_with("c", &["--threads", "3", "--max-memory", "400MiB"]));
-    let lossless = bytes_with("d", &["--no-closed-regions", "--no-assume-ground"]);
+    let lossless = bytes_with("d", &["--no-closed-regions", "--assume-ground", "no"]);
     assert!(lossless != reference);
 }
 

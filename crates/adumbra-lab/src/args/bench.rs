@@ -176,7 +176,7 @@ pub struct BenchVerify {
     /// Filter widths; each gets its own row
     #[arg(long, value_name = "K,...", value_delimiter = ',', default_value = "1")]
     pub(crate) filter: Vec<u32>,
-    /// Sample points in free space instead of points on surfaces, on files baked with --no-assume-ground
+    /// Sample points in free space instead of points on surfaces, on files that keep shadows below the last surface
     #[arg(long)]
     pub(crate) volume: bool,
     /// Folder for the tables

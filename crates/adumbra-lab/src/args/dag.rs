@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::{Bounds, Sun};
-use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, Builder, FrameChoice, Size};
 use adumbra_papers::dag::DagLayout;
 use adumbra_papers::dag::build::DagOptions;
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds};
@@ -111,7 +111,7 @@ impl DagBake {
                 BuilderArg::Fast => Builder::Fast,
                 BuilderArg::Plain => Builder::Plain,
             },
-            assume_ground: !self.no_assume_ground,
+            assume_ground: if self.no_assume_ground { AssumeGround::No } else { AssumeGround::Auto },
             closed_regions: !self.no_closed_regions,
             ignore_alpha: self.load.ignore_alpha,
             bounds: self.bounds,

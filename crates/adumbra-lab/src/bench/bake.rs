@@ -54,10 +54,10 @@ struct Row {
 
 /// The rows of the option table. Most change the default in one way, so that each effect is isolated.
 const VARIANTS: [(&str, &[&str]); 7] = [
-    ("default: closed regions, ground assumed", &[]),
+    ("default", &[]),
     ("no closed regions", &["--no-closed-regions"]),
-    ("no ground assumed", &["--no-assume-ground"]),
-    ("neither", &["--no-closed-regions", "--no-assume-ground"]),
+    ("no ground assumed", &["--assume-ground", "no"]),
+    ("neither", &["--no-closed-regions", "--assume-ground", "no"]),
     ("thickness 0.1 m", &["--thickness", "0.1"]),
     ("thickness 0.3 m", &["--thickness", "0.3"]),
     ("static receivers", &["--receivers", "static"]),

@@ -1,7 +1,7 @@
 //! `adumbra-lab bench verify`: compares files of several scenes under several suns with rays.
 
 use adumbra::{Filter, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, Size};
 use adumbra_program::exit::Code;
 use adumbra_program::output::make_folder;
 use adumbra_program::scene::load_scene;
@@ -71,7 +71,7 @@ pub(super) fn run(args: &BenchVerify) -> Result<Code> {
         let solids = Solids::of(&scene);
         for (sun_name, sun) in suns()? {
             let options = BakeOptions {
-                assume_ground: !args.volume,
+                assume_ground: if args.volume { AssumeGround::No } else { AssumeGround::Auto },
                 ..BakeOptions::new(sun, Size::Resolution(args.resolution))
             };
             let [packed, quadtree] = Kind::ALL.map(|kind| LightFile::bake(&scene, &options, kind));

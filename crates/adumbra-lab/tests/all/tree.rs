@@ -235,7 +235,7 @@ fn tree_faults_have_their_exit_codes() {
     refused(&["--sun", "0,0,0"], 2, "direction");
     refused(&["--bounds", "nan,0,0,1,1,1"], 2, "six finite numbers");
     // What only a light-aligned file has.
-    for option in ["--thickness=0.1", "--receivers=static", "--no-assume-ground", "--dry-run", "--yaw=10"] {
+    for option in ["--thickness=0.1", "--receivers=static", "--assume-ground=no", "--dry-run", "--yaw=10"] {
         refused(&[option], 2, "unexpected argument");
     }
 

@@ -11,6 +11,7 @@ use crate::tree::{TreeSettings, TreeSpace, Voxels};
 /// to a texel.
 pub const TREE_PROMISES: Promises = Promises {
     interior: 0.999,
+    ground: None,
     grazing: None,
     edge: None,
     edge_misplaced: None,

@@ -15,7 +15,7 @@ use crate::sun::{ChosenSun, SunSource, sun_of_scene_with_warnings};
 /// Options that give the direction of the sun.
 #[derive(clap::Args)]
 pub struct SunArgs {
-    /// Direction towards the sun [default: the scene's first directional light, or 0.5,0.8,0.35]
+    /// Direction towards the sun [default: the scene's first directional light that shines, or 0.5,0.8,0.35]
     ///
     /// In world space, of any length.
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, value_parser = parse_triple,

@@ -23,9 +23,9 @@ use crate::glb::container;
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional
-/// light, that of the first of [`Scene::suns`](crate::Scene::suns), or of a new one towards `sun` if it has none. `name` is the file's path relative to the folder of `path`, with
-/// `/` between its parts.
+/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional light
+/// that shines, that of the first of [`Scene::suns`](crate::Scene::suns), or of a new one towards `sun` if it has none.
+/// `name` is the file's path relative to the folder of `path`, with `/` between its parts.
 ///
 /// # Errors
 /// Returns [`Error::Io`](crate::Error::Io), or the error with which [`load`](crate::load) refuses such JSON; the file is
@@ -59,13 +59,9 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     let Value::Array(lights) = lights else {
         return Err(bad(path, format!("{LIGHTS} has no list of lights")));
     };
-    // A light that no node of the scene has comes last.
-    let is_directional = |light: &&mut Value| light.get("type") == Some(&json!("directional"));
-    let existing = match nodes.first_sun(&document) {
-        Some(index) => lights.get_mut(index),
-        None => lights.iter_mut().find(is_directional),
-    };
-    if let Some(light) = existing {
+    // A sun that no node of the scene has comes last.
+    let existing = nodes.first_sun(&document).or_else(|| kinds.iter().position(|&is_sun| is_sun));
+    if let Some(light) = existing.and_then(|index| lights.get_mut(index)) {
         let extras = member(light, "extras").and_then(|extras| member(extras, "adumbra"));
         let shadow = extras.and_then(|adumbra| member(adumbra, "shadow"));
         *shadow.ok_or_else(|| no_object("the extras of the directional light"))? = name.into();
@@ -197,6 +193,25 @@ mod tests {
         let lights = &named(&json)["extensions"][LIGHTS]["lights"];
         assert_eq!(lights[1]["extras"]["adumbra"]["shadow"], "city.adumbra");
         assert!(lights[0].get("extras").is_none());
+    }
+
+    #[test]
+    fn light_that_does_not_shine_takes_no_name() {
+        for (lights, named_light) in [
+            (r#"[{"type":"directional","intensity":0}]"#, 1),
+            (r#"[{"type":"directional","color":[0,0,0]},{"type":"directional"}]"#, 1),
+            (r#"[{"type":"directional"},{"type":"directional"}]"#, 0),
+        ] {
+            let json = format!(
+                r#"{{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],
+                "nodes":[{{"extensions":{{"{LIGHTS}":{{"light":0}}}}}}],
+                "extensions":{{"{LIGHTS}":{{"lights":{lights}}}}}}}"#
+            );
+            let lights = &named(&json)["extensions"][LIGHTS]["lights"];
+            for (index, light) in lights.as_array().expect("a list").iter().enumerate() {
+                assert_eq!(light.get("extras").is_some(), index == named_light, "{lights}");
+            }
+        }
     }
 
     #[test]

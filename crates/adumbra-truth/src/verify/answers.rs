@@ -3,7 +3,7 @@
 use crate::verify::classes::Promises;
 use adumbra::grid::LightGrid;
 use adumbra::query::Receiver;
-use adumbra::{Bias, FileSettings, Filter, PointVisibility, Sampler, ShadowFile};
+use adumbra::{Bias, FileSettings, Filter, PointVisibility, Receivers, Sampler, ShadowFile};
 
 /// Visibility answers to be compared with rays.
 pub trait Answers: Sync {
@@ -28,6 +28,11 @@ pub trait Answers: Sync {
     /// Whether the file may answer either way inside solids.
     fn insides_are_free(&self) -> bool;
 
+    /// What a file that answers points below the scene's last surfaces promises there; `None` if it promises nothing.
+    fn below(&self) -> Option<Below> {
+        None
+    }
+
     /// The points that a filtered look-up samples, in the grid's voxels. Empty for a single tap, or if the taps are not
     /// points of a plane.
     fn taps(&self, _receiver: &Receiver) -> Vec<[f64; 3]> {
@@ -36,6 +41,16 @@ pub trait Answers: Sync {
 
     /// What the file promises.
     fn promises(&self) -> Promises;
+}
+
+/// Where points below the scene's last surfaces are answered.
+#[derive(Clone, Copy, Debug)]
+pub struct Below {
+    /// The grid that answers them.
+    pub grid: LightGrid,
+    /// How far below an open surface its shadow may begin, voxels along the light; the bias at the surface's slope if that is
+    /// more.
+    pub thickness_voxels: f64,
 }
 
 /// Answers of a look-up over a light-aligned grid.
@@ -92,6 +107,13 @@ impl<Q: PointVisibility> Answers for LightAnswers<Q> {
 
     fn insides_are_free(&self) -> bool {
         self.settings.closed_regions
+    }
+
+    fn below(&self) -> Option<Below> {
+        let FileSettings { assume_ground, receivers, thickness_world, .. } = self.settings;
+        let thickness_voxels = thickness_world / self.grid.voxel_along_light();
+        let is_answered = !assume_ground && receivers == Receivers::All;
+        is_answered.then_some(Below { grid: self.grid, thickness_voxels })
     }
 
     fn taps(&self, r: &Receiver) -> Vec<[f64; 3]> {
@@ -158,6 +180,10 @@ where
 
     fn insides_are_free(&self) -> bool {
         self.answers.insides_are_free()
+    }
+
+    fn below(&self) -> Option<Below> {
+        self.answers.below()
     }
 
     fn taps(&self, receiver: &Receiver) -> Vec<[f64; 3]> {

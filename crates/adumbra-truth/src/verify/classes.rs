@@ -25,19 +25,22 @@ pub enum Class {
     Edge,
     /// All neighbours agree, but the sun is grazing: n·l is at most [`crate::verify::MIN_N_DOT_L`].
     Grazing,
+    /// A point just below the scene, on level ground that the scene does not have: all neighbours agree.
+    Ground,
     /// All neighbours agree.
     Interior,
 }
 
 impl Class {
     /// All classes, in the order of tables.
-    pub const ALL: [Self; 6] =
-        [Self::Interior, Self::Grazing, Self::Edge, Self::Narrow, Self::Thin, Self::EdgeOn];
+    pub const ALL: [Self; 7] =
+        [Self::Interior, Self::Grazing, Self::Ground, Self::Edge, Self::Narrow, Self::Thin, Self::EdgeOn];
 
     /// The class's name in tables and JSON.
     pub fn name(self) -> &'static str {
         match self {
             Self::Interior => "interior",
+            Self::Ground => "ground",
             Self::Grazing => "grazing",
             Self::Edge => "edge",
             Self::Narrow => "narrow",
@@ -55,6 +58,8 @@ pub struct Promises {
     pub interior: f64,
     /// [`ClassResult::agreement`] of [`Class::Grazing`].
     pub grazing: Option<f64>,
+    /// [`ClassResult::agreement`] of [`Class::Ground`].
+    pub ground: Option<f64>,
     /// [`ClassResult::agreement`] of [`Class::Edge`].
     pub edge: Option<f64>,
     /// [`ClassResult::misplaced_share`] of [`Class::Edge`].
@@ -71,6 +76,7 @@ impl Promises {
     pub const LIGHT: Self = Self {
         interior: 0.999,
         grazing: Some(0.99),
+        ground: Some(0.999),
         edge: None,
         edge_misplaced: Some(0.005),
         narrow: None,
@@ -80,6 +86,7 @@ impl Promises {
     pub const LIGHT_FILTERED: Self = Self {
         interior: 0.995,
         grazing: Some(0.99),
+        ground: Some(0.99),
         edge: Some(0.9),
         edge_misplaced: None,
         narrow: Some(0.85),
@@ -163,6 +170,7 @@ impl ClassCounts {
         let (promised_agreement, promised_misplaced) = match class {
             Class::Interior => (Some(promises.interior), None),
             Class::Grazing => (promises.grazing, None),
+            Class::Ground => (promises.ground, None),
             Class::Edge => (promises.edge, promises.edge_misplaced),
             Class::Narrow => (promises.narrow, promises.narrow_misplaced),
             Class::Thin | Class::EdgeOn => (None, None),

@@ -1,7 +1,8 @@
 //! Compares a file's answers with ray tracing.
 //!
 //! Random points are drawn on the scene's surfaces, uniformly by area, or in its space. They are lifted by the
-//! look-up's bias, and both the file and the rays answer them. Every point that the sun can shine on is compared. The
+//! look-up's bias, and both the file and the rays answer them. So are points on level ground just below the scene, if the
+//! file promises answers there: an app may draw such a ground. Every point that the sun can shine on is compared. The
 //! points that are not compared are counted: faces turned away from the sun, points inside solids, which cannot be seen,
 //! and points outside the file's bounds. Each compared point has a [`Class`], which depends on rays alone:
 //!
@@ -27,9 +28,9 @@ use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use answers::{Answers, LightAnswers, Replaced};
+pub use answers::{Answers, Below, LightAnswers, Replaced};
 pub use classes::{Class, ClassResult, MIN_CHECKED_POINTS, Promises};
-pub use points::{Sample, Solids, SurfaceSampler, VolumeSampler};
+pub use points::{GroundSampler, Sample, Solids, SurfaceSampler, VolumeSampler};
 
 use crate::trace::Tracer;
 use adumbra::query::receiver;
@@ -107,6 +108,8 @@ const NEIGHBOUR_TEXELS: [f64; 2] = [1.0, 2.0];
 pub const MIN_N_DOT_L: f64 = 0.1;
 /// Points per batch. Each batch has its own random numbers, so the result does not depend on the threads.
 const BATCH: u64 = 4096;
+/// Number of points on surfaces, or in space, for each point on ground just below the scene.
+pub const SURFACE_POINTS_PER_GROUND_POINT: u64 = 8;
 
 /// Returns about how many bytes a comparison holds at most in addition to the scene and the file: the tracer, the solids
 /// and the sampler, and what it takes to build them.
@@ -124,6 +127,7 @@ pub struct Verifier<'a, A> {
     answers: &'a A,
     tracer: &'a Tracer<'a>,
     solids: &'a Solids,
+    ground: Option<GroundSampler>,
     promises: Promises,
 }
 
@@ -131,7 +135,17 @@ impl<'a, A: Answers> Verifier<'a, A> {
     /// Prepares a comparison of `answers` with rays of `tracer`. Both `tracer` and `solids` must be built from the
     /// scene that was baked.
     pub fn new(answers: &'a A, tracer: &'a Tracer<'a>, solids: &'a Solids) -> Self {
-        Self { answers, tracer, solids, promises: answers.promises() }
+        let promises = Promises { ground: None, ..answers.promises() };
+        Self { answers, tracer, solids, ground: None, promises }
+    }
+
+    /// Compares points on ground just below the scene too, one for every [`SURFACE_POINTS_PER_GROUND_POINT`] others, if the
+    /// file promises answers there.
+    #[must_use]
+    pub fn with_ground(self) -> Self {
+        let ground = self.answers.below().map(|below| GroundSampler::new(self.tracer.scene(), below));
+        let promised = self.answers.promises().ground.filter(|_| ground.is_some());
+        Self { ground, promises: Promises { ground: promised, ..self.promises }, ..self }
     }
 
     /// Replaces the least agreement required of the interior.
@@ -143,27 +157,37 @@ impl<'a, A: Answers> Verifier<'a, A> {
     /// Draws the points and compares them. Runs on the current rayon pool. Cost: about 20 rays per point, and one more
     /// per tap of a filter.
     pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Verification {
-        let batches = options.samples.div_ceil(BATCH);
-        let counts = (0..batches)
-            .into_par_iter()
-            .map(|batch| {
-                let count = BATCH.min(options.samples - batch * BATCH);
-                let mut random = Random::for_batch(options.seed, batch);
-                let mut counts = Counts::default();
-                for _ in 0..count {
-                    let sample = match sampler {
-                        Sampler::Surface(s) => s.sample(&mut random),
-                        Sampler::Volume(s) => s.sample(&mut random),
-                    };
-                    self.compare(&sample, &mut counts);
-                }
-                counts
-            })
-            .reduce(Counts::default, Counts::add);
-        counts.finish(&self.promises)
+        let counts = self.count(options.seed, options.samples, |random, counts| {
+            let sample = match sampler {
+                Sampler::Surface(s) => s.sample(random),
+                Sampler::Volume(s) => s.sample(random),
+            };
+            self.compare(&sample, None, counts);
+        });
+        let ground_points =
+            self.ground.as_ref().map_or(0, |_| options.samples / SURFACE_POINTS_PER_GROUND_POINT);
+        let on_ground = self.count(options.seed, ground_points, |random, counts| {
+            if let Some(ground) = &self.ground {
+                self.compare(&ground.sample(random), Some(ground.thickness_voxels()), counts);
+            }
+        });
+        counts.add(&on_ground).finish(&self.promises)
     }
 
-    fn compare(&self, sample: &Sample, c: &mut Counts) {
+    /// Counts points in batches.
+    fn count(&self, seed: u64, points: u64, one: impl Fn(&mut Random, &mut Counts) + Sync) -> Counts {
+        let of_batch = |batch: u64| {
+            let mut random = Random::for_batch(seed, batch);
+            let mut counts = Counts::default();
+            (0..BATCH.min(points - batch * BATCH)).for_each(|_| one(&mut random, &mut counts));
+            counts
+        };
+        let batches = (0..points.div_ceil(BATCH)).into_par_iter();
+        batches.map(of_batch).reduce(Counts::default, |one, other| one.add(&other))
+    }
+
+    /// `thickness_voxels` is that of [`Below`], for points on ground below the scene.
+    fn compare(&self, sample: &Sample, thickness_voxels: Option<f64>, c: &mut Counts) {
         let answers = self.answers;
         if sample.normal.is_some_and(|n| !(adumbra::grid::vec3::dot(n, answers.towards_sun()) > 0.0)) {
             c.facing_away += 1;
@@ -177,6 +201,7 @@ impl<'a, A: Answers> Verifier<'a, A> {
             p_world: sample.p_world,
             normal: sample.normal,
             receiver: receiver(&grid, &answers.bias(), sample.p_world, sample.normal),
+            thickness_voxels,
         };
         if !answers.covers(grid.to_world(place.receiver.p_grid)) {
             c.outside_bounds += 1;
@@ -195,6 +220,7 @@ impl<'a, A: Answers> Verifier<'a, A> {
         let class = match place.class(truth, &answers.baked_bias()) {
             // The taps of a filter count as neighbours too.
             Class::Interior | Class::Grazing if expected != own => Class::Edge,
+            Class::Interior | Class::Grazing if thickness_voxels.is_some() => Class::Ground,
             class => class,
         };
         // A value outside 0 to 1 is wrong, whatever the rays say.
@@ -221,7 +247,7 @@ pub enum Sampler<'s> {
 }
 
 impl Counts {
-    fn add(mut self, o: Self) -> Self {
+    fn add(mut self, o: &Self) -> Self {
         self.facing_away += o.facing_away;
         self.inside_solids += o.inside_solids;
         self.outside_bounds += o.outside_bounds;

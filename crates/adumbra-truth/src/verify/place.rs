@@ -1,6 +1,6 @@
 //! Traces rays at one point and its neighbourhood.
 
-use crate::trace::{Ray, Tracer};
+use crate::trace::{Hit, Ray, Tracer};
 use crate::verify::classes::Class;
 use crate::verify::points::Solids;
 use crate::verify::{MIN_N_DOT_L, NEIGHBOUR_TEXELS};
@@ -29,6 +29,8 @@ pub(super) struct Place<'a> {
     pub(super) normal: Option<[f64; 3]>,
     /// The point after the bias.
     pub(super) receiver: Receiver,
+    /// For points on ground below the scene: how far below an open surface its shadow may begin, voxels along the light.
+    pub(super) thickness_voxels: Option<f64>,
 }
 
 impl Place<'_> {
@@ -103,16 +105,35 @@ impl Place<'_> {
 
     /// Whether the nearest blocker on the point's sun ray is within the bias, where no look-up can see it.
     fn is_thin(&self, baked_bias: &Bias) -> bool {
-        let Some(hit) = self.tracer.nearest_blocker(&self.ray_from_surface()) else { return false };
-        let distance_voxels = hit.t / self.grid.voxel_along_light();
-        if self.normal.is_none() {
+        let mut ray = self.ray_from_surface();
+        let Some(mut hit) = self.tracer.nearest_blocker(&ray) else { return false };
+        let bias_at_hit = |hit: &Hit| {
             let n = self.grid.normal_to_grid(hit.normal);
             let slope = ((n[0] * n[0] + n[1] * n[1]).sqrt() / n[2].abs().max(1e-6)).min(MAX_SLOPE);
-            return distance_voxels < NEAR_VOXELS.max(baked_bias.along_light(slope));
+            baked_bias.along_light(slope)
+        };
+        let voxels_to = |hit: &Hit| hit.t / self.grid.voxel_along_light();
+        if self.normal.is_none() {
+            return voxels_to(&hit) < NEAR_VOXELS.max(bias_at_hit(&hit));
         }
         // The distance by which the look-up's own bias moves the point towards the sun, plus one voxel for the grid.
         let lifted_voxels = self.grid.to_grid(self.p_world)[2] - self.receiver.p_grid[2];
-        distance_voxels < lifted_voxels + 1.0
+        let Some(thickness_voxels) = self.thickness_voxels else {
+            return voxels_to(&hit) < lifted_voxels + 1.0;
+        };
+        // Below a solid, the shadow begins where ground could meet it, so only one that is thin itself is too near. That of an
+        // open surface begins below it, as for points in space.
+        let bounds_solid = |hit: &Hit| self.solids.contains(hit.instance, hit.triangle);
+        while hit.front && bounds_solid(&hit) {
+            ray.t_min = hit.t + OFF_SURFACE_VOXELS * self.grid.voxel_size;
+            match self.tracer.nearest_blocker(&ray) {
+                Some(next) => hit = next,
+                None => break,
+            }
+        }
+        let begins_voxels =
+            if bounds_solid(&hit) { 1.0 } else { bias_at_hit(&hit).max(thickness_voxels).max(1.0) };
+        voxels_to(&hit) < lifted_voxels + begins_voxels
     }
 
     /// Whether the winding of solids above the point is nonzero, so that it cannot be seen.

@@ -1,5 +1,6 @@
 //! Random points on surfaces and in space.
 
+use super::answers::Below;
 use adumbra::grid::LightGrid;
 use adumbra::grid::vec3::{cross, dot};
 use adumbra_scene::random::Random;
@@ -168,6 +169,37 @@ impl VolumeSampler {
             }
         }
         Sample { p_world, normal: None }
+    }
+}
+
+/// Draws points on level ground just below the scene, uniformly over the grid's columns.
+pub struct GroundSampler {
+    below: Below,
+    height_world: f64,
+}
+
+impl GroundSampler {
+    /// Samples ground one voxel below the lowest point of `scene`, where an app may draw it.
+    pub fn new(scene: &Scene, below: Below) -> Self {
+        Self { below, height_world: scene.bounds().min[1] - below.grid.voxel_size }
+    }
+
+    /// How far below an open surface its shadow may begin, voxels along the light.
+    pub(super) fn thickness_voxels(&self) -> f64 {
+        self.below.thickness_voxels
+    }
+
+    /// Draws the next point.
+    pub fn sample(&self, random: &mut Random) -> Sample {
+        let grid = &self.below.grid;
+        let [x, y] = [0, 1].map(|axis| random.unit() * f64::from(grid.size[axis]));
+        let on_column = grid.to_world([x, y, 0.0]);
+        let towards = grid.sun.towards();
+        let t = (self.height_world - on_column[1]) / towards[1];
+        Sample {
+            p_world: std::array::from_fn(|a| on_column[a] + t * towards[a]),
+            normal: Some([0.0, 1.0, 0.0]),
+        }
     }
 }
 

@@ -30,7 +30,9 @@ impl Leaf<'_> {
                 let shadowed_from = if is_free { FixedDepth::MAX } else { exit.saturating_add(BEHIND_EXIT) };
                 let farthest = shadowed_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
                 let next = if deepest > farthest { known_behind.min(deepest) } else { known_behind };
-                let any_counts = (next == FixedDepth::MAX) & rules.assume_ground;
+                let next = next.min(rules.below(first, base));
+                // A ground is assumed until something is behind.
+                let any_counts = next == FixedDepth::MAX;
                 self.shadowed_from[row][c] = shadowed_from;
                 self.next[row][c] = if first.is_none() { FixedDepth::MAX } else { next };
                 self.matters_before[row][c] =

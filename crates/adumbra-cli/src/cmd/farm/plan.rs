@@ -20,6 +20,7 @@ use serde::Serialize;
 use super::export::Job;
 use super::plan_file::{PlanFile, cache_of};
 use crate::args::{ExportFormat, Plan};
+use crate::cmd::ground::DecidedGround;
 use crate::cmd::store::url_of;
 
 /// What is printed with `--json`.
@@ -41,6 +42,8 @@ pub(crate) struct Planned {
     sun: [f64; 3],
     /// Where the sun comes from.
     sun_origin: SunOrigin,
+    /// Whether shadows below the last surface of a column are left out.
+    assumes_ground: bool,
 }
 
 pub(crate) fn run(args: &Plan) -> Outcome {
@@ -56,12 +59,13 @@ pub(crate) fn run(args: &Plan) -> Outcome {
         let sun = args.settings.sun.choose(&scene, &args.scene)?;
         warn_of_low_sun(&sun.sun);
         let share = limit.share(scene.memory_bytes());
-        let options = BakeOptions {
+        let mut options = BakeOptions {
             max_memory_bytes: share.bytes(),
             ..args.settings.options(sun.sun, args.load.ignore_alpha)
         };
         refuse_read("--output", &output).map_err(bad_input)?;
         bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
+        let ground = DecidedGround::of(&scene, &mut options);
         let plan = BakePlan::new(&scene, &options).map_err(|error| share.whole(error.into()))?;
         let file = PlanFile { scene: whole(&args.scene)?, load: args.load.anywhere()?, plan };
         let text = serde_json::to_vec(&file)
@@ -81,11 +85,13 @@ pub(crate) fn run(args: &Plan) -> Outcome {
                 largest_cost: parts.first().map_or(0, |part| part.cost()),
                 sun: sun.sun.towards(),
                 sun_origin: sun.origin,
+                assumes_ground: ground.is_assumed,
             })?;
         } else {
             let (scene, plan) = (args.scene.display(), output.display());
             say!("{scene} -> {plan}: {} parts of {levels} levels", parts.len());
             say!("  {sun}");
+            say!("  {ground}");
             if let Some(job) = job {
                 say!("  {}", job.display());
             }
