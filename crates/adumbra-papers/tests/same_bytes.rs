@@ -5,7 +5,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use adumbra::{AtRest, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size, Watch, bake};
 use adumbra_papers::dag::DagLayout;
 use adumbra_papers::dag::build::{self, DagOptions};
 use adumbra_papers::tree::{TreeFile, TreeOptions, bake_tree};
@@ -25,7 +25,9 @@ fn listed(text: &str) -> impl Iterator<Item = [&str; 3]> {
 /// Returns the digest of the file of this kind.
 fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) -> String {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let in_frame = |frame| BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    let assume_ground = AssumeGround::Yes;
+    let in_frame =
+        |frame| BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let mut bytes = Cursor::new(Vec::new());
     let mut quadtree =
         |frame| bake(scene, &in_frame(frame), Watch::none()).unwrap().file.write_to(&mut bytes, AtRest::Raw);
