@@ -11,7 +11,7 @@
 //! - Little of the shadow falls through holes or beyond the outline, under a sun 45° high in each of four directions. All of
 //!   a house's does, even if it has a floor of its own.
 
-use adumbra_scene::{Instance, Scene};
+use adumbra_scene::{Bounds, Instance, Scene};
 use rayon::prelude::*;
 
 use crate::options::AssumeGround;
@@ -103,19 +103,7 @@ fn triangles<'s>(scene: &'s Scene, instance: &'s Instance) -> impl Iterator<Item
 
 impl Lines {
     fn of(scene: &Scene) -> Option<Self> {
-        let none = || [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        let grow = |mut extent: [[f64; 3]; 2], p: [f64; 3]| {
-            for a in 0..3 {
-                extent[0][a] = extent[0][a].min(p[a]);
-                extent[1][a] = extent[1][a].max(p[a]);
-            }
-            extent
-        };
-        let extents = scene
-            .instances
-            .par_iter()
-            .fold(none, |extent, instance| triangles(scene, instance).flatten().fold(extent, grow));
-        let [low, high] = extents.reduce(none, |one, other| other.into_iter().fold(one, grow));
+        let Bounds { min: low, max: high } = scene.bounds();
         let sides = [0, 2].map(|a| high[a] - low[a]);
         let spacing = sides[0].max(sides[1]) / LINES as f64;
         if !(spacing > 0.0 && spacing.is_finite()) {

@@ -5,7 +5,8 @@ use adumbra::{Bias, LightGrid, MAX_SLOPE, Receivers};
 use adumbra_scene::Scene;
 
 use crate::columns::capture::{self, CaptureBuffers, TileRect, capture_layers};
-use crate::columns::rules::{ColumnRules, NormalOffset, for_each_inside};
+use crate::columns::crossings::for_each_inside;
+use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::triangles::casters::{self, CasterOptions, Casters, SceneClusters};
 pub use crate::triangles::project::FixedDepth;
 use crate::triangles::surface::TileSurfaces;

@@ -5,8 +5,8 @@ use adumbra_scene::Scene;
 
 use crate::bake::build_planned;
 use crate::choose;
+use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, capture};
-use crate::columns::rules::Columns;
 use crate::error::Result;
 use crate::options::{BakeOptions, Builder};
 use crate::progress::{Report, Watch};

@@ -5,10 +5,13 @@
 //! texel's footprint, whether it is a receiver behind the column's caster. Only crossings of solids are kept as lists,
 //! to count their winding. The rules are those of §3 of the specification, implemented in `columns/rules.rs`.
 
+use crate::columns::Columns;
+use crate::columns::crossings::{crossing_key, solid_end};
 use crate::columns::masked;
 use crate::columns::masked::{MaskedHit, TriangleMask};
 use crate::columns::rules as columns;
-use crate::columns::rules::{ColumnRules, Columns, FirstSurface, ReceiverKind, SeamHit};
+use crate::columns::rules::{ColumnRules, FirstSurface, ReceiverKind};
+use crate::columns::seams::{self, SeamHit};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN};
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
@@ -158,12 +161,12 @@ fn sample_band(
         let CaptureBuffers { seams, masked, first, .. } = b;
         if columns::keep_meeting_seams(seams) {
             surfaces.for_each(|surface| {
-                columns::drop_covered_seams(seams, surface, |texel| {
+                seams::drop_covered_seams(seams, surface, |texel| {
                     let (x, y) = (texel as u32 % rect.width, texel as u32 / rect.width);
                     surface.shape.covers(i64::from(rect.x + x), i64::from(rect.y + y))
                 });
             });
-            columns::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
+            seams::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
         }
         masked::add_first_surfaces(masked, |texel, surface| first[texel] = first[texel].min(surface));
     }
@@ -234,8 +237,7 @@ fn sample_centers(
                 b.first[texel] = first;
             }
             if surface.solid {
-                b.crossings
-                    .push(Crossing { texel: texel as u32, key: columns::crossing_key(depth, exit_bit) });
+                b.crossings.push(Crossing { texel: texel as u32, key: crossing_key(depth, exit_bit) });
             }
         }
         if b.crossings.len().max(b.masked.len()) > MAX_CROSSINGS && rect.height > 1 {
@@ -255,7 +257,7 @@ fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
     for texel in 0..texels {
         let end = b.list_ends[texel] as usize;
         if end > start {
-            match columns::solid_end(&b.sorted[start..end]) {
+            match solid_end(&b.sorted[start..end]) {
                 Some(exit) => b.base[texel] = exit,
                 None => b.first[texel].set_open(),
             }

@@ -2,8 +2,10 @@
 
 mod block;
 pub(crate) mod capture;
+pub(crate) mod crossings;
 pub(crate) mod masked;
 pub(crate) mod rules;
+pub(crate) mod seams;
 
-pub(crate) use block::BLOCK_SIDE;
 pub use block::BlockColumns;
+pub(crate) use block::{BLOCK_SIDE, Columns};

@@ -13,9 +13,6 @@ use adumbra::grid::vec3::dot;
 use adumbra::query::receiver;
 use adumbra::{Bias, LightGrid, MAX_PLANE_SLOPE, Receivers};
 
-/// Offset in depth steps that makes a depth an unsigned key.
-const KEY_OFFSET: i64 = 1 << 28;
-
 /// The nearest surface of a column, ordered by depth; then solids before open surfaces; then by increasing bias.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct FirstSurface {
@@ -71,112 +68,6 @@ impl FirstSurface {
     #[inline(always)]
     pub(crate) fn bias(self) -> FixedDepth {
         (self.info & 0xffff) as FixedDepth
-    }
-}
-
-/// A sunward surface of a solid that covers a texel's centre only when it is grown by the seam width.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
-pub(crate) struct SeamHit {
-    texel: u32,
-    first: FirstSurface,
-    /// Instance and component.
-    body: [u32; 2],
-}
-
-impl SeamHit {
-    pub(crate) fn new(texel: usize, depth: FixedDepth, info: u32, surface: &Surface) -> Self {
-        let first = FirstSurface::new(depth, info | OPEN_BIT);
-        Self { texel: texel as u32, first, body: [surface.instance, surface.component] }
-    }
-}
-
-/// Keeps only the hits at texels where hits of two solids meet. Returns whether any are left.
-pub(crate) fn keep_meeting_seams(hits: &mut Vec<SeamHit>) -> bool {
-    hits.sort_unstable();
-    let mut kept = 0;
-    let mut start = 0;
-    while start < hits.len() {
-        let texel = hits[start].texel;
-        let end = start + hits[start..].partition_point(|hit| hit.texel == texel);
-        if hits[start..end].iter().any(|hit| hit.body != hits[start].body) {
-            hits.copy_within(start..end, kept);
-            kept += end - start;
-        }
-        start = end;
-    }
-    hits.truncate(kept);
-    kept > 0
-}
-
-/// Removes the hits of a solid at texels that `surface`, another part of the solid's sunward side, covers itself. They
-/// are beside an edge within that side, where there is no seam.
-pub(crate) fn drop_covered_seams(hits: &mut Vec<SeamHit>, surface: &Surface, covers: impl Fn(usize) -> bool) {
-    if surface.casts && surface.solid && !surface.masked && surface.shape.faces_sun {
-        let body = [surface.instance, surface.component];
-        hits.retain(|hit| hit.body != body || !covers(hit.texel as usize));
-    }
-}
-
-/// Closes the seams between solids that touch. A centre that is within the seam width of two solids is covered from the
-/// depth at which both are. The inside is unknown there, so the covering surface is open. Calls `close(texel, surface)`
-/// at most once per texel.
-///
-/// Rays see no gap there, but snapping may have moved corners off the neighbour's edge on which they were.
-pub(crate) fn close_seams(hits: &[SeamHit], mut close: impl FnMut(usize, FirstSurface)) {
-    for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
-        if let Some(second) = texel.iter().find(|hit| hit.body != texel[0].body) {
-            close(second.texel as usize, second.first);
-        }
-    }
-}
-
-/// Encodes a solid's crossing as a sortable word: depth plus 2^28 in bits 31..1; bit 0 = 1 if the ray leaves the solid.
-pub(crate) fn crossing_key(depth: FixedDepth, exit_bit: u32) -> u32 {
-    ((i64::from(depth) + KEY_OFFSET) as u32) << 1 | exit_bit
-}
-
-/// Returns the depth of the first of the sorted crossings at which all solids that were entered have been left. Returns
-/// `None` if there is no such crossing; then the column is open.
-///
-/// A self-intersecting hull may be left before it is entered. Its column ends right there, so a column always ends
-/// where a solid is left.
-pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
-    let mut inside = 0_u32;
-    for &key in sorted {
-        if key & 1 == 0 {
-            inside += 1;
-        } else {
-            inside = inside.saturating_sub(1);
-            if inside == 0 {
-                return Some((i64::from(key >> 1) - KEY_OFFSET) as FixedDepth);
-            }
-        }
-    }
-    None
-}
-
-/// Calls `visit(from, to)` for every interval of positive winding in sorted crossings; `to` is where the winding is
-/// back at 0. Visits nothing if the count becomes negative; then the column is open. A solid that is entered but never
-/// left has no interval.
-pub(crate) fn for_each_inside(sorted: &[u32], mut visit: impl FnMut(FixedDepth, FixedDepth)) {
-    let depth = |key: u32| (i64::from(key >> 1) - KEY_OFFSET) as FixedDepth;
-    let step = |key: u32| if key & 1 == 0 { 1 } else { -1 };
-    let mut winding = 0;
-    for &key in sorted {
-        winding += step(key);
-        if winding < 0 {
-            return;
-        }
-    }
-    let (mut winding, mut from) = (0, 0);
-    for &key in sorted {
-        if winding == 0 {
-            from = depth(key);
-        }
-        winding += step(key);
-        if winding == 0 && depth(key) > from {
-            visit(from, depth(key));
-        }
     }
 }
 
@@ -499,7 +390,7 @@ impl ColumnRules {
     /// Those from level ground right behind the end of a solid sample before the end: where the ground that an app draws meets
     /// the foot of a wall. Below an open surface, only those that sample behind the exit are answered: the shadow would begin
     /// at the surface everywhere otherwise, at up to three times the bytes. Look-ups that sample less than a voxel behind the
-    /// first surface are not told from those before it. So e stays, and what is below something thin gets no acne.
+    /// first surface count as before it. So e stays, and what is below something thin gets no acne.
     #[inline(always)]
     pub(crate) fn below(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
         self.below_exit(self.exit(first, base), first.depth(), first.is_solid())
@@ -543,67 +434,5 @@ impl ColumnRules {
     #[inline(always)]
     pub(crate) fn quantize(&self, depth: FixedDepth) -> u32 {
         self.voxel(depth.saturating_add(SUBTEXEL as FixedDepth / 2 - 1))
-    }
-}
-
-/// `[e, x]` of every column of a tile.
-#[derive(Default)]
-pub(crate) struct Columns {
-    pub(crate) width: u32,
-    pub(crate) height: u32,
-    /// End of the range that must be lit.
-    pub(crate) e: Vec<u32>,
-    /// Start of the range that must be shadowed.
-    pub(crate) x: Vec<u32>,
-}
-
-impl Columns {
-    pub(crate) fn reset(&mut self, width: u32, height: u32) {
-        self.width = width;
-        self.height = height;
-        for v in [&mut self.e, &mut self.x] {
-            v.clear();
-            v.resize((width * height) as usize, 0);
-        }
-    }
-
-    pub(crate) fn set(&mut self, texel: usize, [e, x]: [u32; 2]) {
-        self.e[texel] = e;
-        self.x[texel] = x;
-    }
-
-    /// Lets a column's shadow begin as late as `x`.
-    pub(crate) fn extend(&mut self, texel: usize, x: u32) {
-        self.x[texel] = self.x[texel].max(x);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Returns the intervals of crossings that are given as (depth, is left).
-    fn insides(crossings: &[(FixedDepth, bool)]) -> Vec<(FixedDepth, FixedDepth)> {
-        let mut keys: Vec<_> = crossings.iter().map(|&(d, left)| crossing_key(d, u32::from(left))).collect();
-        keys.sort_unstable();
-        let mut found = Vec::new();
-        for_each_inside(&keys, |from, to| found.push((from, to)));
-        found
-    }
-
-    #[test]
-    fn columns_lie_inside_solids_from_entering_to_leaving() {
-        let (enters, leaves) = (|d| (d, false), |d| (d, true));
-        assert_eq!(insides(&[]), []);
-        assert_eq!(insides(&[enters(-5), leaves(9)]), [(-5, 9)]);
-        // Nested, and one behind the other.
-        let nested = [enters(10), enters(20), leaves(30), leaves(40), enters(50), leaves(60)];
-        assert_eq!(insides(&nested), [(10, 40), (50, 60)]);
-        // Abutting: at equal depth entering sorts before leaving, so there is no gap.
-        assert_eq!(insides(&[enters(1), leaves(5), enters(5), leaves(8)]), [(1, 8)]);
-        // Zero thickness; never left; left before it is entered.
-        assert_eq!(insides(&[enters(3), leaves(3)]), []);
-        assert_eq!(insides(&[enters(1), leaves(2), enters(7)]), [(1, 2)]);
-        assert_eq!(insides(&[leaves(0), enters(1), leaves(2)]), []);
     }
 }

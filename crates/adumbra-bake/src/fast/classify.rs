@@ -265,7 +265,7 @@ fn earliest_contact(
     contacts.filter(|[_, high]| *high >= from).map(|[low, _]| low.max(from)).fold(x, u32::min)
 }
 
-/// Whether outlines of two solids cross the block, so that [`crate::columns::rules::close_seams`] may find both at one
+/// Whether outlines of two solids cross the block, so that [`crate::columns::seams::close_seams`] may find both at one
 /// texel.
 fn seams_may_be_closed<'a>(solids: impl Iterator<Item = &'a Group>) -> bool {
     let mut bodies = solids.filter(|g| g.contour && g.kind == Kind::SolidFront).map(|g| g.body);

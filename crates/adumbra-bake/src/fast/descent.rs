@@ -7,9 +7,10 @@
 use adumbra::layout::LEAF_NODE_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, TileRect, capture};
 use crate::columns::masked::TriangleMask;
-use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
+use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::error::{Error, Result};
 use crate::fast::block::{Block, BlockSurface, SnappedBox};

@@ -4,8 +4,8 @@
 use std::sync::atomic::AtomicBool;
 
 use crate::choose;
+use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, capture};
-use crate::columns::rules::Columns;
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{AssumeGround, BakeOptions, Size};

@@ -6,8 +6,9 @@ pub(crate) mod agreement;
 #[cfg(test)]
 mod reference;
 
+use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, capture};
-use crate::columns::rules::{BESIDE_GRID, Columns};
+use crate::columns::rules::BESIDE_GRID;
 use crate::sink::BlockSink;
 use crate::sink::from_columns::block_of;
 use crate::sink::limit::SwitchLimit;

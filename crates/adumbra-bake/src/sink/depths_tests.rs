@@ -2,7 +2,8 @@
 
 use proptest::prelude::*;
 
-use crate::columns::rules::{BESIDE_GRID, Columns, FREE_TO_END};
+use crate::columns::Columns;
+use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
 use crate::options::{BakeOptions, Size};
 use crate::sink::depths::{DepthsBlock, DepthsSink};
 use crate::sink::from_columns::block_of;

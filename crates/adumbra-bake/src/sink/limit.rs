@@ -7,7 +7,8 @@
 //! `docs/layouts.md` documents the cost and the benefit.
 
 use crate::columns::BlockColumns;
-use crate::columns::rules::{BESIDE_GRID, Columns};
+use crate::columns::Columns;
+use crate::columns::rules::BESIDE_GRID;
 use crate::sink::BlockSink;
 
 /// How much of a column's interval remains.

@@ -16,7 +16,8 @@ use texels::{Firsts, LANES, Texels};
 use std::cell::OnceCell;
 
 use crate::columns::masked::{MaskedHit, TriangleMask};
-use crate::columns::rules::{ColumnRules, FirstSurface, SeamHit};
+use crate::columns::rules::{ColumnRules, FirstSurface};
+use crate::columns::seams::SeamHit;
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
 use crate::triangles::opacity::OpacityTables;

@@ -3,7 +3,7 @@
 use super::texels::{LANES, rows_of};
 use super::{Crossings, Leaf, Near};
 use crate::columns::BLOCK_SIDE;
-use crate::columns::rules::{self, SeamHit};
+use crate::columns::seams::{self, SeamHit};
 use crate::texel_mask::{texels_of, texels_where};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
 use crate::triangles::surface::Surface;
@@ -91,17 +91,17 @@ impl Leaf<'_> {
     #[inline(always)]
     pub(super) fn add_seams(&mut self, order: &[Near]) {
         let Self { first, buffers, block, .. } = self;
-        if !rules::keep_meeting_seams(&mut buffers.seams) {
+        if !seams::keep_meeting_seams(&mut buffers.seams) {
             return;
         }
         for near in order {
             let surface = &self.setting.surfaces[near.surface as usize].surface;
-            rules::drop_covered_seams(&mut buffers.seams, surface, |texel| {
+            seams::drop_covered_seams(&mut buffers.seams, surface, |texel| {
                 let (x, y) = ((texel % BLOCK_SIDE) as u32, (texel / BLOCK_SIDE) as u32);
                 surface.shape.covers(i64::from(block.x + x), i64::from(block.y + y))
             });
         }
-        rules::close_seams(&buffers.seams, |texel, surface| {
+        seams::close_seams(&buffers.seams, |texel, surface| {
             if surface < first.get(texel) {
                 first.set(texel, surface);
             }
