@@ -11,7 +11,8 @@
 //! - Little of the shadow falls through holes or beyond the outline, under a sun 45° high in each of four directions. All of
 //!   a house's does, even if it has a floor of its own.
 
-use adumbra_scene::{Bounds, Instance, Scene};
+use adumbra::Bounds;
+use adumbra_scene::{Instance, Scene};
 use rayon::prelude::*;
 
 use crate::options::AssumeGround;

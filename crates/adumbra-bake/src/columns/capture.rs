@@ -9,7 +9,6 @@ use crate::columns::Columns;
 use crate::columns::crossings::{crossing_key, solid_end};
 use crate::columns::masked;
 use crate::columns::masked::{MaskedHit, TriangleMask};
-use crate::columns::rules as columns;
 use crate::columns::rules::{ColumnRules, FirstSurface, ReceiverKind};
 use crate::columns::seams::{self, SeamHit};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN};
@@ -159,7 +158,7 @@ fn sample_band(
     });
     if fits {
         let CaptureBuffers { seams, masked, first, .. } = b;
-        if columns::keep_meeting_seams(seams) {
+        if seams::keep_meeting_seams(seams) {
             surfaces.for_each(|surface| {
                 seams::drop_covered_seams(seams, surface, |texel| {
                     let (x, y) = (texel as u32 % rect.width, texel as u32 / rect.width);
