@@ -10,7 +10,7 @@ use crate::options::Builder;
 use crate::plan::Plan;
 
 /// Version of the rules by which pages are made. `tests/objects.rs` notices if pages change.
-const RULES: u32 = 2;
+const RULES: u32 = 3;
 
 /// The hashes of a scene's instances, with their meshes, materials and textures.
 pub(crate) struct SceneHashes {

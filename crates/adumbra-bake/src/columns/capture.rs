@@ -7,15 +7,14 @@
 
 use crate::columns::Columns;
 use crate::columns::crossings::{crossing_key, solid_end};
-use crate::columns::masked;
-use crate::columns::masked::{MaskedHit, TriangleMask};
+use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{ColumnRules, FirstSurface, ReceiverKind};
 use crate::columns::seams::{self, SeamHit};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN};
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
 
-/// Solid crossings, and also masked hits, that a tile may hold at once. A tile with more is captured in bands of rows.
+/// Solid crossings that a tile may hold at once. A tile with more is captured in bands of rows.
 const MAX_CROSSINGS: usize = 1 << 20;
 
 /// A rectangle of texels.
@@ -36,7 +35,6 @@ pub(crate) struct CaptureBuffers {
     crossings: Vec<Crossing>,
     list_ends: Vec<u32>,
     sorted: Vec<u32>,
-    masked: Vec<MaskedHit>,
     seams: Vec<SeamHit>,
 }
 
@@ -51,7 +49,7 @@ struct Crossing {
 pub(crate) fn working_bytes(texels: u64) -> u64 {
     let texel = size_of::<FirstSurface>() + 2 * size_of::<FixedDepth>() + 4;
     // Vectors grow by doubling.
-    let crossings = 2 * MAX_CROSSINGS * (size_of::<Crossing>() + 4 + size_of::<MaskedHit>());
+    let crossings = 2 * MAX_CROSSINGS * (size_of::<Crossing>() + 4);
     texels * (texel as u64 + 2 * 4) + crossings as u64
 }
 
@@ -150,14 +148,13 @@ fn sample_band(
     b.first.clear();
     b.first.resize(texels, FirstSurface::NONE);
     b.crossings.clear();
-    b.masked.clear();
     b.seams.clear();
     let mut fits = true;
     surfaces.for_each(|surface| {
         fits = fits && (!surface.casts || sample_centers(surfaces, surface, rules, rect, b));
     });
     if fits {
-        let CaptureBuffers { seams, masked, first, .. } = b;
+        let CaptureBuffers { seams, first, .. } = b;
         if seams::keep_meeting_seams(seams) {
             surfaces.for_each(|surface| {
                 seams::drop_covered_seams(seams, surface, |texel| {
@@ -167,7 +164,6 @@ fn sample_band(
             });
             seams::close_seams(seams, |texel, surface| first[texel] = first[texel].min(surface));
         }
-        masked::add_first_surfaces(masked, |texel, surface| first[texel] = first[texel].min(surface));
     }
     fits
 }
@@ -221,9 +217,8 @@ fn sample_centers(
             let depth = triangle.depth_at(&plane, x, y);
             let texel = (start + i as isize) as usize;
             if let Some(mask) = &mask {
-                let covered = mask.coverage(surfaces.scene(), [x, y]);
-                if covered != 0 {
-                    b.masked.push(MaskedHit::new(texel, depth, info, covered));
+                if mask.is_opaque(surfaces.scene(), [x, y]) {
+                    b.first[texel] = b.first[texel].min(FirstSurface::new(depth, info));
                 }
                 continue;
             }
@@ -239,7 +234,7 @@ fn sample_centers(
                 b.crossings.push(Crossing { texel: texel as u32, key: crossing_key(depth, exit_bit) });
             }
         }
-        if b.crossings.len().max(b.masked.len()) > MAX_CROSSINGS && rect.height > 1 {
+        if b.crossings.len() > MAX_CROSSINGS && rect.height > 1 {
             return false;
         }
     }

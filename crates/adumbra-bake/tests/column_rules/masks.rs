@@ -1,4 +1,4 @@
-//! Floors under cards with holes that are finer than a texel: what counts is how much of the texel they leave.
+//! Floors under cards with holes that are finer than a texel: they get the light that the holes leave.
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size};
@@ -13,7 +13,7 @@ const HALF: f32 = 4.0;
 /// Every fourth texel along the longer side of a texture is clear. There a texel of the grid covers 4.3 of them, along the
 /// other side 0.006.
 #[test]
-fn floor_under_a_finely_striped_card_is_dark_whichever_side_of_its_texture_is_longer() {
+fn floor_under_a_finely_striped_card_has_the_light_of_its_stripes_whichever_side_of_the_texture_is_longer() {
     const LONG: u32 = 64;
     let overhead = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     for [width, height] in [[LONG, 2], [2, LONG]] {
@@ -54,7 +54,9 @@ fn floor_under_a_finely_striped_card_is_dark_whichever_side_of_its_texture_is_lo
             let options =
                 BakeOptions { builder, frame, ..BakeOptions::new(overhead, Size::VoxelSize(VOXEL)) };
             let lit = lit_on_ground(&bake_quietly(&scene, &options), &points);
-            assert_eq!(lit, 0, "{width} x {height}, {builder:?}: of {} points", points.len());
+            let share = lit as f64 / points.len() as f64;
+            // Stripes and texels beat: a clear stripe is met by three or four texels in a row of thirteen.
+            assert!((share - 0.25).abs() < 0.05, "{width} x {height}, {builder:?}: {share}");
         }
     }
 }

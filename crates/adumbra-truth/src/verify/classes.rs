@@ -66,8 +66,7 @@ pub struct Promises {
     pub edge_misplaced: Option<f64>,
     /// [`ClassResult::agreement`] of [`Class::Narrow`].
     pub narrow: Option<f64>,
-    /// [`ClassResult::misplaced_share`] of [`Class::Narrow`], where holes in masks are evaluated by area and may be
-    /// finer than a texel.
+    /// [`ClassResult::misplaced_share`] of [`Class::Narrow`], where holes in masks may be finer than a texel.
     pub narrow_misplaced: Option<f64>,
 }
 

@@ -10,12 +10,11 @@ mod receivers;
 mod sampling;
 mod texels;
 
-use masks::Masked;
 use texels::{Firsts, LANES, Texels};
 
 use std::cell::OnceCell;
 
-use crate::columns::masked::{MaskedHit, TriangleMask};
+use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{ColumnRules, FirstSurface};
 use crate::columns::seams::SeamHit;
 use crate::columns::{BLOCK_SIDE, BlockColumns};
@@ -24,8 +23,6 @@ use crate::triangles::opacity::OpacityTables;
 use crate::triangles::project::FixedDepth;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
-
-const TEXELS: usize = BLOCK_SIDE * BLOCK_SIDE;
 
 /// The surfaces near the block.
 #[derive(Clone, Copy)]
@@ -63,7 +60,6 @@ pub(crate) struct LeafBuffers {
     order: Vec<Near>,
     /// Nearest first, by the least depth.
     crossings: Vec<Crossings>,
-    masked: Vec<MaskedHit>,
     seams: Vec<SeamHit>,
 }
 
@@ -103,7 +99,6 @@ struct Leaf<'b> {
     /// Texels of the grid.
     inside: u64,
     first: Firsts,
-    masked: Masked,
     /// Number of solids entered so far, minus those left.
     entered: Texels<i32>,
     /// Some receiver is known to sample the column at this depth or deeper.
@@ -160,7 +155,6 @@ impl pulp::WithSimd for Task<'_> {
 #[inline(always)]
 fn compute(Task { block, inside, near, known_behind, setting, buffers }: Task<'_>) -> BlockColumns {
     buffers.crossings.clear();
-    buffers.masked.clear();
     buffers.seams.clear();
     buffers.order(near);
     let order = std::mem::take(&mut buffers.order);
@@ -170,7 +164,6 @@ fn compute(Task { block, inside, near, known_behind, setting, buffers }: Task<'_
         ranges: near.ranges,
         inside,
         first: Firsts::none(),
-        masked: Masked::none(),
         entered: [[0; BLOCK_SIDE]; BLOCK_SIDE],
         deepest: [[FixedDepth::MIN; BLOCK_SIDE]; BLOCK_SIDE],
         base: [[0; BLOCK_SIDE]; BLOCK_SIDE],
@@ -182,7 +175,6 @@ fn compute(Task { block, inside, near, known_behind, setting, buffers }: Task<'_
     };
     leaf.sample_all(&order);
     leaf.add_seams(&order);
-    leaf.add_masked();
     leaf.resolve_solids();
     leaf.ask_all(&order, known_behind);
     let mut columns = leaf.columns();

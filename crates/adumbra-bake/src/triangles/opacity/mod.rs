@@ -1,14 +1,9 @@
-//! Textures with holes in the form that the fast builder needs: exact samples, many at a time, and whether a rectangle of
-//! texture coordinates is opaque or clear throughout.
+//! Textures with holes in the form that the fast builder needs: exact samples, many at a time.
 //!
 //! A bilinear sample is a mean of four texels. So the plane is cut into cells between four texel centres, and a table of
-//! the cells' corners, with those beyond the texture's borders, serves any wrap mode. Opacity micromaps of ray tracing
-//! hardware distinguish the same three states of an area: opaque, clear, and mixed.
+//! the cells' corners, with those beyond the texture's borders, serves any wrap mode.
 
-mod area;
 mod sample;
-
-pub(crate) use area::{Uniform, Window};
 
 use std::collections::HashMap;
 
@@ -58,8 +53,7 @@ impl OpacityTables {
 
     /// Bytes held.
     pub(crate) fn memory_bytes(&self) -> u64 {
-        let bytes = self.tables.iter().map(|t| t.corners.capacity() + 2 * t.counts.capacity());
-        bytes.sum::<usize>() as u64
+        self.tables.iter().map(|t| t.corners.capacity() as u64).sum()
     }
 }
 
@@ -75,8 +69,6 @@ pub(crate) struct OpacityTable {
     width: usize,
     /// The least sample, 0 to 255, that is opaque; infinity if none is.
     opaque_from: f32,
-    /// Number of opaque corners above and to the left of each corner, and of those beyond the last, modulo 2^16.
-    counts: Vec<u16>,
 }
 
 impl OpacityTable {
@@ -90,8 +82,7 @@ impl OpacityTable {
             corners.extend((0..width).map(|x| alpha_byte(texture, texel_of_corner(x, texture, 0), row)));
         }
         let width = width as usize;
-        let counts = area::count(&corners, width, |alpha| f32::from(alpha) >= opaque_from);
-        Self { size, wrap: texture.wrap, nearest: texture.nearest, corners, width, opaque_from, counts }
+        Self { size, wrap: texture.wrap, nearest: texture.nearest, corners, width, opaque_from }
     }
 }
 
@@ -159,14 +150,6 @@ mod tests {
         prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)]
     }
 
-    /// Returns a table's answers for one rectangle.
-    fn uniform(table: &OpacityTable, ranges: [[f64; 2]; 2]) -> Option<bool> {
-        let centers = ranges.map(|[low, high]| [(0.5 * (low + high)) as f32]);
-        let window = table.window(ranges.map(|[low, high]| 0.5 * (high - low)))?;
-        let found = table.uniform(&centers, &window);
-        (found != Uniform::default()).then_some(found.opaque == 1)
-    }
-
     /// Coordinates of points that are often on texel borders.
     fn points() -> impl Strategy<Value = Vec<[f32; 2]>> {
         let coordinate = prop_oneof![
@@ -175,7 +158,7 @@ mod tests {
             prop::num::f32::ANY,
             prop_oneof![Just(-1e-9_f32), Just(1.0 - f32::EPSILON), Just(5e6), Just(-16_777_217.5)],
         ];
-        prop::collection::vec([coordinate.clone(), coordinate], 16)
+        prop::collection::vec([coordinate.clone(), coordinate], 8)
     }
 
     proptest! {
@@ -194,70 +177,10 @@ mod tests {
             let scene = scene(size, alphas, wrap, nearest, cutoff);
             let tables = OpacityTables::new(&scene);
             let table = tables.of(0).expect("a texture");
-            let expected = (0..16).fold(0, |bits, i| bits | u16::from(scene.is_opaque(0, points[i], 1.0)) << i);
-            let along = |axis: usize| std::array::from_fn::<_, 16, _>(|i| points[i][axis]);
+            let expected = (0..8).fold(0, |bits, i| bits | u8::from(scene.is_opaque(0, points[i], 1.0)) << i);
+            let along = |axis: usize| std::array::from_fn(|i| points[i][axis]);
             prop_assert_eq!(table.opaque_at([along(0), along(1)]), expected, "{:?}", points);
-            let along = |axis: usize| std::array::from_fn::<_, 8, _>(|i| points[i][axis]);
-            prop_assert_eq!(table.opaque_at([along(0), along(1)]), expected & 0xff, "{:?}", points);
         }
-
-        /// Samples random points of a rectangle and its corners, which are often on texel borders.
-        #[test]
-        fn what_is_said_to_be_opaque_or_clear_is_so_at_every_point(
-            size in [1_u32..9, 1_u32..9],
-            alphas in prop::collection::vec(prop_oneof![Just(0_u8), Just(255), any::<u8>()], 64),
-            wrap in [wraps(), wraps()],
-            nearest in any::<bool>(),
-            cutoff in 0.05_f32..1.0,
-            low in [-20_i32..20, -20_i32..20],
-            extent in [0.0_f64..1.5, 0.0_f64..1.5],
-            points in prop::collection::vec([0.0_f64..1.0, 0.0_f64..1.0], 40),
-        ) {
-            let alphas = &alphas[..(size[0] * size[1]) as usize];
-            let scene = scene(size, alphas, wrap, nearest, cutoff);
-            let tables = OpacityTables::new(&scene);
-            let table = tables.of(0).expect("a texture");
-            let low = low.map(|l| f64::from(l) / 8.0);
-            let ranges = [0, 1].map(|a| [low[a], low[a] + extent[a]]);
-            let Some(opaque) = uniform(table, ranges) else { return Ok(()) };
-            let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]];
-            for point in points.into_iter().chain(corners) {
-                let uv = [0, 1].map(|a| (low[a] + point[a] * extent[a]) as f32);
-                prop_assert_eq!(scene.is_opaque(0, uv, 1.0), opaque, "at {:?}", uv);
-            }
-        }
-    }
-
-    #[test]
-    fn uniform_parts_are_found_at_every_scale() {
-        // The left half is opaque.
-        let alphas: Vec<u8> = (0..64 * 64).map(|t| if t % 64 < 32 { 255 } else { 0 }).collect();
-        for nearest in [false, true] {
-            let scene = scene([64, 64], &alphas, [Wrap::Repeat; 2], nearest, 0.5);
-            let tables = OpacityTables::new(&scene);
-            let table = tables.of(0).expect("a texture");
-            for side in [0.0, 0.01, 0.1, 0.2] {
-                let over = |u: f64| uniform(table, [[u, u + side], [0.3, 0.3 + side]]);
-                assert_eq!(
-                    [over(3.15), over(-0.35), over(0.5 - side / 2.0)],
-                    [Some(true), Some(false), None]
-                );
-            }
-            // Across the border at which the texture begins again.
-            assert_eq!(uniform(table, [[0.9, 1.1], [0.5, 0.5]]), None);
-            for not_finite in [[f64::NAN, 0.1], [0.1, f64::NAN], [f64::NAN; 2], [f64::NEG_INFINITY, 0.1]] {
-                assert_eq!(uniform(table, [not_finite, [0.5, 0.5]]), None);
-            }
-        }
-    }
-
-    #[test]
-    fn a_rectangle_of_more_corners_than_the_table_counts_is_not_known() {
-        let scene = scene([512, 512], &[255; 512 * 512], [Wrap::Clamp; 2], false, 0.5);
-        let tables = OpacityTables::new(&scene);
-        let table = tables.of(0).expect("a texture");
-        assert_eq!(uniform(table, [[0.2, 0.6]; 2]), Some(true));
-        assert_eq!(uniform(table, [[0.2, 0.8]; 2]), None);
     }
 
     #[test]
@@ -292,7 +215,7 @@ mod tests {
         scene.materials[2].alpha = AlphaMode::Mask { cutoff: 0.01 };
         let two = OpacityTables::new(&scene);
         assert_eq!(2 * one.memory_bytes(), two.memory_bytes());
-        let opacities = [0, 1, 2].map(|m| two.of(m).and_then(|t| uniform(t, [[0.2, 0.6]; 2])));
-        assert_eq!(opacities, [Some(false), Some(false), Some(true)]);
+        let opacities = [0, 1, 2].map(|m| two.of(m).map(|t| t.opaque_at([[0.4; 8]; 2])));
+        assert_eq!(opacities, [Some(0), Some(0), Some(u8::MAX)]);
     }
 }

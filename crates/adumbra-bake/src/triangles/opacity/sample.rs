@@ -7,26 +7,21 @@ use super::OpacityTable;
 /// Numbers from this one to its double have no fraction bits.
 const WHOLE: f32 = (1_u32 << 23) as f32;
 
-const BITS: [u32; 16] = {
-    let mut bits = [0; 16];
-    let mut i = 0;
-    while i < 16 {
-        bits[i] = 1 << i;
-        i += 1;
-    }
-    bits
-};
+/// Samples that are taken at once.
+const N: usize = 8;
+/// One bit for each of them.
+const BITS: [u32; N] = [1, 2, 4, 8, 16, 32, 64, 128];
 
 /// Samples along one axis: in which cells they are, and how far in.
-struct Along<const N: usize> {
+struct Along {
     cell: [u32; N],
     weight: [f32; N],
 }
 
 impl OpacityTable {
-    /// Returns which of N samples are opaque, one bit each. N is at most 16.
+    /// Returns which of eight samples are opaque, one bit each.
     #[inline(always)]
-    pub(crate) fn opaque_at<const N: usize>(&self, [u, v]: [[f32; N]; 2]) -> u16 {
+    pub(crate) fn opaque_at(&self, [u, v]: [[f32; N]; 2]) -> u8 {
         let (u, v) = (self.along(0, u), self.along(1, v));
         let mut corners = [[0_u8; N]; 4];
         #[expect(clippy::needless_range_loop, reason = "it runs over several arrays at once")]
@@ -50,7 +45,7 @@ impl OpacityTable {
             let sample = mix(mix(a, b, u.weight[i]), mix(c, d, u.weight[i]), v.weight[i]);
             bits[i] = if sample >= self.opaque_from { BITS[i] } else { 0 };
         }
-        bits.into_iter().fold(0, |all, bit| all | bit) as u16
+        bits.into_iter().fold(0, |all, bit| all | bit) as u8
     }
 
     /// Returns the corner with this number and the next.
@@ -63,7 +58,7 @@ impl OpacityTable {
     }
 
     #[inline(always)]
-    fn along<const N: usize>(&self, axis: usize, mut at: [f32; N]) -> Along<N> {
+    fn along(&self, axis: usize, mut at: [f32; N]) -> Along {
         for c in &mut at {
             *c = if c.abs() < f32::INFINITY { *c } else { 0.0 };
         }
@@ -100,6 +95,6 @@ impl OpacityTable {
 
 /// Converts a whole number below 2^23. Unlike a conversion with `as`, it is one vector instruction.
 #[inline(always)]
-pub(super) fn whole(number: f32) -> u32 {
+fn whole(number: f32) -> u32 {
     (number + WHOLE).to_bits() & (WHOLE as u32 - 1)
 }
