@@ -10,6 +10,7 @@ mod animations;
 mod container;
 mod document;
 mod draco;
+mod extents;
 mod faults;
 mod files;
 mod images;
@@ -39,11 +40,12 @@ use crate::filter::{Marks, NameFilter};
 use crate::movers::{Mover, MoverPolicy, Movers};
 use crate::sources::Sources;
 use crate::validate::{Sieve, finish};
-use crate::{Error, Instance, LoadNotes, LoadOptions, Result, Scene, affine};
+use crate::{Error, Instance, LoadNotes, LoadOptions, Mesh, Result, Scene, affine};
 use animations::Animations;
 use container::Buffers;
 use document::Document;
 use draco::Streams;
+use extents::{Extents, MeshBox};
 use faults::bad;
 use meshes::{Builder, Pose, has_triangles, material_of};
 use morphs::Weights;
@@ -170,7 +172,8 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         scene.meshes.push(builder.build(&name, &primitives, pose, &mut sieve)?);
     }
     drop(builder);
-    let animations = Animations::load(path, &root, &buffers, &nodes, &mut scene.notes)?;
+    let extents = extents_of(&plan, &scene.meshes, &nodes, &root, &buffers)?;
+    let animations = Animations::load(path, &root, &buffers, &extents, &mut scene.notes)?;
     let placer = Placer { path, root: &root, buffers: &buffers, nodes: &nodes, animations: &animations };
     let mut movers = Vec::new();
     for instance in &plan.instances {
@@ -336,6 +339,31 @@ fn choose(
         notes.warnings.push(format!("{skinned} skinned meshes keep the pose of the file's nodes"));
     }
     Ok(plan)
+}
+
+/// How far what hangs on each node reaches. Skinned meshes hang on no node. Only animated files need to know.
+fn extents_of<'a>(
+    plan: &Plan,
+    meshes: &[Mesh],
+    nodes: &'a Nodes,
+    root: &Root,
+    buffers: &Buffers<'_>,
+) -> Result<Extents<'a>> {
+    let mut extents = Extents::new(nodes);
+    if root.animations.is_empty() {
+        return Ok(extents);
+    }
+    let boxes: Vec<MeshBox> = meshes.iter().map(|mesh| MeshBox::of(&mesh.positions)).collect();
+    for &PlannedInstance { variant, node, .. } in &plan.instances {
+        if root.nodes[node].skin.is_none() {
+            let maps = nodes::gpu_instances(buffers.sources.scene, root, buffers, node)?;
+            for map in maps.as_deref().unwrap_or(&[IDENTITY]) {
+                extents.add(node, map, boxes[variant as usize]);
+            }
+        }
+    }
+    extents.gather();
+    Ok(extents)
 }
 
 /// The mesh's name, or `mesh 7`.

@@ -83,16 +83,12 @@ impl Rest {
 }
 
 impl Tracks {
-    /// Drops tracks that never differ from `rest`, which many exporters write for every node.
-    pub(super) fn drop_still(&mut self, rest: &Rest) {
-        self.translation.take_if(|t| t.is_always(rest.translation));
-        self.rotation.take_if(|t| t.is_always(rest.rotation));
-        self.scale.take_if(|t| t.is_always(rest.scale));
-    }
-
-    /// Whether nothing is animated.
-    pub(super) fn is_empty(&self) -> bool {
-        self.translation.is_none() && self.rotation.is_none() && self.scale.is_none()
+    /// Times, in seconds, between which nothing goes further than at one of them: keys, and two moments between each
+    /// two, where the tangents of a spline weigh most.
+    pub(super) fn moments(&self) -> impl Iterator<Item = f64> {
+        let translation = self.translation.iter().flat_map(Track::moments);
+        let rotation = self.rotation.iter().flat_map(Track::moments);
+        translation.chain(rotation).chain(self.scale.iter().flat_map(Track::moments))
     }
 
     fn end_seconds(&self) -> f64 {
@@ -104,7 +100,8 @@ impl Tracks {
         ends.into_iter().flatten().fold(0.0, f64::max)
     }
 
-    fn at(&self, rest: &Rest, seconds: f64) -> Affine {
+    /// The map to the parent's frame at a time.
+    pub(super) fn at(&self, rest: &Rest, seconds: f64) -> Affine {
         let translation = self.translation.as_ref().map(|t| t.at(seconds));
         let rotation = self.rotation.as_ref().map(|t| t.at(seconds));
         let scale = self.scale.as_ref().map(|t| t.at(seconds));

@@ -152,10 +152,88 @@ fn movers_with_broken_keys_are_refused() {
     let mut glb = Glb::triangle();
     animate(&mut glb, 9, "translation", "LINEAR", &[0.0], &[0.0; 3]);
     assert!(refused(glb.load()).to_string().contains("does not exist"));
+}
+
+#[test]
+fn keys_that_are_rounding_do_not_make_a_mover() {
+    // A triangle of side 1, 1000 away, on a node that is scaled to a house: 20 large.
+    let house = |glb: &mut Glb| {
+        glb.json["nodes"][0] = json!({"mesh": 0, "translation": [1000, 2, 3], "scale": [20, 20, 20],
+            "rotation": [0, 0.6, 0, 0.8]});
+    };
+    let place = [1000.0, 2.0, 3.0];
+    let turned = |angle: f32| {
+        let (sine, cosine) = (0.5 * angle).sin_cos();
+        [0.0, 0.6 * cosine + 0.8 * sine, 0.0, 0.8 * cosine - 0.6 * sine]
+    };
+    let moved_by = |d: f32| [place, [1000.0, 2.0 + d, 3.0]].concat();
+    let turned_by = |angle: f32| [turned(0.0), turned(angle)].concat();
+    let negated = [turned(0.0), turned(0.0).map(|c| -c)].concat();
+    let spline = |tangent: f32| [[0.0; 3], place, [0.0, tangent, 0.0], [0.0; 3], place, [0.0; 3]].concat();
+    let scaled_by = |s: f32| [[20.0; 3], [20.0 * s, 20.0, 20.0]].concat();
+    for (property, kind, values, moves) in [
+        ("translation", "LINEAR", moved_by(0.0), false),
+        ("translation", "LINEAR", moved_by(0.0018), false),
+        ("translation", "LINEAR", moved_by(0.0025), true),
+        ("translation", "STEP", moved_by(0.0025), true),
+        ("rotation", "LINEAR", turned_by(5e-5), false),
+        ("rotation", "LINEAR", turned_by(3e-4), true),
+        ("rotation", "LINEAR", negated.clone(), false),
+        ("rotation", "STEP", negated, false),
+        ("scale", "LINEAR", scaled_by(1.00005), false),
+        ("scale", "LINEAR", scaled_by(1.0003), true),
+        // Tangents move what both keys leave where it is: by 4/27 of the tangent.
+        ("translation", "CUBICSPLINE", spline(0.01), false),
+        ("translation", "CUBICSPLINE", spline(0.02), true),
+    ] {
+        let mut glb = Glb::triangle();
+        house(&mut glb);
+        animate(&mut glb, 0, property, kind, &[0.0, 1.0], &values);
+        let scene = keep(&glb);
+        assert_eq!(scene.movers.len(), usize::from(moves), "{property} {kind} {values:?}");
+        if !moves {
+            assert!(near(scene.instances[0].to_world([0.0; 3]), [1000.0, 2.0, 3.0]));
+        }
+    }
+}
+
+#[test]
+fn what_hangs_far_from_an_animated_node_is_moved_by_its_turning() {
+    // 1e-5 radians move a triangle of side 1 by 2e-3 where it is 200 away, and by 1e-5 where it is not.
+    for (distance, moves) in [(0.0, false), (200.0, true)] {
+        let mut glb = Glb::triangle();
+        glb.json["nodes"] = json!([{"children": [1]}, {"children": [2], "translation": [distance, 0, 0]}, {"mesh": 0}]);
+        let turned = [0.0, 0.0, 0.0, 1.0, 0.0, 5e-6, 0.0, 1.0];
+        animate(&mut glb, 0, "rotation", "LINEAR", &[0.0, 1.0], &turned);
+        assert_eq!(keep(&glb).movers.len(), usize::from(moves), "{distance}");
+    }
+}
+
+#[test]
+fn an_animated_node_with_a_matrix_is_a_mover() {
+    // A quarter turn about y, mirrored and doubled, at (5, 0, 0).
+    let matrix = json!([0, 0, 2, 0, 0, 2, 0, 0, 2, 0, 0, 0, 5, 0, 0, 1]);
     let mut glb = Glb::triangle();
-    glb.json["nodes"][0]["matrix"] = json!([1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]);
-    animate(&mut glb, 0, "rotation", "LINEAR", &[0.0], &[0.0, 0.0, 0.0, 1.0]);
-    assert!(refused(glb.load()).to_string().contains("has a matrix"));
+    glb.json["nodes"] = json!([{"mesh": 0, "name": "town"}, {"mesh": 0, "matrix": matrix}]);
+    glb.json["scenes"][0]["nodes"] = json!([0, 1]);
+    animate(&mut glb, 1, "translation", "LINEAR", &[0.0, 1.0], &[5.0, 0.0, 0.0, 5.0, 8.0, 0.0]);
+    let town = glb.load().expect("loads");
+    assert_eq!((town.instances.len(), town.notes.skipped_movers), (1, 1));
+    let mut scene = keep(&glb);
+    assert!(scene.notes.warnings[0].contains("1 animated nodes have a matrix"), "{:?}", scene.notes.warnings);
+    for (seconds, height) in [(0.0, 0.0), (0.5, 4.0), (1.0, 8.0)] {
+        scene.pose(seconds);
+        let at = |p| scene.instances[1].to_world(p);
+        assert!(near(at([0.0; 3]), [5.0, height, 0.0]));
+        assert!(near(at([1.0, 0.0, 0.0]), [5.0, height, 2.0]) && near(at([0.0, 1.0, 0.0]), [5.0, height + 2.0, 0.0]));
+        assert!(near(at([0.0, 0.0, 1.0]), [7.0, height, 0.0]));
+    }
+    // Keys that move nothing leave the node its matrix.
+    let mut still = Glb::triangle();
+    still.json["nodes"][0] = json!({"mesh": 0, "matrix": [1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]});
+    animate(&mut still, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0; 6]);
+    let scene = keep(&still);
+    assert!(scene.movers.is_empty() && near(scene.instances[0].to_world([0.0, 1.0, 0.0]), [0.5, 1.0, 0.0]));
 }
 
 #[test]

@@ -296,7 +296,9 @@ fn fade(resolution: u64, techniques: &[(&str, u32)]) {
 #[test]
 fn a_stream_that_cannot_be_opened_says_why() {
     let mut streamer = Streamer::new(BytesSource(b"no shadow file".to_vec()), StreamOptions::default());
-    streamer.settle(&[], Duration::from_millis(200), |_| ());
+    while !streamer.resident().has_failed() {
+        streamer.settle(&[], Duration::from_millis(10), |_| ());
+    }
     let Err(error) = StreamedFile::open(streamer, 1 << 18, Duration::ZERO) else { panic!("it was opened") };
     assert!(error.to_string().contains("not a shadow file"), "{error}");
 }

@@ -11,8 +11,8 @@ use hashbrown::HashMap;
 use crate::affine::{Affine, IDENTITY, multiply};
 use crate::gltf::accessor::Accessor;
 use crate::gltf::container::Buffers;
+use crate::gltf::extents::Extents;
 use crate::gltf::faults::bad;
-use crate::gltf::nodes::Nodes;
 use crate::movers::{Interpolation, MovingNode, Track, Tracks};
 use crate::{LoadNotes, Result};
 
@@ -30,17 +30,18 @@ pub(super) struct Animations {
 
 impl Animations {
     /// Reads every channel that moves a node. All animations play together. If two of them animate the same property,
-    /// the first one is used, with a warning. Tracks that never change a node's rest transform do not make it a mover.
+    /// the first one is used, with a warning. Tracks that move nothing by more than rounding ([`Extents::are_moved`]) do
+    /// not make a mover. A matrix on an animated node, which glTF forbids, is taken apart, with a warning.
     pub(super) fn load(
         path: &Path,
         root: &Root,
         buffers: &Buffers<'_>,
-        nodes: &Nodes,
+        extents: &Extents<'_>,
         notes: &mut LoadNotes,
     ) -> Result<Self> {
         let mut of_node: HashMap<usize, Tracks> = HashMap::new();
         let mut others = 0;
-        let (mut twice, mut morphs, mut broken) = (0_u32, 0_u64, 0_u64);
+        let (mut twice, mut matrices, mut morphs, mut broken) = (0_u32, 0_u32, 0_u64, 0_u64);
         for (index, animation) in root.animations.iter().enumerate() {
             for channel in &animation.channels {
                 let node = channel.target.node.value();
@@ -54,10 +55,10 @@ impl Animations {
                     morphs += 1;
                     continue;
                 }
-                if json.matrix.is_some() {
-                    return Err(what("moves a node that has a matrix"));
-                }
-                let tracks = of_node.entry(node).or_default();
+                let tracks = of_node.entry(node).or_insert_with(|| {
+                    matrices += u32::from(json.matrix.is_some());
+                    Tracks::default()
+                });
                 let reader = Reader { path, root, buffers, animation, channel, what: &what };
                 if animation.samplers.get(channel.sampler.value()).is_none() {
                     broken += 1;
@@ -76,23 +77,26 @@ impl Animations {
                 "{twice} animation channels move what an earlier channel moves; the first is used"
             ));
         }
+        if matrices > 0 {
+            notes.warnings.push(format!(
+                "{matrices} animated nodes have a matrix, which glTF forbids; their animations replace its parts"
+            ));
+        }
         notes.omit("animations of morph weights", morphs);
         notes.omit(OTHER_CHANNELS, others);
         notes.omit("animation channels without a sampler", broken);
         notes.omit("animations that cannot be read", buffers.faults.count("animation"));
-        Ok(Self::of(root, nodes, of_node))
+        Ok(Self::of(extents, of_node))
     }
 
-    fn of(root: &Root, nodes: &Nodes, mut of_node: HashMap<usize, Tracks>) -> Self {
-        let mut all = Self { moving: Vec::new(), hangs_on: vec![None; root.nodes.len()] };
+    fn of(extents: &Extents<'_>, mut of_node: HashMap<usize, Tracks>) -> Self {
+        let nodes = extents.nodes;
+        let mut all = Self { moving: Vec::new(), hangs_on: vec![None; nodes.place.len()] };
         for &node in &nodes.order {
             let above = nodes.parent[node].and_then(|p| all.hangs_on[p]);
             let rest = nodes.place[node].rest();
-            let tracks = of_node.remove(&node).map(|mut tracks| {
-                tracks.drop_still(&rest);
-                tracks
-            });
-            all.hangs_on[node] = match tracks.filter(|t| !t.is_empty()) {
+            let tracks = of_node.remove(&node).filter(|tracks| extents.are_moved(node, &rest, tracks));
+            all.hangs_on[node] = match tracks {
                 Some(tracks) => {
                     let fixed = nodes.parent[node].map_or(IDENTITY, |p| nodes.world[p]);
                     let (parent, above) = above.map_or((None, fixed), |(on, map)| (Some(on), map));

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::affine::{Affine, from_columns};
+use crate::affine::{Affine, decompose, from_columns};
 use crate::movers::Rest;
 
 /// A node's local transform in double precision, as JSON numbers are. The glTF crate stores `f32`, whose steps are half
@@ -45,10 +45,13 @@ impl Place {
         }
     }
 
-    /// The node's transform without animation. An animated node has no matrix.
+    /// The node's transform without animation, in the parts that keys replace.
     pub(super) fn rest(&self) -> Rest {
         match self {
-            Self::Matrix(_) => Rest::default(),
+            Self::Matrix(map) => {
+                let (translation, rotation, scale) = decompose(map);
+                Rest { translation, rotation, scale }
+            }
             Self::Parts(rest) => *rest,
         }
     }
