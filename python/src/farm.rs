@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use adumbra::IoError;
 use adumbra_bake::{BakeOptions, BakePlan, FolderObjects, ObjectKey, Objects, PartBaker, link};
 use adumbra_files::{check_output, folder_of, replace_file, same_file, target_of};
-use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, load};
+use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use self_cell::self_cell;
@@ -21,7 +21,7 @@ use crate::bake::Options;
 use crate::errors::Failure;
 use crate::file::File;
 use crate::pool::pool;
-use crate::scene::Scene;
+use crate::scene::{Scene, up_axis};
 use crate::watch::watched;
 
 /// How the scene of a plan is loaded.
@@ -33,6 +33,8 @@ struct Loading {
     exclude: Vec<String>,
     ignore_alpha: bool,
     include_animated: bool,
+    #[pyo3(from_py_with = up_axis)]
+    up: Option<UpAxis>,
     allow_outside: bool,
     edit: Option<PathBuf>,
     strict: bool,
@@ -44,6 +46,7 @@ impl Loading {
             filter: NameFilter::new(&self.only, &self.exclude)?,
             ignore_alpha: self.ignore_alpha,
             movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
+            up: self.up,
             allow_outside: self.allow_outside,
             edits: self.edit.as_deref().map_or_else(|| Ok(Edits::default()), Edits::read)?,
             strict: self.strict,

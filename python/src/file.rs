@@ -252,6 +252,12 @@ impl File {
         self.file.settings.ignore_alpha
     }
 
+    /// The axis that points up in the scene's own file: "y" or "z".
+    #[getter]
+    fn up(&self) -> &'static str {
+        if self.file.settings.scene_is_z_up { "z" } else { "y" }
+    }
+
     /// Which points the file answers: "all" or "static".
     #[getter]
     fn receivers(&self) -> &'static str {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra::Sun;
-use adumbra_scene::{LoadNotes, LoadOptions, MoverPolicy, NameFilter, from_triangles, load};
+use adumbra_scene::{LoadNotes, LoadOptions, MoverPolicy, NameFilter, UpAxis, from_triangles, load};
 use numpy::{PyArray2, PyReadonlyArray2, ToPyArray};
 use pyo3::prelude::*;
 
@@ -34,6 +34,8 @@ struct Loading {
     exclude: Vec<String>,
     ignore_alpha: bool,
     include_animated: bool,
+    #[pyo3(from_py_with = up_axis)]
+    up: Option<UpAxis>,
     allow_outside: bool,
     strict: bool,
     max_memory: Option<u64>,
@@ -49,6 +51,7 @@ impl Scene {
                 filter: NameFilter::new(&options.only, &options.exclude)?,
                 ignore_alpha: options.ignore_alpha,
                 movers: if options.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
+                up: options.up,
                 allow_outside: options.allow_outside,
                 max_memory_bytes: options.max_memory,
                 strict: options.strict,
@@ -128,6 +131,12 @@ fn by_rows<'py, T: numpy::Element>(py: Python<'py>, numbers: &[T]) -> PyResult<B
     numbers.to_pyarray(py).reshape([numbers.len() / 3, 3])
 }
 
+/// Reads "y", "z" or None, which are checked before.
+pub(crate) fn up_axis(axis: &Bound<'_, PyAny>) -> PyResult<Option<UpAxis>> {
+    let axis: Option<String> = axis.extract()?;
+    Ok(axis.map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y }))
+}
+
 fn notes(of: &LoadNotes) -> Vec<String> {
     let counted = [
         (of.degenerate_triangles, "degenerate triangles skipped"),
@@ -148,5 +157,9 @@ fn notes(of: &LoadNotes) -> Vec<String> {
     let counted =
         counted.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
     let omissions = of.omissions.iter().map(|omission| format!("{omission} left out"));
-    of.warnings.iter().cloned().chain(omissions).chain(counted).collect()
+    let up = of.looks_z_up.then(|| {
+        "flat along Z, or much taller than wide, as a scene is in which Z points up; if so, give up=\"z\", and up=\"y\" if not"
+            .to_owned()
+    });
+    of.warnings.iter().cloned().chain(up).chain(omissions).chain(counted).collect()
 }

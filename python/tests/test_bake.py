@@ -104,6 +104,7 @@ def test_properties_say_what_was_baked(mesh: Mesh) -> None:
         "closed_regions": True,
         "receivers": "all",
         "ignore_alpha": False,
+        "up": "y",
     }
     assert baked == adumbra.bake(
         *mesh, sun=(0, 1, 0), resolution=512, bounds=[bounds[:3], bounds[3:]], frame="oblique", yaw=15, thickness=0.5

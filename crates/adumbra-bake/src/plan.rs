@@ -19,7 +19,7 @@ use adumbra::grid::{Frame, LightExtent, LightGrid};
 use adumbra::layout::depths::page::PAGE_LEVEL;
 use adumbra::query::MAX_FIXED_SIDE;
 use adumbra::{Bounds, RangeError, RangeField, Sun};
-use adumbra_scene::{Instance, Scene};
+use adumbra_scene::{Instance, Scene, UpAxis};
 use rayon::prelude::*;
 
 pub(crate) struct Plan<'s> {
@@ -177,6 +177,7 @@ impl<'s> Plan<'s> {
             assume_ground,
             closed_regions: options.closed_regions,
             ignore_alpha: options.ignore_alpha,
+            scene_is_z_up: scene.up == UpAxis::Z,
             receivers: options.receivers,
             switch_within_voxels: options.switch_within_voxels,
             dark_after_voxels: 0,

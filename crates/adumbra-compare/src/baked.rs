@@ -12,7 +12,7 @@ use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, s
 use adumbra_program::output::note_input;
 use adumbra_render::voxel::LightFile;
 use adumbra_render::{Baked, Reads, RenderError, TechniqueSpec};
-use adumbra_scene::Scene;
+use adumbra_scene::{LoadedAs, Scene};
 
 use crate::Result;
 use crate::report::BakedFigures;
@@ -22,8 +22,8 @@ use crate::report::BakedFigures;
 pub struct FileFacts {
     /// The sun that it was baked for.
     pub sun: Sun,
-    /// Whether it was baked with alpha-masked materials as opaque.
-    pub ignore_alpha: bool,
+    /// How its scene was loaded.
+    pub scene: LoadedAs,
 }
 
 /// Baked files of kinds that a crate above knows, for the techniques that it adds.
@@ -144,7 +144,8 @@ impl BakedFiles {
                 )
                 .into());
             }
-            before.ignore_alpha |= facts.ignore_alpha;
+            before.scene.ignore_alpha |= facts.scene.ignore_alpha;
+            before.scene.is_z_up |= facts.scene.is_z_up;
         }
         if time.is_some() && files.between.is_none() {
             return Err(Failure::Usage("--sun-time: give a sun path with --shadow-file".to_owned()).into());
@@ -171,7 +172,7 @@ impl BakedFiles {
             let time = shown(sun_path, seconds);
             return Err(Failure::Usage(format!("--sun-time: at {time} the sun is below the horizon")).into());
         };
-        let facts = FileFacts { sun: moment.sun, ignore_alpha: moment.keys[0].ignores_alpha() };
+        let facts = FileFacts { sun: moment.sun, scene: LoadedAs::from(&moment.keys[0].settings) };
         self.between = Some(moment);
         Ok(facts)
     }
@@ -183,7 +184,7 @@ impl BakedFiles {
             return Ok(facts);
         }
         let file = limit.read_shadow_file(path)?.in_world();
-        let facts = FileFacts { sun: file.sun(), ignore_alpha: file.ignores_alpha() };
+        let facts = FileFacts { sun: file.sun(), scene: LoadedAs::from(&file.settings) };
         match self.light.replace(file) {
             None => Ok(facts),
             Some(_) => {
@@ -202,9 +203,9 @@ impl BakedFiles {
         self.given.map(|facts| facts.sun)
     }
 
-    /// Whether a given file was baked with alpha-masked materials as opaque.
-    pub fn ignore_alpha(&self) -> bool {
-        self.given.is_some_and(|facts| facts.ignore_alpha)
+    /// Returns how the scene of the given files was loaded, or `None` without files.
+    pub fn scene(&self) -> Option<LoadedAs> {
+        self.given.map(|facts| facts.scene)
     }
 
     /// Whether a file of the kind that a technique reads is there, or the technique needs none.

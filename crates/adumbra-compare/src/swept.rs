@@ -14,6 +14,7 @@ use adumbra_program::moment::{shown, span, sun_path, suns_of_day};
 use adumbra_program::output::note_input;
 use adumbra_render::voxel::{LightFile, MovingLight};
 use adumbra_render::{Baked, Reads, TechniqueSpec};
+use adumbra_scene::LoadedAs;
 use adumbra_solar::{Day, position};
 
 use crate::baked::BakeOnDemand;
@@ -185,9 +186,9 @@ impl SweptSun {
         Baked { light: self.keys.as_ref().map(|keys| LightFile::Moving(&keys.light)), other: None }
     }
 
-    /// Whether the keys were baked with alpha-masked materials as opaque.
-    pub fn ignores_alpha(&self) -> bool {
-        self.keys.as_ref().is_some_and(|keys| keys.light.first_key().ignores_alpha())
+    /// Returns how the scene of the keys was loaded, if there are keys.
+    pub fn scene(&self) -> Option<LoadedAs> {
+        self.keys.as_ref().map(|keys| LoadedAs::from(&keys.light.first_key().settings))
     }
 
     /// Returns all steps, those of the night included.

@@ -54,6 +54,7 @@ pub(crate) fn options_of_scene(error: &adumbra_scene::Error) -> Option<&'static 
             EmptyReason::Filtered => Some("--only, --exclude"),
             _ => None,
         },
+        E::GltfIsYUp { .. } => Some("--up"),
         E::Omitted { .. } => Some("--strict"),
         E::Pattern { .. } => Some("--only, --exclude"),
         _ => None,

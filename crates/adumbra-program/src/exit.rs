@@ -138,7 +138,7 @@ fn code_of_reader(error: &adumbra::Error) -> Code {
 fn code_of_scene(error: &adumbra_scene::Error) -> Code {
     use adumbra_scene::Error as E;
     match error {
-        E::Range(_) | E::Pattern { .. } => Code::Usage,
+        E::Range(_) | E::Pattern { .. } | E::GltfIsYUp { .. } => Code::Usage,
         E::SceneMemory { .. } => Code::OutOfRoom,
         E::Io(error) => code_of_io(error),
         _ => Code::BadInput,

@@ -81,6 +81,8 @@ pub struct FileSettings {
     pub closed_regions: bool,
     /// Whether alpha masks were ignored.
     pub ignore_alpha: bool,
+    /// Whether Z points up in the scene's own file: its (x, y, z) is (x, z, −y) in the world, in which Y does.
+    pub scene_is_z_up: bool,
     /// The points at which the file is correct.
     pub receivers: Receivers,
     /// How far behind its first surface a column may switch from lit to shadowed, in voxels. 0 = anywhere that no look-up
@@ -117,6 +119,7 @@ mod tests {
             assume_ground: true,
             closed_regions: true,
             ignore_alpha: false,
+            scene_is_z_up: true,
             receivers: adumbra::Receivers::All,
             switch_within_voxels: 0,
             dark_after_voxels: 0,

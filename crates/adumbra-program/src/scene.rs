@@ -55,6 +55,12 @@ pub fn load_scene_within(limit: MemoryLimit, path: &Path, options: &LoadOptions)
     for omission in &notes.omissions {
         eprintln!("warning: {}: {omission} left out; --strict makes this an error", path.display());
     }
+    if notes.looks_z_up {
+        eprintln!(
+            "warning: {}: flat along Z, or much taller than wide, as a scene is in which Z points up; if so, give --up z, and --up y if not",
+            path.display()
+        );
+    }
     if notes.outside_textures > 0 {
         eprintln!(
             "note: {}: files outside the scene's folder are read only with --allow-outside; use it for scenes that you trust",

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::Sun;
-use adumbra_scene::LoadOptions;
+use adumbra_scene::{LoadOptions, LoadedAs};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Class, ClassResult, MIN_CHECKED_POINTS, Sampler, Solids, SurfaceSampler, Verification, Verifier,
@@ -56,8 +56,8 @@ pub struct Verified {
     pub sun: Sun,
     /// Edge of a voxel, world units.
     pub voxel_size: f64,
-    /// Whether the bake treated masked materials as opaque.
-    pub ignores_alpha: bool,
+    /// How the bake's scene was loaded.
+    pub scene: LoadedAs,
     /// Its volume, for points in free space.
     pub volume: VolumeSampler,
 }
@@ -70,7 +70,7 @@ impl Verify {
     /// Returns [`Failure`] if the scene cannot be loaded or memory is not enough.
     pub fn compare(&self, file: Verified, answers: &impl Answers) -> Outcome {
         let mut load = self.load.load_options()?;
-        load.ignore_alpha |= file.ignores_alpha;
+        load.follow(file.scene, &self.scene);
         let (sun, voxel_size) = (file.sun, file.voxel_size);
         let volume = self.volume.then_some(file.volume);
         let result = with_threads(self.run.threads, || self.trace(&load, sun, volume, answers))??;
@@ -78,7 +78,7 @@ impl Verify {
             print_json(&result)?;
         } else {
             say!("{} against {}", self.file.display(), self.scene.display());
-            print_file(sun, voxel_size, file.ignores_alpha);
+            print_file(sun, voxel_size, file.scene);
             print_result(&result, self.lookup.filter);
         }
         if !result.is_checked() {
@@ -162,12 +162,13 @@ fn missed(class: &ClassResult) -> String {
 
 /// Prints the properties of the file that affect the comparison. They show if the file is for another sun or too
 /// coarse.
-fn print_file(sun: Sun, voxel_size: f64, ignores_alpha: bool) {
+fn print_file(sun: Sun, voxel_size: f64, scene: LoadedAs) {
     let [x, y, z] = sun.towards();
     let elevation = y.asin().to_degrees();
-    let masks = if ignores_alpha { ", masks ignored" } else { "" };
+    let masks = if scene.ignore_alpha { ", masks ignored" } else { "" };
+    let turned = if scene.is_z_up { ", of a scene with Z up" } else { "" };
     say!(
-        "  file                sun ({x:.3}, {y:.3}, {z:.3}), {elevation:.1}° high; voxels of {voxel_size:.4}{masks}"
+        "  file                sun ({x:.3}, {y:.3}, {z:.3}), {elevation:.1}° high; voxels of {voxel_size:.4}{masks}{turned}"
     );
 }
 

@@ -95,7 +95,8 @@ mod tests {
                 let map = compose([5.0, -6.0, 7.0], rotation, scale);
                 let (translation, found, sizes) = decompose(&map);
                 let again = compose(translation, found, sizes);
-                let error = (0..12).map(|i| (map[i / 4][i % 4] - again[i / 4][i % 4]).abs()).fold(0.0, f64::max);
+                let error =
+                    (0..12).map(|i| (map[i / 4][i % 4] - again[i / 4][i % 4]).abs()).fold(0.0, f64::max);
                 assert!(error < 1e-12, "{rotation:?} {scale:?}: {again:?} for {map:?}");
                 assert!((sizes[0] < 0.0) == (scale[0] < 0.0));
             }

@@ -23,6 +23,12 @@ pub enum Error {
         /// The scene file.
         path: PathBuf,
     },
+    /// Another up axis than Y was asked for of a glTF file.
+    #[error("{path:?}: glTF files are Y up by definition; leave the up axis out", path = path.display())]
+    GltfIsYUp {
+        /// The scene file.
+        path: PathBuf,
+    },
     /// Edits of a scene cannot be made.
     #[error("cannot edit the scene: {what}")]
     Edits {

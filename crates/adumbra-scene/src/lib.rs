@@ -18,6 +18,7 @@ mod generate;
 mod glb;
 mod gltf;
 mod ktx2;
+mod loaded_as;
 mod mips;
 mod movers;
 mod notes;
@@ -32,6 +33,7 @@ mod subdivide;
 mod texture;
 pub mod topology;
 mod triangles;
+mod up;
 mod usual_size;
 mod validate;
 
@@ -48,12 +50,14 @@ pub use filter::NameFilter;
 pub use generate::{GeneratedKind, generate, icosphere};
 pub use glb::{to_glb, write_glb};
 pub use gltf::{files_of_gltf, write_shadow_name};
+pub use loaded_as::LoadedAs;
 pub use mips::{MipLevel, MippedTexture};
 pub use movers::{MoverPolicy, Movers};
 pub use notes::{Counts, LoadNotes, Omission};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use texture::{Pixels, Texture, Wrap};
 pub use triangles::from_triangles;
+pub use up::UpAxis;
 
 /// A scene: meshes stored once, placed by instances.
 #[derive(Clone, Debug, Default)]
@@ -69,6 +73,8 @@ pub struct Scene {
     /// The instances that move, and how. Their `world_from_mesh` is their position at the time last passed to
     /// [`Scene::pose`], initially 0. A bake treats every instance as static: call [`Scene::remove_movers`] first.
     pub movers: Movers,
+    /// The axis that points up in the file that the scene was loaded from. The scene itself is Y up.
+    pub up: UpAxis,
     /// The directional lights of the file that shine, in the order of its nodes. The first is the default sun of every verb.
     pub suns: Vec<FileSun>,
     /// Counts and warnings from loading.
@@ -159,6 +165,10 @@ pub struct LoadOptions {
     pub ignore_alpha: bool,
     /// How to treat animated instances.
     pub movers: MoverPolicy,
+    /// The axis that points up in an OBJ or PLY file. If it is [`UpAxis::Z`], the scene is turned, so that (x, y, z) of the
+    /// file is (x, z, −y) of the scene. `None` takes Y, and [`LoadNotes::looks_z_up`] says whether that may be wrong. glTF
+    /// defines Y as up: another axis is [`Error::GltfIsYUp`].
+    pub up: Option<UpAxis>,
     /// Also read files outside the scene's folder. If false, an absolute path, a path that leaves the folder through
     /// `..`, and a link that leads out of it are [`Error::OutsideScene`].
     pub allow_outside: bool,
@@ -326,13 +336,20 @@ impl Scene {
 /// Returns an [`Error`] if something is missing, unreadable, outside the scene's folder, too large or invalid. It names
 /// the file, the part of it and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
-    let ending = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
-    let mut scene = match ending.as_str() {
+    let mut scene = match ending(path).as_str() {
+        "glb" | "gltf" if options.up == Some(UpAxis::Z) => {
+            return Err(Error::GltfIsYUp { path: path.to_owned() });
+        }
         "glb" | "gltf" => gltf::load(path, options)?,
         "obj" => obj::load(path, options)?,
         "ply" => ply::load(path, options)?,
         _ => return Err(Error::UnknownSceneFormat { path: path.to_owned() }),
     };
+    match options.up {
+        Some(up) => scene.turn_up(up),
+        None if !is_gltf(path) => scene.notes.looks_z_up = up::looks_z_up(&scene.bounds()),
+        None => {}
+    }
     let notes = &mut scene.notes;
     for text in notes.omissions.iter_mut().map(|omission| &mut omission.what).chain(&mut notes.warnings) {
         let line = one_line(text).to_string();
@@ -345,4 +362,13 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         scene.edit(&options.edits)?;
     }
     Ok(scene)
+}
+
+fn ending(path: &Path) -> String {
+    path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
+}
+
+/// Whether a path names a glTF file by its ending: the format in which Y is up by definition.
+pub fn is_gltf(path: &Path) -> bool {
+    matches!(ending(path).as_str(), "glb" | "gltf")
 }

@@ -25,6 +25,9 @@ pub struct LoadNotes {
     pub untriangulated_polygons: u64,
     /// Animated instances that were dropped by [`MoverPolicy::Skip`](crate::MoverPolicy::Skip).
     pub skipped_movers: u64,
+    /// Whether the extents suggest that Z points up in an OBJ or PLY file, whose up axis was not given: it is flat along Z, or
+    /// much taller than wide.
+    pub looks_z_up: bool,
     /// Files that the scene references, each once and sorted, with paths relative to the scene's folder: buffers,
     /// images, material libraries and their textures, whether they were read or not. A program that writes a file next
     /// to a scene can check here what it must not overwrite.

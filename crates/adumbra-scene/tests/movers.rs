@@ -202,7 +202,8 @@ fn what_hangs_far_from_an_animated_node_is_moved_by_its_turning() {
     // 1e-5 radians move a triangle of side 1 by 2e-3 where it is 200 away, and by 1e-5 where it is not.
     for (distance, moves) in [(0.0, false), (200.0, true)] {
         let mut glb = Glb::triangle();
-        glb.json["nodes"] = json!([{"children": [1]}, {"children": [2], "translation": [distance, 0, 0]}, {"mesh": 0}]);
+        glb.json["nodes"] =
+            json!([{"children": [1]}, {"children": [2], "translation": [distance, 0, 0]}, {"mesh": 0}]);
         let turned = [0.0, 0.0, 0.0, 1.0, 0.0, 5e-6, 0.0, 1.0];
         animate(&mut glb, 0, "rotation", "LINEAR", &[0.0, 1.0], &turned);
         assert_eq!(keep(&glb).movers.len(), usize::from(moves), "{distance}");
@@ -225,7 +226,10 @@ fn an_animated_node_with_a_matrix_is_a_mover() {
         scene.pose(seconds);
         let at = |p| scene.instances[1].to_world(p);
         assert!(near(at([0.0; 3]), [5.0, height, 0.0]));
-        assert!(near(at([1.0, 0.0, 0.0]), [5.0, height, 2.0]) && near(at([0.0, 1.0, 0.0]), [5.0, height + 2.0, 0.0]));
+        assert!(
+            near(at([1.0, 0.0, 0.0]), [5.0, height, 2.0])
+                && near(at([0.0, 1.0, 0.0]), [5.0, height + 2.0, 0.0])
+        );
         assert!(near(at([0.0, 0.0, 1.0]), [7.0, height, 0.0]));
     }
     // Keys that move nothing leave the node its matrix.

@@ -34,6 +34,8 @@ mod ply_refused;
 mod polygons;
 #[path = "scene_loading/untrusted.rs"]
 mod untrusted;
+#[path = "scene_loading/up.rs"]
+mod up;
 
 use adumbra::IoError;
 use adumbra_scene::{AlphaMode, EmptyReason, Error, LoadOptions, MippedTexture, load};

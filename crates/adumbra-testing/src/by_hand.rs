@@ -17,6 +17,7 @@ pub fn settings_for(grid: &LightGrid) -> FileSettings {
         assume_ground: true,
         closed_regions: true,
         ignore_alpha: false,
+        scene_is_z_up: false,
         receivers: Receivers::All,
         switch_within_voxels: 0,
         dark_after_voxels: 0,

@@ -4,7 +4,7 @@ use adumbra::{Sun, SunPath};
 use adumbra_program::exit::Failure;
 use adumbra_program::moment::sun_path;
 use adumbra_program::sun::DEFAULT_SUN;
-use adumbra_scene::{Camera, MoverPolicy};
+use adumbra_scene::{Camera, LoadedAs, MoverPolicy, UpAxis};
 
 use crate::command::{Command, Side};
 use crate::day::{Day, DayOptions};
@@ -51,10 +51,14 @@ impl Startup {
         if let Some(file) = &file {
             let asked = options.sun.filter(|sun| !is_same_sun(sun, &file.sun()));
             settings.sun = asked.unwrap_or_else(|| file.sun());
-            if file.settings().ignore_alpha && !options.load.ignore_alpha {
-                options.load.ignore_alpha = true;
-                // The file was baked with this option, so a bake that replaces it needs it too.
+            let before = options.load.clone();
+            options.load.follow(LoadedAs::from(&file.settings()), &options.scene);
+            // The file was baked with these options, so a bake that replaces it needs them too.
+            if options.load.ignore_alpha && !before.ignore_alpha {
                 options.repeated.push("--ignore-alpha".to_owned());
+            }
+            if options.load.up == Some(UpAxis::Z) && before.up.is_none() {
+                options.repeated.extend(["--up".to_owned(), "z".to_owned()]);
             }
         }
         Ok(Self { options, settings, file, day }.at_its_sun())

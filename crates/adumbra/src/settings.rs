@@ -87,6 +87,9 @@ pub struct FileSettings {
     pub closed_regions: bool,
     /// Whether alpha masks were ignored.
     pub ignore_alpha: bool,
+    /// Whether Z points up in the scene's own file. The shadow file is of the world, in which Y does: (x, y, z) of the
+    /// scene's file is (x, z, −y) here.
+    pub scene_is_z_up: bool,
     /// The points at which the file is correct.
     pub receivers: Receivers,
     /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that no contour

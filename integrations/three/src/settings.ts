@@ -25,6 +25,8 @@ export interface FileSettings {
   readonly closedRegions: boolean;
   /** Whether alpha masks were ignored. */
   readonly ignoreAlpha: boolean;
+  /** Whether Z points up in the scene's own file: its (x, y, z) is (x, z, −y) in the world, in which Y does. */
+  readonly sceneIsZUp: boolean;
   /** The points at which the file is correct: all in space, or those on static surfaces. */
   readonly receivers: 'all' | 'static';
   /** How far behind its first surface a column may switch, voxels; 0 anywhere that no look-up from a surface reads. */

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import same_length, triples, whole
-from ._scene import LoadOptions, SceneLike, scene_of, threads_of
+from ._scene import LoadOptions, SceneLike, as_baked, scene_of, threads_of
 from ._verify import Verification
 
 if TYPE_CHECKING:
@@ -179,7 +179,7 @@ class ShadowFile:
             "threads": threads_of(threads),
         }
         look_up = _look_up(filter, bias_constant, bias_slope, bias_normal)
-        loaded = scene_of(scene, None, dict(loading))
+        loaded = scene_of(scene, None, as_baked(scene, dict(loading), self._native.up))
         json, checked, holds = _native.verify(self._native, loaded._native, look_up, options)
         return Verification._of(json, checked, holds)
 
@@ -252,7 +252,7 @@ class ShadowFile:
     @property
     def settings(self) -> dict[str, Any]:
         """The other settings of the bake, named as the arguments of :func:`bake`."""
-        names = ("thickness", "switch_within", "assume_ground", "closed_regions", "receivers", "ignore_alpha")
+        names = ("thickness", "switch_within", "assume_ground", "closed_regions", "receivers", "ignore_alpha", "up")
         return {name: getattr(self._native, name) for name in names}
 
     def __eq__(self, other: object) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, TypedDict, Union
+from typing import TYPE_CHECKING, Any, Literal, TypedDict, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,9 @@ class LoadOptions(TypedDict, total=False):
     """Treat masked and blended materials as opaque."""
     include_animated: bool
     """Load animated instances as static ones, in their first pose. Without it they are skipped."""
+    up: Literal["y", "z"] | None
+    """The axis that points up in an OBJ or PLY file. With ``"z"`` the scene is turned: its (x, y, z) is (x, z, -y) in the world, in
+    which Y points up. ``None`` takes Y, and warns if the scene looks otherwise. glTF is Y up by definition."""
     allow_outside: bool
     """Also read files outside the scene's folder. Only for scenes that you trust."""
     strict: bool
@@ -158,16 +161,26 @@ def scene_of(scene: Any, faces: ArrayLike | None, options: dict[str, Any]) -> Sc
     raise TypeError("scene: give a path, a Scene, or vertices and faces")
 
 
+def as_baked(scene: Any, options: dict[str, Any], up: str) -> dict[str, Any]:
+    """Return options of loading with the up axis that a shadow file names, if the scene is a path of a format that has none."""
+    has_none = isinstance(scene, (str, os.PathLike)) and not os.fspath(scene).lower().endswith((".glb", ".gltf"))
+    return {"up": up, **options} if has_none else options
+
+
 def loading_of(options: dict[str, Any]) -> dict[str, Any]:
     """Return the options of the loader as the native part takes them."""
     unknown = sorted(options.keys() - LoadOptions.__annotations__.keys())
     if unknown:
         raise TypeError(f"{unknown[0]!r} is not an option; the loader has {', '.join(LoadOptions.__annotations__)}")
+    up = options.get("up")
+    if up not in (None, "y", "z"):
+        raise ValueError(f"up: {up!r} is not an axis; it must be 'y' or 'z'")
     return {
         "only": _patterns("only", options.get("only", ())),
         "exclude": _patterns("exclude", options.get("exclude", ())),
         "ignore_alpha": bool(options.get("ignore_alpha", False)),
         "include_animated": bool(options.get("include_animated", False)),
+        "up": up,
         "allow_outside": bool(options.get("allow_outside", False)),
         "strict": bool(options.get("strict", False)),
     }

@@ -114,6 +114,7 @@ def _add_options(verb: argparse.ArgumentParser) -> None:
     group.add_argument("--yaw", metavar="DEGREES", **number)
     group.add_argument("--only", action="append", metavar="GLOB", **unset)
     group.add_argument("--exclude", action="append", metavar="GLOB", **unset)
+    group.add_argument("--up", choices=["y", "z"], **unset)
     for name in ("ignore-alpha", "include-animated", "allow-outside", "strict"):
         group.add_argument(f"--{name}", action="store_true", **unset)
 

@@ -10,7 +10,7 @@ use adumbra_program::args::SunArgs;
 use adumbra_program::lookup::LookupArgs;
 use adumbra_program::output::format_bytes;
 use adumbra_program::sun::{DEFAULT_SUN, SunSource};
-use adumbra_scene::{Camera, FileSun, Scene};
+use adumbra_scene::{Camera, FileSun, Scene, UpAxis};
 use adumbra_testing::help::{assert_defaults, verbs};
 use adumbra_truth::verify::Promises;
 use clap::CommandFactory;
@@ -40,7 +40,10 @@ fn empty<T>(values: &[T], words: &str) -> String {
 
 fn load(args: &SceneArgs) -> Used {
     let none = empty(&args.words(), "");
-    vec![("--only", none.clone()), ("--exclude", none.clone()), ("--edit", none)]
+    let up = "that of the shadow file, if there is one, or y";
+    let options = args.load_options().unwrap();
+    assert!(options.up.is_none() && Scene::default().up == UpAxis::Y);
+    vec![("--only", none.clone()), ("--exclude", none.clone()), ("--edit", none), ("--up", up.to_owned())]
 }
 
 fn run(args: &RunArgs) -> Used {

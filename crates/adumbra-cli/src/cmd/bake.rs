@@ -142,7 +142,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     args.settings.check()?;
     // A wrong sun is refused before the scene is loaded.
-    args.settings.sun.given()?;
+    args.settings.sun.given_for(&args.scene, &args.load)?;
     if !args.dry_run {
         refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
         files::check_output(&output)?;

@@ -81,7 +81,7 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let manifest = args.output.clone().unwrap_or_else(|| args.scene.with_extension("regions.json"));
     args.settings.check()?;
-    args.settings.sun.given()?;
+    args.settings.sun.given_for(&args.scene, &args.load)?;
     Region::check_texels(texels)?;
     refuse_inputs("--output", &manifest, [(SCENE, &*args.scene)]).map_err(bad_input)?;
     check_output(&manifest)?;

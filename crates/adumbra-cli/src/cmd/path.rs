@@ -13,6 +13,7 @@ use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::threads::with_threads;
 use adumbra_program::verify::Verify;
+use adumbra_scene::LoadedAs;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::LightAnswers;
 use schemars::JsonSchema;
@@ -132,7 +133,7 @@ pub(super) fn verify(
     }
     let mut load = args.load.load_options()?;
     args.run.memory_limit().check_keys(path)?;
-    load.ignore_alpha |= path.key(0)?.settings.ignore_alpha;
+    load.follow(LoadedAs::from(&path.key(0)?.settings), &args.scene);
     let ignore_alpha = load.ignore_alpha;
     let scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha });

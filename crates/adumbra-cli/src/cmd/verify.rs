@@ -6,6 +6,7 @@ use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::moment;
 use adumbra_program::output::print_json;
 use adumbra_program::verify::{Verified, Verify};
+use adumbra_scene::LoadedAs;
 use adumbra_truth::verify::{LightAnswers, Verification, VolumeSampler};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -50,7 +51,7 @@ pub(crate) fn run(VerifyFile { verify: args, level, path: of_path }: &VerifyFile
     let verified = Verified {
         sun: file.sun(),
         voxel_size: file.grid.voxel_size,
-        ignores_alpha: file.ignores_alpha(),
+        scene: LoadedAs::from(&file.settings),
         volume: VolumeSampler::new(&file.grid),
     };
     args.compare(verified, &LightAnswers::of(&file, args.lookup.sampler(&file)?))
@@ -71,7 +72,7 @@ fn run_regions(args: &Verify, regions: &Regions, level: u32) -> Outcome {
     let verified = Verified {
         sun: grid.sun,
         voxel_size: grid.voxel_size,
-        ignores_alpha: settings.ignore_alpha,
+        scene: LoadedAs::from(&settings),
         volume: VolumeSampler::new(&grid),
     };
     let asked = (Filter::try_from(args.lookup.filter)?, args.lookup.bias.over(settings.bias)?);

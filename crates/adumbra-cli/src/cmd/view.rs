@@ -48,7 +48,7 @@ fn options(args: &View) -> Result<ViewOptions> {
     {
         return Err(Failure::Usage("--ortho: give --eye and --target too".to_owned()).into());
     }
-    let given = args.sun.given()?;
+    let given = args.sun.given_for(&args.scene, &args.load)?;
     let memory = args.max_memory.map_or_else(Vec::new, |b| vec!["--max-memory".to_owned(), b.to_string()]);
     let layer = args.layer.to_possible_value().map_or_else(String::new, |v| v.get_name().to_owned());
     Ok(ViewOptions {

@@ -24,4 +24,5 @@ mod scenes;
 mod sunlight;
 mod suns;
 mod sweep;
+mod up;
 mod view;

@@ -9,6 +9,7 @@ use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::lookup::LookupArgs;
 use adumbra_program::query::Query;
 use adumbra_program::verify::{Verified, Verify};
+use adumbra_scene::LoadedAs;
 use adumbra_truth::verify::{LightAnswers, VolumeSampler};
 
 use crate::args::DagVerb;
@@ -52,7 +53,7 @@ fn verify(args: &Verify) -> Outcome {
     let verified = Verified {
         sun: file.grid.sun,
         voxel_size: file.grid.voxel_size,
-        ignores_alpha: file.settings.ignore_alpha,
+        scene: LoadedAs::from(&file.settings),
         volume: VolumeSampler::new(&file.grid),
     };
     let query = look_up(&args.lookup, &file)?;

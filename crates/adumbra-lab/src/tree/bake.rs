@@ -112,7 +112,7 @@ pub(super) fn run(args: &TreeBake) -> Outcome {
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumtree"));
     // A wrong sun is refused before the scene is loaded.
-    args.sun.given()?;
+    args.sun.given_for(&args.scene, &args.load)?;
     refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
     check_output(&output)?;
     with_threads(args.run.threads, || {

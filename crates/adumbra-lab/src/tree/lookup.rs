@@ -7,6 +7,7 @@ use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::lookup::LookupArgs;
 use adumbra_program::query::More;
 use adumbra_program::verify::Verified;
+use adumbra_scene::LoadedAs;
 
 use crate::args::{TreeQuery, TreeVerify};
 
@@ -62,7 +63,7 @@ pub(super) fn verify(args: &TreeVerify) -> Outcome {
     let verified = Verified {
         sun: file.sun,
         voxel_size: file.space.voxel_size,
-        ignores_alpha: file.ignores_alpha(),
+        scene: LoadedAs { ignore_alpha: file.ignores_alpha(), ..LoadedAs::default() },
         volume: volume_of(&file.space),
     };
     match &file.body {

@@ -11,6 +11,7 @@ use adumbra_compare::report::BakedFigures;
 use adumbra_program::exit::Failure;
 use adumbra_program::lookup::LookupArgs;
 use adumbra_render::{Baked, Reads, TechniqueSpec};
+use adumbra_scene::LoadedAs;
 
 use crate::dag::build::{DagOptions, bake as bake_graph};
 use crate::dag::{DagFile, DagLayout, DagQuery};
@@ -58,11 +59,12 @@ impl MoreFiles for PaperFiles {
     fn read(&mut self, path: &Path) -> Result<Option<FileFacts>> {
         let (facts, twice) = if TreeFile::is_one(path)? {
             let file = TreeFile::read(path)?;
-            let facts = FileFacts { sun: file.sun, ignore_alpha: file.settings.ignore_alpha };
+            let scene = LoadedAs { ignore_alpha: file.settings.ignore_alpha, ..LoadedAs::default() };
+            let facts = FileFacts { sun: file.sun, scene };
             (facts, self.tree.replace(file).is_some())
         } else if DagFile::is_one(path)? {
             let file = DagFile::read(path)?;
-            let facts = FileFacts { sun: file.grid.sun, ignore_alpha: file.settings.ignore_alpha };
+            let facts = FileFacts { sun: file.grid.sun, scene: LoadedAs::from(&file.settings) };
             (facts, self.graph.replace(file).is_some())
         } else {
             return Ok(None);

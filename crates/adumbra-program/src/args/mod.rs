@@ -5,7 +5,8 @@ mod values;
 use std::path::{Path, PathBuf, absolute};
 
 use adumbra::{IoError, Sun};
-use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, Scene};
+use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, Scene, UpAxis, is_gltf};
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 pub use values::{numbers, parse_bounds, parse_bytes, parse_size, parse_triple};
 
 use crate::exit::Failure;
@@ -50,6 +51,37 @@ impl SunArgs {
         })
     }
 
+    /// Returns the sun that was given for a scene that is not loaded yet. Coordinates in which Z points up are a common
+    /// reason for a sun below the horizon: the error says what would be right for them.
+    ///
+    /// # Errors
+    ///
+    /// Returns the errors of [`SunArgs::given`].
+    pub fn given_for(&self, scene: &Path, load: &SceneArgs) -> Result<Option<Sun>, Failure> {
+        self.given().map_err(|failure| match (&failure, self.turned()) {
+            (Failure::Reader(adumbra::Error::SunBelowHorizon { .. }), Some([x, y, z])) => {
+                let advice = match load.up {
+                    Some(UpAxis::Z) => {
+                        format!("the world of --up z is Y up: there the direction is {x},{y},{z}")
+                    }
+                    None if !is_gltf(scene) => {
+                        format!("if Z points up in the scene, give --up z --sun {x},{y},{z}")
+                    }
+                    _ => return failure,
+                };
+                Failure::Usage(format!("{failure}; {advice}"))
+            }
+            _ => failure,
+        })
+    }
+
+    /// Returns the direction that was given, as it is in the world if Z points up where it is from; `None` if that is not
+    /// above the horizon either.
+    fn turned(&self) -> Option<[f64; 3]> {
+        let turned = UpAxis::Z.to_scene(self.sun?);
+        Sun::from_direction(turned).ok().map(|_| turned)
+    }
+
     /// Returns the sun that was given, or else that of the scene, which was loaded from `path`. A light of the scene
     /// that cannot be the sun is named on stderr.
     ///
@@ -88,6 +120,13 @@ pub struct SceneArgs {
     /// given to bake.
     #[arg(long)]
     include_animated: bool,
+    /// The axis that points up in an OBJ or PLY file [default: that of the shadow file, if there is one, or y]
+    ///
+    /// With z the scene is turned, and all that is said of the world is said of the turned scene: its (x, y, z) is (x, z, -y)
+    /// there. A shadow file says which it was. glTF is Y up by definition.
+    #[arg(long, value_name = "AXIS", value_parser = PossibleValuesParser::new(["y", "z"])
+        .map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y }))]
+    up: Option<UpAxis>,
     /// Also read files outside the scene's folder
     ///
     /// Buffers, images and material libraries. Only for scenes that you trust.
@@ -119,6 +158,7 @@ impl SceneArgs {
             (self.allow_outside, "--allow-outside"),
             (self.strict, "--strict"),
         ];
+        words.extend(self.up.map(|up| format!("--up {}", if up == UpAxis::Z { "z" } else { "y" })));
         words.extend(self.edit.iter().map(|path| format!("--edit {}", quoted(&path.to_string_lossy()))));
         words.extend(switches.iter().filter(|(on, _)| *on).map(|(_, name)| (*name).to_owned()));
         words
@@ -150,6 +190,7 @@ impl SceneArgs {
             color_textures: false,
             ignore_alpha: self.ignore_alpha,
             movers: if self.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
+            up: self.up,
             allow_outside: self.allow_outside,
             max_memory_bytes: None,
             edits: self.edit.as_deref().map_or_else(|| Ok(Edits::default()), Edits::read)?,

@@ -14,7 +14,8 @@ const CLOSED_REGIONS: u32 = 1 << 1;
 const IGNORE_ALPHA: u32 = 1 << 2;
 const STATIC_RECEIVERS: u32 = 1 << 3;
 const HAS_BOUNDS: u32 = 1 << 4;
-const ALL_FLAGS: u32 = (1 << 5) - 1;
+const SCENE_IS_Z_UP: u32 = 1 << 5;
+const ALL_FLAGS: u32 = (1 << 6) - 1;
 
 /// Values of the field `frame`.
 const LIGHT_FRAME: u32 = 0;
@@ -28,6 +29,7 @@ pub fn flags(settings: &FileSettings) -> u32 {
         | bit(settings.ignore_alpha, IGNORE_ALPHA)
         | bit(settings.receivers == Receivers::Static, STATIC_RECEIVERS)
         | bit(settings.bounds.is_some(), HAS_BOUNDS)
+        | bit(settings.scene_is_z_up, SCENE_IS_Z_UP)
 }
 
 /// Returns settings with what the field `flags` says. `box_given` is the field `bounds`.
@@ -40,12 +42,13 @@ pub fn with_flags(
     box_given: Bounds,
 ) -> Result<FileSettings, FormatError> {
     if flags & !ALL_FLAGS != 0 {
-        return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 4"));
+        return Err(field("flags", format!("{flags:#x}"), "limited to bits 0 to 5"));
     }
     Ok(FileSettings {
         assume_ground: flags & ASSUME_GROUND != 0,
         closed_regions: flags & CLOSED_REGIONS != 0,
         ignore_alpha: flags & IGNORE_ALPHA != 0,
+        scene_is_z_up: flags & SCENE_IS_Z_UP != 0,
         receivers: if flags & STATIC_RECEIVERS != 0 { Receivers::Static } else { Receivers::All },
         bounds: bounds(flags & HAS_BOUNDS != 0, "4", box_given)?,
         ..settings

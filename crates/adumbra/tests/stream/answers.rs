@@ -8,7 +8,8 @@ use std::time::Duration;
 
 use adumbra::layout::depths::{ABSENT, UNIFORM};
 use adumbra::stream::{
-    BytesSource, FileSource, Request, Resident, ShadowSource, SourceError, StreamError, StreamOptions, Streamer, View,
+    BytesSource, FileSource, Request, Resident, ShadowSource, SourceError, StreamError, StreamOptions,
+    Streamer, View,
 };
 use adumbra::{Filter, ShadowFile};
 use adumbra_scene::random::Random;
@@ -239,7 +240,8 @@ fn what_failed_is_not_asked_for_in_vain() {
     let source = BytesSource(city().to_vec());
     let view = [View::everything()];
     for is_changed in [false, true] {
-        let mut resident = Resident::new(StreamOptions { budget_bytes: 64 << 20, ..StreamOptions::default() });
+        let mut resident =
+            Resident::new(StreamOptions { budget_bytes: 64 << 20, ..StreamOptions::default() });
         while !resident.is_open() {
             let request = resident.next_request().unwrap();
             resident.deliver(request.run(&source));
@@ -261,7 +263,10 @@ fn what_failed_is_not_asked_for_in_vain() {
         let faults = resident.take_faults();
         let waits: Vec<_> = faults.iter().map(|fault| fault.retry_in).collect();
         let again = (!is_changed).then_some(Duration::from_secs(1));
-        assert!(count > 1 && !waits.is_empty() && waits.iter().all(|wait| *wait == again), "{count}: {faults:?}");
+        assert!(
+            count > 1 && !waits.is_empty() && waits.iter().all(|wait| *wait == again),
+            "{count}: {faults:?}"
+        );
         assert!(!is_changed || faults.len() == 1, "{faults:?}");
         let mut asks_at = |seconds: f64| {
             resident.update(&view, Duration::from_secs_f64(seconds));

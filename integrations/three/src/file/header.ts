@@ -42,13 +42,14 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const IGNORE_ALPHA = 4;
   const STATIC_RECEIVERS = 8;
   const HAS_BOUNDS = 16;
+  const SCENE_IS_Z_UP = 32;
   const MAX_LEVELS = 8;
   const fields = new Fields(bytes);
 
   identify(bytes, fields);
   fields.reserved(40, 63);
   const flags = fields.u32(4);
-  check(flags <= 31, 'flags', hex(flags), 'limited to bits 0 to 4');
+  check(flags <= 63, 'flags', hex(flags), 'limited to bits 0 to 5');
   const has = (flag: number): boolean => (flags & flag) !== 0;
   const atRest = fields.u32(7);
   check(atRest <= 1, 'at_rest', atRest, '0 (raw) or 1 (coded)');
@@ -65,6 +66,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
     assumeGround: has(ASSUME_GROUND),
     closedRegions: has(CLOSED_REGIONS),
     ignoreAlpha: has(IGNORE_ALPHA),
+    sceneIsZUp: has(SCENE_IS_Z_UP),
     receivers: has(STATIC_RECEIVERS) ? 'static' : 'all',
     switchWithinVoxels: fields.u32(32),
     darkAfterVoxels: fields.u32(39),

@@ -41,7 +41,7 @@ impl Files {
         add("nodes_damaged", "SectionChecksum", "nodes", damaged(full.section(NODES) + 9));
         add("leaf_masks_damaged", "SectionChecksum", "leaf_masks", damaged(full.section(LEAF_MASKS)));
         add("padding", "Padding", "between", s().put(small.section(NODES) - 1, &[1]).0);
-        add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 5).sealed());
+        add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 6).sealed());
         add("resolution_0", "HeaderField", "resolution", s().put_word(20, 0).sealed());
         add("size_0", "HeaderField", "size", s().put_word(28, 0).sealed());
         add("root_level_2", "HeaderField", "root_level", s().put_word(36, 2).sealed());

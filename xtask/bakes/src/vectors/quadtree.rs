@@ -112,7 +112,7 @@ fn headers(small: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
     add("header_length", "HeaderField", "header_bytes", s().put_word(12, 384).sealed());
     add("cut_in_header", "Truncated", "header", s().cut(200).0);
     add("header_damaged", "HeaderChecksum", "header", s().put_word(20, 16).0);
-    add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 5).sealed());
+    add("unknown_flag", "HeaderField", "flags", s().put_word(16, 1 << 6).sealed());
     add("resolution_0", "HeaderField", "resolution", s().put_word(20, 0).sealed());
     add("grids_0", "HeaderField", "grids", s().put_word(24, 0).sealed_header());
     add("grids_9", "HeaderField", "grids", s().put_word(24, 9).sealed_header());

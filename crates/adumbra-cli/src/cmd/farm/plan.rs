@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Plan) -> Outcome {
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("plan.json"));
     args.settings.check()?;
-    args.settings.sun.given()?;
+    args.settings.sun.given_for(&args.scene, &args.load)?;
     refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
     check_output(&output)?;
     with_threads(args.run.threads, || {

@@ -250,6 +250,9 @@ fn print(info: &FileInfo) {
         s.switch_within_voxels,
         s.ignore_alpha
     );
+    if s.scene_is_z_up {
+        say!("  of a scene with Z up: its (x, y, z) is (x, z, -y) in this file's world");
+    }
     if s.receivers == Receivers::Static {
         say!("  static receivers: what moves and receives this file is wrong in 1 to 3 % of its points");
     }

@@ -39,7 +39,7 @@ pub use args::{Compare, PATH_FRAMES};
 pub fn run(args: &Compare, offer: Offer<'_>) -> Result<Code> {
     args.check()?;
     // A wrong sun is refused before the scene is loaded.
-    args.sun.given()?;
+    args.sun.given_for(&args.scene, &args.load)?;
     // A technique that takes a sun's angle gets that of the disc that it is compared with, unless it names its own.
     let specs: Vec<TechniqueSpec> = parse(offer.techniques, &args.shadow)?
         .iter()
@@ -81,7 +81,9 @@ fn draw(
 ) -> Result<Code> {
     let mut load = args.load.load_options()?;
     load.color_textures = true;
-    load.ignore_alpha |= files.ignore_alpha() || swept.as_ref().is_some_and(SweptSun::ignores_alpha);
+    for scene in [files.scene(), swept.as_ref().and_then(SweptSun::scene)].into_iter().flatten() {
+        load.follow(scene, &args.scene);
+    }
     let scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
     let truth = TruthTracer::build(&scene, load.ignore_alpha);
     let held = scene.memory_bytes() + truth.tracer().memory_bytes() + BaseColors::bytes_of(&scene);

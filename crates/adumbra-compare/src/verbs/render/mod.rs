@@ -142,9 +142,11 @@ pub fn run(args: &Render, offer: Offer<'_>) -> Result<Code> {
     if load.movers == MoverPolicy::Skip {
         load.movers = MoverPolicy::Keep;
     }
-    load.ignore_alpha |= files.ignore_alpha();
+    if let Some(scene) = files.scene() {
+        load.follow(scene, &args.scene);
+    }
     // A wrong sun is refused before the scene is loaded.
-    args.sun.given()?;
+    args.sun.given_for(&args.scene, &args.load)?;
     with_threads(args.run.threads, || {
         let mut scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
         let sun = match files.sun() {

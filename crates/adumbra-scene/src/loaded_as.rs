@@ -1,0 +1,33 @@
+//! How the scene of a shadow file was loaded, so that it is loaded alike where the two are compared or drawn together.
+
+use std::path::Path;
+
+use adumbra::FileSettings;
+
+use crate::{LoadOptions, UpAxis, is_gltf};
+
+/// How the scene of a shadow file was loaded, as far as the file says it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LoadedAs {
+    /// Whether masked and blended materials were taken as opaque.
+    pub ignore_alpha: bool,
+    /// Whether Z points up in the scene's file.
+    pub is_z_up: bool,
+}
+
+impl From<&FileSettings> for LoadedAs {
+    fn from(settings: &FileSettings) -> Self {
+        Self { ignore_alpha: settings.ignore_alpha, is_z_up: settings.scene_is_z_up }
+    }
+}
+
+impl LoadOptions {
+    /// Takes over what a shadow file says where no option says otherwise. `scene` is the path of the scene: that of a glTF
+    /// file is Y up even if the bake was of another format.
+    pub fn follow(&mut self, baked: LoadedAs, scene: &Path) {
+        self.ignore_alpha |= baked.ignore_alpha;
+        if self.up.is_none() && !is_gltf(scene) {
+            self.up = Some(if baked.is_z_up { UpAxis::Z } else { UpAxis::Y });
+        }
+    }
+}
