@@ -89,6 +89,12 @@ impl Scene {
         self.scene.instanced_triangles()
     }
 
+    /// The number of triangles that cast shadows, with those of every instance.
+    #[getter]
+    fn casting_triangles(&self) -> u64 {
+        self.scene.casters().triangles
+    }
+
     /// The unit vector towards the sun that a bake takes unless another is given.
     #[getter]
     fn sun(&self) -> PyResult<[f64; 3]> {
@@ -161,5 +167,8 @@ fn notes(of: &LoadNotes) -> Vec<String> {
         "flat along Z, or much taller than wide, as a scene is in which Z points up; if so, give up=\"z\", and up=\"y\" if not"
             .to_owned()
     });
-    of.warnings.iter().cloned().chain(up).chain(omissions).chain(counted).collect()
+    let unmatched = of.unmatched_patterns.iter();
+    let unmatched =
+        unmatched.map(|pattern| format!("{}: {pattern}", if pattern.excludes { "exclude" } else { "only" }));
+    of.warnings.iter().cloned().chain(unmatched).chain(up).chain(omissions).chain(counted).collect()
 }

@@ -145,7 +145,14 @@ impl BakedFiles {
                 .into());
             }
             before.scene.ignore_alpha |= facts.scene.ignore_alpha;
-            before.scene.is_z_up |= facts.scene.is_z_up;
+            let axes = [before.scene.up, facts.scene.up];
+            if axes[0].is_some() && axes[1].is_some() && axes[0] != axes[1] {
+                return Err(Failure::Usage(
+                    "--shadow-file: the files are of scenes with other axes up".to_owned(),
+                )
+                .into());
+            }
+            before.scene.up = axes[0].or(axes[1]);
         }
         if time.is_some() && files.between.is_none() {
             return Err(Failure::Usage("--sun-time: give a sun path with --shadow-file".to_owned()).into());

@@ -5,8 +5,8 @@ use adumbra_compare::report::Report;
 use adumbra_compare::verbs::render;
 use adumbra_program::exit::Outcome;
 use adumbra_program::schemas::{Described, SchemaArgs};
+use adumbra_program::verify::VerifiedScene;
 use adumbra_program::{progress, query};
-use adumbra_truth::verify::Verification;
 
 use crate::bench::{ao, bake, blur, fast, gpu, hrsm, lookup, peers, stream, tree, verify};
 use crate::dag::{bake::DagBaked, info::DagContents};
@@ -31,11 +31,11 @@ const DESCRIBED: &[Described] = &[
     Described::of::<render::Printed>("render", "the picture, or the list of several"),
     Described::of::<DagBaked>("dag bake", "the bake of a graph"),
     Described::of::<DagContents>("dag info", "what a graph file contains"),
-    Described::of::<Verification>("dag verify", "the comparison with rays"),
+    Described::of::<VerifiedScene>("dag verify", "the comparison with rays"),
     Described::of::<query::Answered>("dag query", "the look-ups"),
     Described::of::<TreeBaked>("tree bake", "the bake of a tree"),
     Described::of::<TreeContents>("tree info", "what a tree file contains"),
-    Described::of::<Verification>("tree verify", "the comparison with rays"),
+    Described::of::<VerifiedScene>("tree verify", "the comparison with rays"),
     Described::of::<query::Answered>("tree query", "the look-ups"),
     Described::of::<Exported>("tree export", "the pages that were written"),
     Described::of::<Imported>("tree import", "the file that was made of pages"),

@@ -51,12 +51,13 @@ pub(crate) fn options_of_scene(error: &adumbra_scene::Error) -> Option<&'static 
         E::SceneMemory { .. } => Some("--max-memory"),
         E::NoTriangles { reason, .. } => match reason {
             EmptyReason::AllAnimated { .. } => Some("--include-animated"),
-            EmptyReason::Filtered => Some("--only, --exclude"),
+            EmptyReason::Filtered { .. } => Some("--only, --exclude"),
             _ => None,
         },
         E::GltfIsYUp { .. } => Some("--up"),
         E::Omitted { .. } => Some("--strict"),
         E::Pattern { .. } => Some("--only, --exclude"),
+        E::Unmatched { .. } => Some("--strict"),
         _ => None,
     }
 }

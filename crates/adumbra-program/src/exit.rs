@@ -189,7 +189,7 @@ mod tests {
             (resolution, Code::Usage, "(--resolution)"),
             (interrupted, Code::Interrupted, "nothing was written"),
             (empty(EmptyReason::AllAnimated { instances: 1 }), Code::BadInput, "(--include-animated)"),
-            (empty(EmptyReason::Filtered), Code::BadInput, "(--only, --exclude)"),
+            (empty(EmptyReason::Filtered { unmatched: Vec::new() }), Code::BadInput, "(--only, --exclude)"),
             (spill, Code::OutOfRoom, "(--max-memory)"),
             (Failure::Usage("no".to_owned()), Code::Usage, "no"),
             (missing, Code::TryAgain, "link again"),

@@ -7,6 +7,7 @@
 //! | [`exit`] | exit codes, and the errors that lead to them |
 //! | [`args`], [`lookup`] | groups of options that several verbs share |
 //! | [`scene`], [`sun`], [`bounds`] | loading a scene, with its warnings; the sun, and where it comes from; the box of `--bounds` |
+//! | [`glance`] | what a person would see of a scene, and warnings of what is out of the ordinary |
 //! | [`moment`] | moments of sun paths |
 //! | [`query`], [`verify`] | verbs that several programs offer for files of their own |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
@@ -21,6 +22,7 @@ pub mod bounds;
 mod environment;
 pub mod exit;
 mod files;
+pub mod glance;
 pub mod lookup;
 pub mod memory;
 pub mod mirrors;

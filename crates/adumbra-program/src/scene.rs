@@ -55,6 +55,10 @@ pub fn load_scene_within(limit: MemoryLimit, path: &Path, options: &LoadOptions)
     for omission in &notes.omissions {
         eprintln!("warning: {}: {omission} left out; --strict makes this an error", path.display());
     }
+    for pattern in &notes.unmatched_patterns {
+        let option = if pattern.excludes { "--exclude" } else { "--only" };
+        eprintln!("warning: {}: {option} {pattern}", path.display());
+    }
     if notes.looks_z_up {
         eprintln!(
             "warning: {}: flat along Z, or much taller than wide, as a scene is in which Z points up; if so, give --up z, and --up y if not",

@@ -1,17 +1,21 @@
 //! The verb `verify`: compares a file's answers with rays.
 
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 use adumbra::Sun;
-use adumbra_scene::{LoadOptions, LoadedAs};
+use adumbra_scene::{Casters, LoadOptions, LoadedAs, Scene, UpAxis};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Class, ClassResult, MIN_CHECKED_POINTS, Sampler, Solids, SurfaceSampler, Verification, Verifier,
     VerifyOptions, VolumeSampler, building_bytes,
 };
+use schemars::JsonSchema;
+use serde::Serialize;
 
 use crate::args::{RunArgs, SceneArgs};
 use crate::exit::{Code, Failure, Outcome};
+use crate::glance::{AtAGlance, look, warn_of_difference, warn_of_large_voxels};
 use crate::lookup::LookupArgs;
 use crate::output::print_json;
 use crate::say;
@@ -56,10 +60,29 @@ pub struct Verified {
     pub sun: Sun,
     /// Edge of a voxel, world units.
     pub voxel_size: f64,
+    /// Whether the voxels are those of the file's finest level.
+    pub is_finest: bool,
     /// How the bake's scene was loaded.
     pub scene: LoadedAs,
+    /// What cast shadows in it, if the file says it.
+    pub casters: Option<Casters>,
     /// Its volume, for points in free space.
     pub volume: VolumeSampler,
+}
+
+/// What `verify` prints as JSON.
+#[derive(Serialize, JsonSchema)]
+pub struct VerifiedScene {
+    /// The comparison.
+    #[serde(flatten)]
+    result: Verification,
+    /// What a person would see of the scene.
+    glance: AtAGlance,
+    /// Number of triangles that cast shadows in the scene that the file was baked from, every instance counted. Null for a
+    /// manifest of regions.
+    baked_triangles: Option<u64>,
+    /// Number of triangles that cast shadows in the scene that it was compared with.
+    scene_triangles: u64,
 }
 
 impl Verify {
@@ -73,13 +96,31 @@ impl Verify {
         load.follow(file.scene, &self.scene);
         let (sun, voxel_size) = (file.sun, file.voxel_size);
         let volume = self.volume.then_some(file.volume);
-        let result = with_threads(self.run.threads, || self.trace(&load, sun, volume, answers))??;
+        let (result, glance, [baked, casters]) =
+            with_threads(self.run.threads, || -> Result<_, Failure> {
+                let scene = self.load_scene(&load)?;
+                let casters = [file.casters.unwrap_or(scene.casters()), scene.casters()];
+                warn_of_other_casters(casters[0], casters[1]);
+                let glance = look(&scene, &self.scene, sun, load.ignore_alpha, &AtomicBool::new(false))?;
+                if file.is_finest {
+                    warn_of_large_voxels(&self.scene, &glance, voxel_size);
+                }
+                let up = Some([0.0, 1.0, 0.0]);
+                warn_of_difference(&glance.ground, |p| answers.covers(p).then(|| answers.visibility(p, up)));
+                let result = self.trace(&scene, load.ignore_alpha, sun, volume, answers)?;
+                Ok((result, AtAGlance::of(&glance), casters))
+            })??;
         if self.run.json {
-            print_json(&result)?;
+            print_json(&VerifiedScene {
+                result: result.clone(),
+                glance,
+                baked_triangles: file.casters.map(|casters| casters.triangles),
+                scene_triangles: casters.triangles,
+            })?;
         } else {
             say!("{} against {}", self.file.display(), self.scene.display());
             print_file(sun, voxel_size, file.scene);
-            print_result(&result, self.lookup.filter);
+            print_result(&result, &glance, self.lookup.filter);
         }
         if !result.is_checked() {
             eprintln!(
@@ -94,42 +135,49 @@ impl Verify {
         }
         for class in result.classes.iter().filter(|c| !c.holds) {
             eprintln!(
-                "check failed: {} points {}; is this the scene that the file was baked from, read with the same options?",
+                "check failed: {} points {}; {}",
                 class.class.name(),
-                missed(class)
+                missed(class),
+                remedy(&result, casters == baked)
             );
         }
         Ok(Code::CheckFailed)
+    }
+
+    /// Loads the scene.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if it cannot be loaded.
+    pub fn load_scene(&self, load: &LoadOptions) -> Result<Scene, Failure> {
+        load_scene_within(self.run.memory_limit(), &self.scene, load)
     }
 
     /// Compares `answers` for a sun with rays, and reports nothing.
     ///
     /// # Errors
     ///
-    /// Returns [`Failure`] if the scene cannot be loaded or memory is not enough.
+    /// Returns [`Failure`] if memory is not enough.
     pub fn trace(
         &self,
-        load: &LoadOptions,
+        scene: &Scene,
+        ignore_alpha: bool,
         sun: Sun,
         volume: Option<VolumeSampler>,
         answers: &impl Answers,
     ) -> Result<Verification, Failure> {
         let limit = self.run.memory_limit();
-        let scene = load_scene_within(limit, &self.scene, load)?;
         self.run.check_memory(
             "the scene and its acceleration structure",
             scene.memory_bytes(),
-            scene.memory_bytes() + building_bytes(&scene),
+            scene.memory_bytes() + building_bytes(scene),
         )?;
-        let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: load.ignore_alpha });
+        let tracer = Tracer::build(scene, TraceOptions { ignore_alpha });
         limit.check_peak("the scene and its acceleration structure")?;
-        let solids = Solids::of(&scene);
+        let solids = Solids::of(scene);
         let sampler = match volume {
             Some(volume) => Sampler::Volume(volume),
-            None => {
-                let (towards, ignore_alpha) = (sun.towards(), load.ignore_alpha);
-                Sampler::Surface(SurfaceSampler::new(&scene, &solids, towards, ignore_alpha))
-            }
+            None => Sampler::Surface(SurfaceSampler::new(scene, &solids, sun.towards(), ignore_alpha)),
         };
         let verifier = Verifier::new(answers, &tracer, &solids).with_ground();
         let verifier = match self.min_interior {
@@ -139,6 +187,29 @@ impl Verify {
         let result = verifier.run(&sampler, &VerifyOptions { samples: self.samples, seed: self.seed });
         limit.check_peak("the comparison")?;
         Ok(result)
+    }
+}
+
+/// Warns on stderr of a scene with other casters than that of the bake.
+pub fn warn_of_other_casters(baked: Casters, scene: Casters) {
+    if scene != baked {
+        eprintln!(
+            "warning: the file was baked from {} triangles in {} instances that cast shadows, and the scene has {} in {}",
+            baked.triangles, baked.instances, scene.triangles, scene.instances
+        );
+    }
+}
+
+/// Below this agreement inside, most errors are not those of a grid that is too coarse.
+const LEAST_OF_ANY_GRID: f64 = 0.98;
+
+/// Says what may help against missed promises. A grid that is too coarse is wrong in a few points; another scene is not of the
+/// same casters, or many points are wrong far from all edges.
+pub fn remedy(result: &Verification, is_of_same_casters: bool) -> &'static str {
+    if is_of_same_casters && result.interior_agreement >= LEAST_OF_ANY_GRID {
+        "a bake with a finer --resolution has fewer such points"
+    } else {
+        "is this the scene that the file was baked from, read with the same options?"
     }
 }
 
@@ -166,13 +237,13 @@ fn print_file(sun: Sun, voxel_size: f64, scene: LoadedAs) {
     let [x, y, z] = sun.towards();
     let elevation = y.asin().to_degrees();
     let masks = if scene.ignore_alpha { ", masks ignored" } else { "" };
-    let turned = if scene.is_z_up { ", of a scene with Z up" } else { "" };
+    let turned = if scene.up == Some(UpAxis::Z) { ", of a scene with Z up" } else { "" };
     say!(
         "  file                sun ({x:.3}, {y:.3}, {z:.3}), {elevation:.1}° high; voxels of {voxel_size:.4}{masks}{turned}"
     );
 }
 
-fn print_result(result: &Verification, filter: u32) {
+fn print_result(result: &Verification, glance: &AtAGlance, filter: u32) {
     say!(
         "  samples             {} (not compared: {} facing away, {} inside solids, {} outside the bounds)",
         result.samples,
@@ -181,6 +252,7 @@ fn print_result(result: &Verification, filter: u32) {
         result.outside_bounds
     );
     say!("  shadowed by rays    {:.2} %", 100.0 * result.shadowed_share);
+    say!("  {glance}");
     say!("  agreement           {:.4} %", 100.0 * result.agreement);
     say!("  interior agreement  {:.4} %", 100.0 * result.interior_agreement);
     say!();

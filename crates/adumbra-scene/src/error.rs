@@ -6,6 +6,7 @@ use adumbra::{IoError, RangeError};
 
 use crate::Omission;
 use crate::one_line::one_line;
+use crate::unmatched::UnmatchedPattern;
 
 /// Any error of this crate.
 #[derive(Debug, thiserror::Error)]
@@ -167,6 +168,14 @@ pub enum Error {
         /// What was left out.
         omissions: Vec<Omission>,
     },
+    /// Patterns match no name in the scene, and [`LoadOptions::strict`](crate::LoadOptions::strict) forbids that.
+    #[error("{path:?}: {}; correct the patterns, or load it without strict", list(patterns), path = path.display())]
+    Unmatched {
+        /// The scene file.
+        path: PathBuf,
+        /// The patterns.
+        patterns: Vec<UnmatchedPattern>,
+    },
     /// A name filter is not a valid glob.
     #[error("the pattern {pattern:?} is not a valid glob: {what}")]
     Pattern {
@@ -177,8 +186,13 @@ pub enum Error {
     },
 }
 
-fn list(omissions: &[Omission]) -> String {
-    omissions.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+fn list(things: &[impl ToString]) -> String {
+    things.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// The patterns that match nothing, to follow a message.
+fn among(unmatched: &[UnmatchedPattern]) -> String {
+    if unmatched.is_empty() { String::new() } else { format!(": {}", list(unmatched)) }
 }
 
 /// Why a scene holds no triangle that could cast a shadow. Its text continues the sentence "contains no triangles".
@@ -198,8 +212,11 @@ pub enum EmptyReason {
         triangles: u64,
     },
     /// The name filter keeps none.
-    #[error(" after the name filter; check its patterns against the names in the scene")]
-    Filtered,
+    #[error(" after the name filter; check its patterns against the names in the scene{}", among(.unmatched))]
+    Filtered {
+        /// The patterns that match nothing.
+        unmatched: Vec<UnmatchedPattern>,
+    },
     /// Extras of nodes, meshes or materials mark everything as not casting.
     #[error(" that cast a shadow: all are marked as not casting in their extras")]
     NoneCasts,

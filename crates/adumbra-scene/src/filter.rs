@@ -1,16 +1,28 @@
 //! Selects triangles by the names of their node, mesh and material.
 
-use globset::{Glob, GlobSet, GlobSetBuilder};
+use std::collections::BTreeSet;
+
+use globset::{Glob, GlobBuilder, GlobMatcher, GlobSet, GlobSetBuilder};
 
 use crate::error::{Error, Result};
+use crate::unmatched::UnmatchedPattern;
 
 /// Glob patterns of names to keep and names to exclude. The default keeps everything.
 #[derive(Clone, Debug, Default)]
 pub struct NameFilter {
-    /// If present, a triangle is kept only if at least one of its names matches one of these patterns.
-    only: Option<GlobSet>,
+    /// If there are any, a triangle is kept only if at least one of its names matches one of these patterns.
+    only: Patterns,
     /// A triangle is dropped if any of its names matches one of these patterns.
-    exclude: Option<GlobSet>,
+    exclude: Patterns,
+}
+
+/// Patterns, and what finds the names that they match.
+#[derive(Clone, Debug, Default)]
+struct Patterns {
+    texts: Vec<String>,
+    set: GlobSet,
+    /// Each pattern for itself, in letters of either case.
+    in_any_case: Vec<GlobMatcher>,
 }
 
 /// Which of the filter's pattern lists a name matches.
@@ -27,51 +39,136 @@ impl Marks {
     }
 }
 
+/// What the patterns of a filter have met in a scene, in the order of `only` and `exclude`.
+#[derive(Debug, Default)]
+pub(super) struct Met {
+    /// Which patterns match a name.
+    matched: Vec<bool>,
+    /// Which patterns match a name of something that is not drawn.
+    matched_hidden: Vec<bool>,
+    /// Names that were met, for patterns that match nothing.
+    names: BTreeSet<String>,
+}
+
+/// Names that are named as being like a pattern.
+const MOST_NEAR: usize = 3;
+/// Names that are compared with patterns that match nothing, and how long they may be.
+const MOST_NAMES: usize = 20_000;
+const LONGEST_NAME: usize = 128;
+/// Below this likeness, from 0 to 1, names are not alike.
+const LEAST_LIKE: f64 = 0.75;
+
+impl Met {
+    fn note(&mut self, name: &str) {
+        if name.len() <= LONGEST_NAME && self.names.len() < MOST_NAMES && !self.names.contains(name) {
+            self.names.insert(name.to_owned());
+        }
+    }
+
+    /// Meets the name of something that is not drawn, such as an empty node, so that no triangles have it.
+    pub(super) fn meet_hidden(&mut self, filter: &NameFilter, name: &str) {
+        if !filter.is_empty() {
+            filter.mark(name, &mut self.matched_hidden);
+        }
+    }
+
+    /// Returns the patterns that have matched nothing that is drawn. Cost: a comparison of each with every name.
+    pub(super) fn unmatched(&self, filter: &NameFilter) -> Vec<UnmatchedPattern> {
+        let is_in = |matched: &[bool], i: usize| matched.get(i) == Some(&true);
+        let all = filter.patterns().enumerate().filter(|(i, _)| !is_in(&self.matched, *i));
+        all.map(|(i, (pattern, in_any_case))| {
+            let like = |name: &'_ String| (likeness(pattern, in_any_case, name), name.clone());
+            let mut near: Vec<(f64, String)> = self.names.iter().map(like).collect();
+            near.retain(|(like, _)| *like >= LEAST_LIKE);
+            near.sort_by(|(a, _), (b, _)| b.total_cmp(a));
+            UnmatchedPattern {
+                pattern: pattern.to_owned(),
+                excludes: i >= filter.only.texts.len(),
+                is_of_hidden: is_in(&self.matched_hidden, i),
+                near: near.into_iter().take(MOST_NEAR).map(|(_, name)| name).collect(),
+            }
+        })
+        .collect()
+    }
+}
+
+/// How like a pattern a name is that it does not match: 3 if it is the pattern's text, 2 but for the case of letters, 1 if it
+/// contains the text, less than 1 by the distance between the two.
+fn likeness(pattern: &str, in_any_case: &GlobMatcher, name: &str) -> f64 {
+    if name == pattern {
+        return 3.0;
+    }
+    if in_any_case.is_match(name) {
+        return 2.0;
+    }
+    let text: String =
+        pattern.chars().filter(|c| !"*?[]{}".contains(*c)).flat_map(char::to_lowercase).collect();
+    let name = name.to_lowercase();
+    if text.len() >= 3 && name.contains(&text) { 1.0 } else { strsim::jaro_winkler(&text, &name).min(0.99) }
+}
+
 impl NameFilter {
     /// Builds a filter from globs (`*`, `?`, `[a-z]`, `{a,b}`), matched case-sensitively against whole names.
     ///
     /// # Errors
     /// Returns [`Error::Pattern`] if a pattern is not a valid glob.
     pub fn new(only: &[String], exclude: &[String]) -> Result<Self> {
-        Ok(Self { only: set(only)?, exclude: set(exclude)? })
+        Ok(Self { only: Patterns::new(only)?, exclude: Patterns::new(exclude)? })
     }
 
     /// Whether the filter keeps everything.
     pub fn is_empty(&self) -> bool {
-        self.only.is_none() && self.exclude.is_none()
+        self.only.texts.is_empty() && self.exclude.texts.is_empty()
     }
 
-    /// Whether a triangle with these names is kept.
-    pub fn keeps(&self, node: &str, mesh: &str, material: &str) -> bool {
-        self.keeps_marked([node, mesh, material].map(|name| self.marks(name)))
+    /// The patterns, those of `only` first, and what matches each in letters of either case.
+    fn patterns(&self) -> impl Iterator<Item = (&str, &GlobMatcher)> {
+        let both = [&self.only, &self.exclude];
+        both.into_iter().flat_map(|of| of.texts.iter().map(String::as_str).zip(&of.in_any_case))
     }
 
     /// The pattern lists that a name matches, for [`NameFilter::keeps_marked`]. Callers can cache the result: there are
     /// only four possible marks, but many names.
-    pub(super) fn marks(&self, name: &str) -> Marks {
-        let matches = |set: &Option<GlobSet>| set.as_ref().is_some_and(|set| set.is_match(name));
-        Marks { only: matches(&self.only), exclude: matches(&self.exclude) }
+    pub(super) fn marks(&self, name: &str, met: &mut Met) -> Marks {
+        if self.is_empty() {
+            return Marks::default();
+        }
+        met.note(name);
+        self.mark(name, &mut met.matched)
+    }
+
+    /// Notes which patterns a name matches.
+    fn mark(&self, name: &str, matched: &mut Vec<bool>) -> Marks {
+        let [only, exclude] = [&self.only, &self.exclude].map(|of| of.set.matches(name));
+        let first = self.only.texts.len();
+        matched.resize(first + self.exclude.texts.len(), false);
+        only.iter().for_each(|&i| matched[i] = true);
+        exclude.iter().for_each(|&i| matched[first + i] = true);
+        Marks { only: !only.is_empty(), exclude: !exclude.is_empty() }
     }
 
     /// Whether a triangle is kept whose node, mesh and material have these marks.
     pub(super) fn keeps_marked(&self, marks: [Marks; 3]) -> bool {
-        (self.only.is_none() || marks.iter().any(|m| m.only)) && !marks.iter().any(|m| m.exclude)
+        (self.only.texts.is_empty() || marks.iter().any(|m| m.only)) && !marks.iter().any(|m| m.exclude)
     }
 }
 
-fn set(patterns: &[String]) -> Result<Option<GlobSet>> {
-    if patterns.is_empty() {
-        return Ok(None);
+impl Patterns {
+    fn new(texts: &[String]) -> Result<Self> {
+        let bad = |pattern: &str, e: &globset::Error| Error::Pattern {
+            pattern: pattern.to_owned(),
+            what: e.kind().to_string(),
+        };
+        let mut builder = GlobSetBuilder::new();
+        let mut in_any_case = Vec::with_capacity(texts.len());
+        for text in texts {
+            builder.add(Glob::new(text).map_err(|e| bad(text, &e))?);
+            let any = GlobBuilder::new(text).case_insensitive(true).build().map_err(|e| bad(text, &e))?;
+            in_any_case.push(any.compile_matcher());
+        }
+        let set = builder.build().map_err(|e| bad(&texts.join(", "), &e))?;
+        Ok(Self { texts: texts.to_vec(), set, in_any_case })
     }
-    let bad = |pattern: &str, e: &globset::Error| Error::Pattern {
-        pattern: pattern.to_owned(),
-        what: e.kind().to_string(),
-    };
-    let mut builder = GlobSetBuilder::new();
-    for pattern in patterns {
-        builder.add(Glob::new(pattern).map_err(|e| bad(pattern, &e))?);
-    }
-    builder.build().map(Some).map_err(|e| bad(&patterns.join(", "), &e))
 }
 
 #[cfg(test)]
@@ -83,9 +180,14 @@ mod tests {
         NameFilter::new(&owned(only), &owned(exclude)).expect("valid globs")
     }
 
+    fn keeps(filter: &NameFilter, names: [&str; 3]) -> bool {
+        let mut met = Met::default();
+        filter.keeps_marked(names.map(|name| filter.marks(name, &mut met)))
+    }
+
     #[test]
     fn filter_default_keeps_everything() {
-        assert!(NameFilter::default().keeps("", "", ""));
+        assert!(keeps(&NameFilter::default(), ["", "", ""]));
         assert!(NameFilter::default().is_empty());
     }
 
@@ -93,11 +195,41 @@ mod tests {
     fn filter_matches_any_of_the_three_names() {
         let only = filter(&["tree*", "rock"], &[]);
         assert!(
-            only.keeps("tree_1", "m", "x") && only.keeps("n", "rock", "x") && only.keeps("n", "m", "tree")
+            keeps(&only, ["tree_1", "m", "x"])
+                && keeps(&only, ["n", "rock", "x"])
+                && keeps(&only, ["n", "m", "tree"])
         );
-        assert!(!only.keeps("rocks", "m", "x"));
+        assert!(!keeps(&only, ["rocks", "m", "x"]));
         let both = filter(&["tree*"], &["*leaf*"]);
-        assert!(both.keeps("tree", "m", "bark") && !both.keeps("tree", "m", "leaf_2"));
+        assert!(keeps(&both, ["tree", "m", "bark"]) && !keeps(&both, ["tree", "m", "leaf_2"]));
+    }
+
+    #[test]
+    fn patterns_that_match_nothing_are_named_with_names_that_are_like_them() {
+        let filter = filter(&["Tower *", "bridge"], &["SkyDome*", "lamp [1]", "zebra"]);
+        let mut met = Met::default();
+        for name in ["Tower 1", "bridge_2", "the bridge", "sky_dome", "skydome_low", "lamp [1]", "house"] {
+            filter.marks(name, &mut met);
+        }
+        let unmatched = met.unmatched(&filter);
+        let said: Vec<(bool, String)> = unmatched.iter().map(|u| (u.excludes, u.to_string())).collect();
+        let none = |pattern: &str| format!("{pattern:?} matches no node, mesh or material");
+        assert_eq!(
+            said,
+            [
+                (false, none("bridge") + "; similar: \"bridge_2\", \"the bridge\""),
+                (true, none("SkyDome*") + "; similar: \"skydome_low\", \"sky_dome\""),
+                (
+                    true,
+                    none("lamp [1]")
+                        + "; *, ?, [ and { have a meaning in patterns: for the name itself, write lamp [[]1[]]"
+                ),
+                (true, none("zebra")),
+            ]
+        );
+        // The last advice works.
+        let literal = NameFilter::new(&[], &["lamp [[]1[]]".to_owned()]).unwrap();
+        assert!(!keeps(&literal, ["lamp [1]", "", ""]) && keeps(&literal, ["lamp 1", "", ""]));
     }
 
     #[test]

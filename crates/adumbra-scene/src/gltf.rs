@@ -7,6 +7,7 @@
 
 mod accessor;
 mod animations;
+mod casting;
 mod container;
 mod document;
 mod draco;
@@ -42,6 +43,7 @@ use crate::sources::Sources;
 use crate::validate::{Sieve, finish};
 use crate::{Error, Instance, LoadNotes, LoadOptions, Mesh, Result, Scene, affine};
 use animations::Animations;
+use casting::Casting;
 use container::Buffers;
 use document::Document;
 use draco::Streams;
@@ -119,13 +121,14 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     scene.notes.omit("morph targets of texture coordinates or colours", other_targets);
     scene.notes.omit(animations::OTHER_CHANNELS, other_channels);
     note_named(&sources, &root)?;
-    let nodes = Nodes::load(path, &root, places, &lights, &faults)?;
+    let mut casting = Casting::default();
+    let nodes = Nodes::load(path, &root, places, &lights, &faults, &mut casting)?;
     scene.suns = nodes.suns(&root);
     scene.notes.omit("nodes with meshes outside the default scene", nodes.unreached);
     let mut sieve = Sieve::default();
     sieve.empty_scene = nodes.is_empty_scene;
     let buffers = Buffers::load(&sources, &root, &faults, bin, &mut scene.notes)?;
-    let plan = choose(&buffers, &root, &nodes, options, &mut sieve, &mut scene.notes)?;
+    let plan = choose(&buffers, &root, &nodes, options, &mut sieve, &mut casting, &mut scene.notes)?;
 
     let mut used = vec![false; root.materials.len() + 1];
     for primitive in plan.selections.iter().flat_map(|selection| selection.primitives(&root)) {
@@ -138,7 +141,8 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
             }
         }
     }
-    let materials = materials::load(&root, &buffers, options, &used, &mut scene.notes)?;
+    let materials = materials::load(&root, &buffers, options, &used, &mut casting, &mut scene.notes)?;
+    scene.notes.warnings.extend(casting.warning());
 
     let mut streams = Streams::default();
     for selection in &plan.selections {
@@ -242,19 +246,13 @@ struct PlannedInstance {
 impl Selection {
     /// The primitives of a mesh that the filter keeps, on nodes with these marks.
     fn new(root: &Root, mesh: usize, filter: &NameFilter, node: Marks, sieve: &mut Sieve) -> Self {
-        let mesh_marks = filter.marks(&mesh_name(root, mesh));
-        let keeps = |p: &Primitive| {
-            filter.is_empty()
-                || filter.keeps_marked([
-                    node,
-                    mesh_marks,
-                    filter.marks(&materials::name(root, material_of(root, p))),
-                ])
-        };
+        let mesh_marks = filter.marks(&mesh_name(root, mesh), &mut sieve.met);
         let mut kept = Vec::new();
         let primitives = root.meshes.get(mesh).map_or(&[][..], |m| &m.primitives);
         for (i, primitive) in primitives.iter().enumerate().filter(|(_, p)| has_triangles(p)) {
-            if keeps(primitive) {
+            let material = materials::name(root, material_of(root, primitive));
+            let material_marks = filter.marks(&material, &mut sieve.met);
+            if filter.keeps_marked([node, mesh_marks, material_marks]) {
                 kept.push(i as u32);
             } else {
                 sieve.filtered = true;
@@ -288,6 +286,7 @@ fn choose(
     nodes: &Nodes,
     options: &LoadOptions,
     sieve: &mut Sieve,
+    casting: &mut Casting,
     notes: &mut LoadNotes,
 ) -> Result<Plan> {
     let path = buffers.sources.scene;
@@ -299,6 +298,13 @@ fn choose(
     // For each mesh visited so far, whether it casts.
     let mut seen: Vec<Option<bool>> = vec![None; root.meshes.len()];
     let mut skinned = 0;
+    if !options.filter.is_empty() {
+        let mut is_drawn = vec![false; root.nodes.len()];
+        nodes.drawn.iter().for_each(|&(node, _)| is_drawn[node] = true);
+        for (node, json) in root.nodes.iter().enumerate().filter(|(node, _)| !is_drawn[*node]) {
+            sieve.met.meet_hidden(&options.filter, &nodes::name(json, node));
+        }
+    }
     for &(node, casts) in &nodes.drawn {
         let json = &root.nodes[node];
         let Some(index) = json.mesh.map(|m| m.value()) else { continue };
@@ -309,9 +315,9 @@ fn choose(
         let mesh_casts = *seen.get_or_insert_with(|| {
             let others = mesh.primitives.iter().filter(|p| !has_triangles(p)).count() as u64;
             notes.omit("primitives of lines, of points or without positions", others);
-            nodes::casts(&mesh.extras)
+            casting.of(&mesh.extras, || format!("mesh {:?}", mesh_name(root, index)))
         });
-        let marks = options.filter.marks(&nodes::name(json, node));
+        let marks = options.filter.marks(&nodes::name(json, node), &mut sieve.met);
         let selection = *selected.entry((index, marks)).or_insert_with(|| {
             let selection = Selection::new(root, index, &options.filter, marks, sieve);
             let next = plan.selections.len() as u32;

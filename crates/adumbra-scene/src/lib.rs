@@ -33,6 +33,7 @@ mod subdivide;
 mod texture;
 pub mod topology;
 mod triangles;
+mod unmatched;
 mod up;
 mod usual_size;
 mod validate;
@@ -57,6 +58,7 @@ pub use notes::{Counts, LoadNotes, Omission};
 pub use srgb::{linear_to_srgb, srgb_to_linear};
 pub use texture::{Pixels, Texture, Wrap};
 pub use triangles::from_triangles;
+pub use unmatched::{UnmatchedPattern, pattern_of};
 pub use up::UpAxis;
 
 /// A scene: meshes stored once, placed by instances.
@@ -121,6 +123,15 @@ pub struct Instance {
     /// False if `extras: {"adumbra": {"cast": false}}` marks the instance as casting no shadow (it still receives
     /// shadows).
     pub casts: bool,
+}
+
+/// Numbers of what casts shadows in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Casters {
+    /// Triangles, counting every instance.
+    pub triangles: u64,
+    /// Instances.
+    pub instances: u64,
 }
 
 /// How a material treats alpha.
@@ -276,6 +287,17 @@ impl Scene {
         self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len() as u64).sum()
     }
 
+    /// What casts shadows: the number of its triangles, counting every instance, and the number of its instances. The header
+    /// of a shadow file has the two numbers of the scene that it was baked from.
+    pub fn casters(&self) -> Casters {
+        let casts =
+            |m: &Mesh| m.triangle_materials.iter().filter(|&&m| self.materials[m as usize].casts).count();
+        let of_mesh: Vec<u64> = self.meshes.iter().map(|mesh| casts(mesh) as u64).collect();
+        let casting = self.instances.iter().filter(|instance| instance.casts);
+        let triangles = casting.clone().map(|instance| of_mesh[instance.mesh as usize]).sum();
+        Casters { triangles, instances: casting.count() as u64 }
+    }
+
     /// Number of stored triangles, counting each mesh once.
     pub fn stored_triangles(&self) -> u64 {
         self.meshes.iter().map(|m| m.triangles.len() as u64).sum()
@@ -357,6 +379,11 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     }
     if options.strict && !scene.notes.omissions.is_empty() {
         return Err(Error::Omitted { path: path.to_owned(), omissions: scene.notes.omissions });
+    }
+    let mut patterns = scene.notes.unmatched_patterns.clone();
+    patterns.retain(|pattern| !pattern.is_of_hidden);
+    if options.strict && !patterns.is_empty() {
+        return Err(Error::Unmatched { path: path.to_owned(), patterns });
     }
     if options.edits != Edits::default() {
         scene.edit(&options.edits)?;

@@ -11,13 +11,14 @@ use crate::{LoadOptions, UpAxis, is_gltf};
 pub struct LoadedAs {
     /// Whether masked and blended materials were taken as opaque.
     pub ignore_alpha: bool,
-    /// Whether Z points up in the scene's file.
-    pub is_z_up: bool,
+    /// The axis that points up in the scene's file, if the shadow file says it.
+    pub up: Option<UpAxis>,
 }
 
 impl From<&FileSettings> for LoadedAs {
     fn from(settings: &FileSettings) -> Self {
-        Self { ignore_alpha: settings.ignore_alpha, is_z_up: settings.scene_is_z_up }
+        let up = if settings.scene_is_z_up { UpAxis::Z } else { UpAxis::Y };
+        Self { ignore_alpha: settings.ignore_alpha, up: Some(up) }
     }
 }
 
@@ -27,7 +28,7 @@ impl LoadOptions {
     pub fn follow(&mut self, baked: LoadedAs, scene: &Path) {
         self.ignore_alpha |= baked.ignore_alpha;
         if self.up.is_none() && !is_gltf(scene) {
-            self.up = Some(if baked.is_z_up { UpAxis::Z } else { UpAxis::Y });
+            self.up = baked.up;
         }
     }
 }

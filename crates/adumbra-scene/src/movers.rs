@@ -83,8 +83,8 @@ impl Rest {
 }
 
 impl Tracks {
-    /// Times, in seconds, between which nothing goes further than at one of them: keys, and two moments between each
-    /// two, where the tangents of a spline weigh most.
+    /// Times, in seconds, at which what moves is seen to move: keys, and moments between each two, where the tangents of a
+    /// spline weigh most, alone or against each other.
     pub(super) fn moments(&self) -> impl Iterator<Item = f64> {
         let translation = self.translation.iter().flat_map(Track::moments);
         let rotation = self.rotation.iter().flat_map(Track::moments);

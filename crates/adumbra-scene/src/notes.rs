@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::one_line::one_line;
+use crate::unmatched::UnmatchedPattern;
 
 /// Counts and warnings gathered while loading.
 #[derive(Clone, Debug, Default)]
@@ -28,6 +29,8 @@ pub struct LoadNotes {
     /// Whether the extents suggest that Z points up in an OBJ or PLY file, whose up axis was not given: it is flat along Z, or
     /// much taller than wide.
     pub looks_z_up: bool,
+    /// Patterns of the name filter that match no name in the scene.
+    pub unmatched_patterns: Vec<UnmatchedPattern>,
     /// Files that the scene references, each once and sorted, with paths relative to the scene's folder: buffers,
     /// images, material libraries and their textures, whether they were read or not. A program that writes a file next
     /// to a scene can check here what it must not overwrite.

@@ -46,7 +46,8 @@ fn scene_of(sources: &Sources<'_>, bytes: Vec<u8>, options: &LoadOptions) -> Res
     scene.notes.read.meshes = 1;
     scene.notes.read.faces = faces.count() + strips.triangles() as u64;
     let mut sieve = Sieve::default();
-    if !options.filter.keeps(&name, &name, "default") {
+    let marks = [&name, &name, "default"].map(|name| options.filter.marks(name, &mut sieve.met));
+    if !options.filter.keeps_marked(marks) {
         sieve.filtered = true;
         return finish(path, scene, &sieve, options);
     }

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::filter::Met;
 use crate::{AlphaMode, EmptyReason, Error, LoadOptions, Result, Scene};
 
 /// Rejects degenerate triangles and records enough about them to explain an empty scene.
@@ -12,6 +13,8 @@ pub(super) struct Sieve {
     spread: bool,
     /// Whether the default scene of a glTF file has no nodes.
     pub(super) empty_scene: bool,
+    /// What the patterns of the name filter have met.
+    pub(super) met: Met,
     /// Whether the name filter dropped any triangles.
     pub(super) filtered: bool,
 }
@@ -47,6 +50,7 @@ pub(super) fn check_vertex(path: &Path, mesh: &str, index: u64, p: [f32; 3]) -> 
 /// instance.
 pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &LoadOptions) -> Result<Scene> {
     scene.notes.degenerate_triangles = sieve.degenerate;
+    let unmatched = sieve.met.unmatched(&options.filter);
     drop_empty_meshes(&mut scene);
     count_blended(&mut scene);
     let empty = |reason| Err(Error::NoTriangles { path: path.to_owned(), reason });
@@ -61,7 +65,7 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
             return empty(EmptyReason::ZeroArea { triangles: sieve.degenerate });
         }
         if sieve.filtered && !options.filter.is_empty() {
-            return empty(EmptyReason::Filtered);
+            return empty(EmptyReason::Filtered { unmatched });
         }
         if sieve.empty_scene {
             return empty(EmptyReason::EmptyScene);
@@ -79,6 +83,7 @@ pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &Loa
         return empty(EmptyReason::NoneCasts);
     }
     check_extent(path, &scene)?;
+    scene.notes.unmatched_patterns = unmatched;
     scene.meshes.shrink_to_fit();
     scene.instances.shrink_to_fit();
     Ok(scene)

@@ -16,6 +16,8 @@ mod ktx2;
 mod memory;
 #[path = "scene_loading/meshopt.rs"]
 mod meshopt;
+#[path = "scene_loading/names.rs"]
+mod names;
 #[path = "scene_loading/obj.rs"]
 mod obj;
 #[path = "scene_loading/obj_fuzz.rs"]
@@ -349,6 +351,35 @@ fn gltf_extras_stop_casting() {
 }
 
 #[test]
+fn gltf_marks_of_casting_are_numbers_too_and_others_are_named() {
+    let casts = |mark: serde_json::Value| {
+        let mut glb = Glb::triangle();
+        let extras = json!({"adumbra": {"cast": mark}});
+        glb.json["nodes"] = json!([{"mesh": 0}, {"mesh": 0, "name": "lamp", "extras": extras}]);
+        glb.json["scenes"][0]["nodes"] = json!([0, 1]);
+        let scene = glb.load().expect("loads");
+        (scene.instances[1].casts, scene.notes.warnings.concat())
+    };
+    for (mark, expected) in
+        [(json!(false), false), (json!(0), false), (json!(0.0), false), (json!(1), true), (json!(true), true)]
+    {
+        assert_eq!(casts(mark.clone()), (expected, String::new()), "{mark}");
+    }
+    for mark in [json!("false"), json!(2), json!(null), json!([0]), json!("x".repeat(500))] {
+        let (casts, said) = casts(mark.clone());
+        let text: String = mark.to_string().chars().take(40).collect();
+        assert!(
+            casts && said.contains(&format!("cast of node \"lamp\" is {text}, which is neither")),
+            "{said}"
+        );
+    }
+    let mut glb = textured(json!({"name": "leaf", "extras": {"adumbra": {"cast": "no"}}}), &json!({}));
+    glb.json["meshes"][0]["extras"] = json!({"adumbra": {"cast": "no"}});
+    let said = glb.load().expect("loads").notes.warnings.concat();
+    assert!(said.contains("cast of mesh") && said.contains("so it casts, and 1 more are neither"), "{said}");
+}
+
+#[test]
 fn gltf_filter_makes_variants_and_keeps_instances() {
     let mut glb = textured(json!({"name": "bark"}), &json!({}));
     let rest = glb.json["meshes"][0]["primitives"][0]["attributes"].clone();
@@ -367,7 +398,7 @@ fn gltf_filter_makes_variants_and_keeps_instances() {
     assert_eq!(count(&[], &["lea?"]), (1, 3, 3));
     assert_eq!(count(&["tree"], &["{a,b}"]), (1, 1, 2));
     let error = refused(glb.load_with(&only(&["house*"], &[])));
-    assert!(matches!(error, Error::NoTriangles { reason: EmptyReason::Filtered, .. }));
+    assert!(matches!(error, Error::NoTriangles { reason: EmptyReason::Filtered { .. }, .. }));
 }
 
 #[test]

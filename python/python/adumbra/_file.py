@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from typing import TYPE_CHECKING, Any, Literal
 from urllib.request import Request, urlopen
 
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import _native
 from ._arrays import same_length, triples, whole
+from ._errors import SceneWarning
 from ._scene import LoadOptions, SceneLike, as_baked, scene_of, threads_of
 from ._verify import Verification
 
@@ -159,6 +161,9 @@ class ShadowFile:
             threads: Number of threads, 1 to 1024. All cores unless it is given.
             **loading: Options for a scene that is given by its path, see :class:`LoadOptions`.
 
+        Warns:
+            SceneWarning: The scene does not have as many triangles as the file was baked from.
+
         Raises:
             ValueError: A value is out of range, or ``volume`` is asked of a file that was baked with ground assumed.
             OSError: The scene cannot be read.
@@ -180,6 +185,9 @@ class ShadowFile:
         }
         look_up = _look_up(filter, bias_constant, bias_slope, bias_normal)
         loaded = scene_of(scene, None, as_baked(scene, dict(loading), self._native.up))
+        if loaded._native.casting_triangles != self.triangles:
+            said = f"the file was baked from {self.triangles} triangles, and the scene has {loaded._native.casting_triangles}"
+            warnings.warn(said, SceneWarning, stacklevel=2)
         json, checked, holds = _native.verify(self._native, loaded._native, look_up, options)
         return Verification._of(json, checked, holds)
 

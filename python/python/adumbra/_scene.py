@@ -163,8 +163,9 @@ def scene_of(scene: Any, faces: ArrayLike | None, options: dict[str, Any]) -> Sc
 
 def as_baked(scene: Any, options: dict[str, Any], up: str) -> dict[str, Any]:
     """Return options of loading with the up axis that a shadow file names, if the scene is a path of a format that has none."""
-    has_none = isinstance(scene, (str, os.PathLike)) and not os.fspath(scene).lower().endswith((".glb", ".gltf"))
-    return {"up": up, **options} if has_none else options
+    is_open = options.get("up") is None and isinstance(scene, (str, os.PathLike))
+    has_none = is_open and not os.fsdecode(scene).lower().endswith((".glb", ".gltf"))
+    return {**options, "up": up} if has_none else options
 
 
 def loading_of(options: dict[str, Any]) -> dict[str, Any]:

@@ -128,7 +128,7 @@ pub(crate) struct BakeSettings {
     /// How the voxels lie in the world
     #[arg(long, value_enum, default_value = "auto")]
     pub(crate) frame: FrameArg,
-    /// Oblique frame: turn of the grid [default: along most of the scene's edges]
+    /// Oblique frame: turn of the grid [default: along most edges]
     ///
     /// The angle from +X to the grid's x axis, towards +Z.
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]

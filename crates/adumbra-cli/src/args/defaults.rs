@@ -40,7 +40,7 @@ fn empty<T>(values: &[T], words: &str) -> String {
 
 fn load(args: &SceneArgs) -> Used {
     let none = empty(&args.words(), "");
-    let up = "that of the shadow file, if there is one, or y";
+    let up = "the shadow file's, or y";
     let options = args.load_options().unwrap();
     assert!(options.up.is_none() && Scene::default().up == UpAxis::Y);
     vec![("--only", none.clone()), ("--exclude", none.clone()), ("--edit", none), ("--up", up.to_owned())]
@@ -140,7 +140,7 @@ fn settings(args: &bake::BakeSettings) -> Used {
         ("--receivers", lower(format!("{:?}", options.receivers))),
         ("--bounds", absent(options.bounds.as_ref(), "")),
         ("--frame", name(&args.frame)),
-        ("--yaw", "along most of the scene's edges".to_owned()),
+        ("--yaw", "along most edges".to_owned()),
     ];
     [own, sun(&args.sun)].concat()
 }

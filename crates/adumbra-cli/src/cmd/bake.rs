@@ -8,6 +8,7 @@ use adumbra::Frame;
 use adumbra_bake::{BakeOptions, Estimate, Written, estimate};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
 use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{ChosenSun, SunOrigin, warn_of_low_sun};
@@ -89,6 +90,8 @@ pub(super) struct Baked {
     empty_bounds: bool,
     /// Whether shadows below the last surface of a column are left out.
     assumes_ground: bool,
+    /// What a person would see of the scene.
+    glance: AtAGlance,
 }
 
 /// The forecast costs of a bake. Each pair is the least and the most.
@@ -114,6 +117,8 @@ pub(super) struct Forecast {
     empty_bounds: bool,
     /// Whether shadows below the last surface of a column are left out.
     assumes_ground: bool,
+    /// What a person would see of the scene.
+    glance: AtAGlance,
 }
 
 pub(crate) fn run(args: &Bake) -> Outcome {
@@ -170,9 +175,17 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         }
         let empty_bounds = bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
         let ground = DecidedGround::of(&scene, &mut options);
+        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha, &cancel)?;
         if args.dry_run {
             let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
-            return dry_run(args, (&scene, &sun), (&options, &forecast), &ground, empty_bounds);
+            return dry_run(
+                args,
+                (&scene, &sun),
+                (&options, &forecast),
+                &ground,
+                empty_bounds,
+                AtAGlance::of(&glance),
+            );
         }
         let cache = args.cache.as_deref().map(objects).transpose()?;
         let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel: &cancel };
@@ -182,6 +195,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         if let Some((gltf, name)) = args.into.as_ref().zip(shadow_name.as_ref()) {
             write_shadow_name(gltf, name, grid.sun)?;
         }
+        warn_of_large_voxels(&args.scene, &glance, grid.voxel_size);
+        let glance = AtAGlance::of(&glance);
         let bits_per_texel = bits_per_texel(&grid, file_bytes);
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
@@ -210,6 +225,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 omissions: omitted(&scene),
                 empty_bounds,
                 assumes_ground: ground.is_assumed,
+                glance,
             }))?;
         } else {
             say!(
@@ -223,6 +239,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             );
             say!("  {sun}");
             say!("  {ground}");
+            say!("  {glance}");
             if let Some(cache) = &args.cache {
                 let (reused, tiles) = (report.reused_tiles, report.tiles);
                 say!("  {reused} of {tiles} tiles from {}", cache.display());
@@ -259,6 +276,7 @@ fn dry_run(
     (options, e): (&BakeOptions, &Estimate),
     ground: &DecidedGround,
     empty_bounds: bool,
+    glance: AtAGlance,
 ) -> Outcome {
     if args.run.json {
         print_json(&Printed::Forecast(Forecast {
@@ -272,6 +290,7 @@ fn dry_run(
             omissions: omitted(scene),
             empty_bounds,
             assumes_ground: ground.is_assumed,
+            glance,
         }))?;
     } else {
         let range = |r: [u64; 2]| format!("{} to {}", format_bytes(r[0]), format_bytes(r[1]));
@@ -281,6 +300,7 @@ fn dry_run(
         say!("  file    {}", range(e.file_bytes));
         say!("  {sun}");
         say!("  {ground}");
+        say!("  {glance}");
         say!("  a lower --resolution, a larger --thickness or --receivers static makes the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {

@@ -10,6 +10,7 @@ use adumbra_bake::Watch;
 use adumbra_files::{self as files, StagedFile};
 use adumbra_path::{BakedKey, BakedPath, Error, GapError, PathOptions, bake_path};
 use adumbra_program::exit::Failure;
+use adumbra_program::glance::look;
 use adumbra_program::moment::{clock, steps_of, suns_of_day};
 use adumbra_program::output::{SCENE, format_bytes, refuse_inputs};
 use adumbra_program::say;
@@ -120,6 +121,11 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
         let mut bake = args.settings.options(sun, args.load.ignore_alpha);
         bake.max_memory_bytes = share.bytes();
         let ground = DecidedGround::of(&scene, &mut bake);
+        let height = |step: &&SunStep| step.towards_sun[1];
+        if let Some(highest) = suns.steps.iter().max_by(|a, b| height(a).total_cmp(&height(b))) {
+            let sun = Sun::from_direction(highest.towards_sun).unwrap_or(sun);
+            look(&scene, &args.scene, sun, bake.ignore_alpha, cancel)?;
+        }
         let options = PathOptions { error_percent, lowest_degrees, ..PathOptions::new(bake) };
         let watch = Watch::new(&|_| {}, cancel);
         let on_key = |key: &BakedKey| {

@@ -9,6 +9,7 @@ use adumbra::{Frame, Region};
 use adumbra_bake::{BakeOptions, RegionPlan};
 use adumbra_files::{StagedFile, check_output};
 use adumbra_program::exit::Failure;
+use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
 use adumbra_program::output::{SCENE, format_bytes, make_folder, refuse_inputs, refuse_read, write_whole};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{SunOrigin, warn_of_low_sun};
@@ -54,6 +55,8 @@ pub(super) struct BakedRegions {
     omissions: Vec<Omitted>,
     /// Whether shadows below the last surface of a column are left out.
     assumes_ground: bool,
+    /// What a person would see of the scene.
+    glance: AtAGlance,
 }
 
 /// A region that was baked.
@@ -99,7 +102,9 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
             ..args.settings.options(sun.sun, args.load.ignore_alpha)
         };
         let ground = DecidedGround::of(&scene, &mut options);
+        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha, cancel)?;
         let plan = RegionPlan::new(&scene, &options, texels).map_err(|error| share.whole(error.into()))?;
+        warn_of_large_voxels(&args.scene, &glance, plan.voxel_size());
         make_folder(&names.folder)?;
         let cache = args.cache.as_deref().map(objects).transpose()?;
         let Shard { index, count } = args.shard.unwrap_or(Shard { index: 0, count: 1 });
@@ -145,6 +150,7 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
             sun_origin: sun.origin.clone(),
             omissions: omitted(&scene),
             assumes_ground: ground.is_assumed,
+            glance: AtAGlance::of(&glance),
         };
         if !args.run.json {
             say!(
@@ -160,6 +166,7 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
             );
             say!("  {sun}");
             say!("  {ground}");
+            say!("  {}", result.glance);
         }
         Ok(result)
     })?

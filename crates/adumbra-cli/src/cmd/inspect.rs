@@ -1,7 +1,10 @@
 //! `adumbra inspect`: what a scene contains.
 
+use std::sync::atomic::AtomicBool;
+
 use adumbra::{Bounds, LightExtent, Sun};
 use adumbra_program::exit::{Code, Outcome};
+use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
 use adumbra_program::output::print_json;
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{SunOrigin, sun_of_scene_with_warnings};
@@ -61,6 +64,8 @@ pub(super) struct Inspected {
     omissions: Vec<Omitted>,
     /// Warnings of the loader.
     warnings: Vec<String>,
+    /// What a person would see of the scene under that sun.
+    glance: AtAGlance,
 }
 
 /// A directional light of a scene's file.
@@ -110,7 +115,11 @@ fn inspect(args: &Inspect) -> Outcome {
     let triangles = scene.stored_triangles();
     let instanced = scene.instanced_triangles();
     let sun = sun_of_scene_with_warnings(&scene, &args.scene)?;
+    let glance = look(&scene, &args.scene, sun.sun, args.load.ignore_alpha, &AtomicBool::new(false))?;
     let suggested = suggested_resolution(&scene, &sun.sun);
+    let mut extent = LightExtent::empty(&sun.sun);
+    extent.add_box(&bounds);
+    warn_of_large_voxels(&args.scene, &glance, extent.longest_side() / f64::from(suggested));
     limit.check_peak("the scene's topology")?;
     if args.run.json {
         print_json(&Inspected {
@@ -136,6 +145,7 @@ fn inspect(args: &Inspect) -> Outcome {
             read: Read::of(&scene.notes.read),
             omissions: omitted(&scene),
             warnings: scene.notes.warnings,
+            glance: AtAGlance::of(&glance),
         })?;
     } else {
         let read = &scene.notes.read;
@@ -158,6 +168,7 @@ fn inspect(args: &Inspect) -> Outcome {
             let [x, y, z] = light.towards;
             say!("  directional light    {:?}, towards {x:.4},{y:.4},{z:.4}", light.name);
         }
+        say!("  {}", AtAGlance::of(&glance));
         say!("  suggested resolution {suggested}, for the {sun}");
     }
     Ok(Code::Fine)

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use adumbra::Filter;
-use adumbra::{PathSampler, SunPath};
+use adumbra::{FileSettings, Filter, PathSampler, SunPath};
 use adumbra_path::{Moment, measure};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, span};
@@ -12,8 +11,8 @@ use adumbra_program::query::Query;
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::threads::with_threads;
-use adumbra_program::verify::Verify;
-use adumbra_scene::LoadedAs;
+use adumbra_program::verify::{Verify, remedy, warn_of_other_casters};
+use adumbra_scene::{Casters, LoadedAs};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::LightAnswers;
 use schemars::JsonSchema;
@@ -161,7 +160,8 @@ pub(super) fn verify(
     // A path of another scene is as wrong between its keys as at them.
     let key = path.key(path.key_seconds().len() / 2)?;
     let answers = LightAnswers::of(&key, key.sampler(Filter::Nearest));
-    let of_key = with_threads(args.run.threads, || args.trace(&load, key.sun(), None, &answers))??;
+    let of_key =
+        with_threads(args.run.threads, || args.trace(&scene, ignore_alpha, key.sun(), None, &answers))??;
     let key_holds = of_key.is_checked() && of_key.holds();
     let ok = key_holds && wrong - own <= of_path.max_excess;
     if !args.run.json {
@@ -172,10 +172,12 @@ pub(super) fn verify(
         );
         say!("{}: the mean may have {limit} points more than the keys", if ok { "ok" } else { "FAILED" });
     }
+    let FileSettings { triangles, instances, .. } = key.settings;
+    let (baked, casters) = (Casters { triangles, instances }, scene.casters());
+    warn_of_other_casters(baked, casters);
     if !key_holds {
-        eprintln!(
-            "check failed: the middle key misses what a shadow file promises; is this the scene that the path was baked from?"
-        );
+        let remedy = remedy(&of_key, baked == casters);
+        eprintln!("check failed: the middle key misses what a shadow file promises; {remedy}");
     }
     Ok(VerifiedPath {
         file: args.file.display().to_string(),

@@ -5,9 +5,9 @@ use adumbra::{FileSettings, Filter};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::moment;
 use adumbra_program::output::print_json;
-use adumbra_program::verify::{Verified, Verify};
-use adumbra_scene::LoadedAs;
-use adumbra_truth::verify::{LightAnswers, Verification, VolumeSampler};
+use adumbra_program::verify::{Verified, VerifiedScene, Verify};
+use adumbra_scene::{Casters, LoadedAs};
+use adumbra_truth::verify::{LightAnswers, VolumeSampler};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -21,7 +21,7 @@ use crate::args::VerifyFile;
 pub(super) enum Printed {
     /// Of a shadow file, or a manifest of regions.
     #[expect(dead_code, reason = "what compares a file prints it")]
-    File(Verification),
+    File(VerifiedScene),
     /// Of a sun path.
     Path(VerifiedPath),
 }
@@ -51,7 +51,9 @@ pub(crate) fn run(VerifyFile { verify: args, level, path: of_path }: &VerifyFile
     let verified = Verified {
         sun: file.sun(),
         voxel_size: file.grid.voxel_size,
+        is_finest: level.level == 0,
         scene: LoadedAs::from(&file.settings),
+        casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: VolumeSampler::new(&file.grid),
     };
     args.compare(verified, &LightAnswers::of(&file, args.lookup.sampler(&file)?))
@@ -72,7 +74,9 @@ fn run_regions(args: &Verify, regions: &Regions, level: u32) -> Outcome {
     let verified = Verified {
         sun: grid.sun,
         voxel_size: grid.voxel_size,
+        is_finest: level == 0,
         scene: LoadedAs::from(&settings),
+        casters: None,
         volume: VolumeSampler::new(&grid),
     };
     let asked = (Filter::try_from(args.lookup.filter)?, args.lookup.bias.over(settings.bias)?);

@@ -10,6 +10,7 @@ mod device;
 mod display;
 mod export;
 mod farm;
+mod glance;
 mod ground;
 mod levels;
 mod memory;

@@ -9,7 +9,7 @@ use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::lookup::LookupArgs;
 use adumbra_program::query::Query;
 use adumbra_program::verify::{Verified, Verify};
-use adumbra_scene::LoadedAs;
+use adumbra_scene::{Casters, LoadedAs};
 use adumbra_truth::verify::{LightAnswers, VolumeSampler};
 
 use crate::args::DagVerb;
@@ -53,7 +53,9 @@ fn verify(args: &Verify) -> Outcome {
     let verified = Verified {
         sun: file.grid.sun,
         voxel_size: file.grid.voxel_size,
+        is_finest: true,
         scene: LoadedAs::from(&file.settings),
+        casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: VolumeSampler::new(&file.grid),
     };
     let query = look_up(&args.lookup, &file)?;

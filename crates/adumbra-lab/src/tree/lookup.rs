@@ -7,7 +7,7 @@ use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::lookup::LookupArgs;
 use adumbra_program::query::More;
 use adumbra_program::verify::Verified;
-use adumbra_scene::LoadedAs;
+use adumbra_scene::{Casters, LoadedAs};
 
 use crate::args::{TreeQuery, TreeVerify};
 
@@ -63,7 +63,9 @@ pub(super) fn verify(args: &TreeVerify) -> Outcome {
     let verified = Verified {
         sun: file.sun,
         voxel_size: file.space.voxel_size,
+        is_finest: true,
         scene: LoadedAs { ignore_alpha: file.ignores_alpha(), ..LoadedAs::default() },
+        casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: volume_of(&file.space),
     };
     match &file.body {

@@ -120,11 +120,11 @@ pub struct SceneArgs {
     /// given to bake.
     #[arg(long)]
     include_animated: bool,
-    /// The axis that points up in an OBJ or PLY file [default: that of the shadow file, if there is one, or y]
+    /// Up axis of OBJ and PLY [default: the shadow file's, or y]
     ///
     /// With z the scene is turned, and all that is said of the world is said of the turned scene: its (x, y, z) is (x, z, -y)
     /// there. A shadow file says which it was. glTF is Y up by definition.
-    #[arg(long, value_name = "AXIS", value_parser = PossibleValuesParser::new(["y", "z"])
+    #[arg(long, value_name = "y|z", hide_possible_values = true, value_parser = PossibleValuesParser::new(["y", "z"])
         .map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y }))]
     up: Option<UpAxis>,
     /// Also read files outside the scene's folder

@@ -296,8 +296,11 @@ fn fade(resolution: u64, techniques: &[(&str, u32)]) {
 #[test]
 fn a_stream_that_cannot_be_opened_says_why() {
     let mut streamer = Streamer::new(BytesSource(b"no shadow file".to_vec()), StreamOptions::default());
-    while !streamer.resident().has_failed() {
+    // At most ten minutes, on however busy a machine.
+    let mut waits = 60_000;
+    while !streamer.resident().has_failed() && waits > 0 {
         streamer.settle(&[], Duration::from_millis(10), |_| ());
+        waits -= 1;
     }
     let Err(error) = StreamedFile::open(streamer, 1 << 18, Duration::ZERO) else { panic!("it was opened") };
     assert!(error.to_string().contains("not a shadow file"), "{error}");

@@ -37,10 +37,8 @@ impl MeshBox {
     pub(super) fn of(positions: &[[f32; 3]]) -> Self {
         let mut b = Self { low: [f32::INFINITY; 3], high: [f32::NEG_INFINITY; 3] };
         for p in positions {
-            for a in 0..3 {
-                b.low[a] = b.low[a].min(p[a]);
-                b.high[a] = b.high[a].max(p[a]);
-            }
+            b.low = std::array::from_fn(|a| b.low[a].min(p[a]));
+            b.high = std::array::from_fn(|a| b.high[a].max(p[a]));
         }
         b
     }
@@ -118,10 +116,8 @@ impl Extent {
     }
 
     fn include(&mut self, p_world: [f64; 3]) {
-        for a in 0..3 {
-            self.low_world[a] = self.low_world[a].min(p_world[a]);
-            self.high_world[a] = self.high_world[a].max(p_world[a]);
-        }
+        self.low_world = std::array::from_fn(|a| self.low_world[a].min(p_world[a]));
+        self.high_world = std::array::from_fn(|a| self.high_world[a].max(p_world[a]));
     }
 
     /// The longest side.

@@ -11,9 +11,9 @@ use ::gltf::json::texture::Info;
 use ::gltf::json::validation::Checked;
 use serde_json::Value;
 
+use crate::gltf::casting::Casting;
 use crate::gltf::container::Buffers;
 use crate::gltf::images::{Images, Problem};
-use crate::gltf::nodes::casts;
 use crate::gltf::numbers::make_whole;
 use crate::sources::OUTSIDE;
 use crate::{AlphaMode, Error, LoadNotes, LoadOptions, Material, Result, Texture};
@@ -74,6 +74,7 @@ pub(super) fn load(
     buffers: &Buffers<'_>,
     options: &LoadOptions,
     used: &[bool],
+    casting: &mut Casting,
     notes: &mut LoadNotes,
 ) -> Result<Materials> {
     let mut out = Materials::default();
@@ -81,7 +82,8 @@ pub(super) fn load(
     for (index, json) in root.materials.iter().enumerate() {
         let name = name(root, index);
         let (base_color, info) = base_color(json);
-        let mut material = describe(json, &name, base_color, options);
+        let casts = casting.of(&json.extras, || format!("material {name:?}"));
+        let mut material = Material { casts, ..describe(json, &name, base_color, options) };
         let mut coordinates = None;
         let cuts = material.alpha != AlphaMode::Opaque;
         if let Some(info) = info
@@ -141,7 +143,7 @@ fn describe(json: &Json, name: &str, base_color: [f32; 4], options: &LoadOptions
         },
         blended: mode == JsonAlpha::Blend,
         transmissive: transmission.is_some_and(|t| t.transmission_factor.0 > 0.0),
-        casts: casts(&json.extras),
+        casts: true,
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
-use ::gltf::json::{Root, extras::Extras, scene::Node};
+use ::gltf::json::{Root, scene::Node};
 
 use crate::FileSun;
 use crate::affine::{Affine, IDENTITY, compose, is_finite, multiply};
 use crate::error::{Error, Result};
 use crate::gltf::accessor::Accessor;
+use crate::gltf::casting::Casting;
 use crate::gltf::container::Buffers;
 use crate::gltf::faults::{Faults, bad};
 use crate::gltf::numbers::index_of;
@@ -42,6 +43,7 @@ impl Nodes {
         place: Vec<Place>,
         lights: &[bool],
         faults: &Faults,
+        casting: &mut Casting,
     ) -> Result<Self> {
         let count = root.nodes.len();
         let mut parent = vec![None; count];
@@ -89,7 +91,7 @@ impl Nodes {
             None => roots,
         };
         let is_empty_scene = scene.is_some() && starts.is_empty();
-        let all = walk(path, root, faults, &starts, &[])?.seen;
+        let all = walk(path, root, faults, &starts, &[], &mut Casting::default())?.seen;
         let mut is_coarse = vec![false; count];
         let in_scene = root.nodes.iter().zip(&all).filter(|&(_, &seen)| seen);
         for index in in_scene.flat_map(|(node, _)| coarser_levels(node)) {
@@ -97,7 +99,7 @@ impl Nodes {
                 *coarse = true;
             }
         }
-        let walk = walk(path, root, faults, &starts, &is_coarse)?;
+        let walk = walk(path, root, faults, &starts, &is_coarse, casting)?;
         let of_sun = |node: usize| light(&root.nodes[node]).and_then(|l| lights.get(l)) == Some(&true);
         let suns = walk.lit.into_iter().filter(|&node| of_sun(node)).collect();
         let coarse = with_all_below(root, is_coarse);
@@ -134,7 +136,14 @@ struct Walk {
     lit: Vec<usize>,
 }
 
-fn walk(path: &Path, root: &Root, faults: &Faults, starts: &[usize], is_coarse: &[bool]) -> Result<Walk> {
+fn walk(
+    path: &Path,
+    root: &Root,
+    faults: &Faults,
+    starts: &[usize],
+    is_coarse: &[bool],
+    casting: &mut Casting,
+) -> Result<Walk> {
     let mut walk = Walk { seen: vec![false; root.nodes.len()], drawn: Vec::new(), lit: Vec::new() };
     let mut stack: Vec<(usize, bool, bool)> = starts.iter().rev().map(|&i| (i, true, true)).collect();
     while let Some((index, visible, inherited)) = stack.pop() {
@@ -146,7 +155,7 @@ fn walk(path: &Path, root: &Root, faults: &Faults, starts: &[usize], is_coarse: 
         }
         faults.check(path, "node", index)?;
         let visible = visible && !is_hidden(node);
-        let casts = inherited && casts(&node.extras);
+        let casts = casting.of(&node.extras, || format!("node {:?}", name(node, index))) && inherited;
         if visible && node.mesh.is_some() {
             walk.drawn.push((index, casts));
         }
@@ -242,13 +251,6 @@ pub(super) fn gpu_instances(
 /// The node's name, or `node 7`.
 pub(super) fn name(node: &Node, index: usize) -> String {
     node.name.clone().unwrap_or_else(|| format!("node {index}"))
-}
-
-/// False if the extras contain `{"adumbra": {"cast": false}}`.
-pub(super) fn casts(extras: &Extras) -> bool {
-    let Some(raw) = extras else { return true };
-    let value: serde_json::Value = serde_json::from_str(raw.get()).unwrap_or_default();
-    value.get("adumbra").and_then(|a| a.get("cast")).and_then(serde_json::Value::as_bool).unwrap_or(true)
 }
 
 /// Whether KHR_node_visibility hides the node and its descendants.

@@ -13,6 +13,7 @@ use adumbra_files::replace_file;
 use serde_json::value::{RawValue, to_raw_value};
 use serde_json::{Value, json};
 
+use super::casting::Casting;
 use super::container::split;
 use super::document::Document;
 use super::faults::bad;
@@ -46,7 +47,7 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     let budget = Budget::new(path, None);
     let Document { root: document, places, lights: kinds, faults, .. } =
         Document::parse(path, parts.json, &budget)?;
-    let nodes = Nodes::load(path, &document, places, &kinds, &faults)?;
+    let nodes = Nodes::load(path, &document, places, &kinds, &faults, &mut Casting::default())?;
     let fault = |e: serde_json::Error| bad(path, e.to_string());
     let mut root: Parts = serde_json::from_slice(parts.json).map_err(fault)?;
     let mut extensions: Value = read(&root, "extensions").map_err(fault)?.unwrap_or_else(|| json!({}));

@@ -40,12 +40,12 @@ impl<const N: usize> Track<N> {
         self.times.last().map_or(0.0, |&t| t.into())
     }
 
-    /// The times of the keys, and a third and two thirds of the way from each key to the next, in seconds.
+    /// The times of the keys, and a third, a half and two thirds of the way from each key to the next, in seconds.
     pub(crate) fn moments(&self) -> impl Iterator<Item = f64> {
         let times = || self.times.iter().map(|&t| f64::from(t));
         let between = times().zip(times().skip(1)).flat_map(|(from, to)| {
             let third = (to - from) / 3.0;
-            [from + third, to - third]
+            [from + third, f64::midpoint(from, to), to - third]
         });
         times().chain(between)
     }

@@ -198,9 +198,9 @@ impl Reader<'_> {
         self.sources.budget.charge(bytes, || "the names of its objects".to_owned())?;
         let shown = if name.is_empty() { UNNAMED.to_owned() } else { shown(name).into_owned() };
         // A face is in each of the groups that a statement names.
-        let filter = &self.options.filter;
-        let marks =
-            shown.split_ascii_whitespace().fold(filter.marks(&shown), |all, name| all.or(filter.marks(name)));
+        let (filter, met) = (&self.options.filter, &mut self.out.sieve.met);
+        let whole = filter.marks(&shown, met);
+        let marks = shown.split_ascii_whitespace().fold(whole, |all, name| all.or(filter.marks(name, met)));
         let number = self.objects.len();
         numbers.insert(name.to_owned(), number);
         self.objects.push(Object { name: shown, marks, has_faces: false, mesh: None });
@@ -267,7 +267,8 @@ impl Reader<'_> {
             object.has_faces = true;
             self.out.read.meshes += 1;
         }
-        let material_marks = self.options.filter.marks(mtl.map_or("default", |mtl| &mtl.name));
+        let name = mtl.map_or("default", |mtl| &mtl.name);
+        let material_marks = self.options.filter.marks(name, &mut self.out.sieve.met);
         if !self.options.filter.keeps_marked([object.marks, object.marks, material_marks]) {
             self.out.sieve.filtered = true;
             return Ok(run);

@@ -254,6 +254,7 @@ fn what_failed_is_not_asked_for_in_vain() {
             if asked.is_empty() {
                 break;
             }
+            assert!(count < 1000, "it asks without end");
             for request in asked {
                 count += 1;
                 let lost = std::io::Error::other("the connection was closed").into();
@@ -275,7 +276,7 @@ fn what_failed_is_not_asked_for_in_vain() {
         assert!(!asks_at(0.9));
         assert_eq!((asks_at(1.0), asks_at(100.0)), (!is_changed, !is_changed));
         resident.retry();
-        assert!(resident.next_request().is_some());
+        assert!(!is_changed || resident.next_request().is_some());
     }
 }
 

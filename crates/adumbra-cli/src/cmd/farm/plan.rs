@@ -9,6 +9,7 @@ use adumbra_bake::{BakeOptions, BakePlan};
 use adumbra_files::{check_output, replace_file};
 use adumbra_program::bounds;
 use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
 use adumbra_program::output::{SCENE, print_json, refuse_inputs, refuse_read};
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
@@ -22,6 +23,7 @@ use super::plan_file::{PlanFile, cache_of};
 use crate::args::{ExportFormat, Plan};
 use crate::cmd::ground::DecidedGround;
 use crate::cmd::store::url_of;
+use std::sync::atomic::AtomicBool;
 
 /// What is printed with `--json`.
 #[derive(Serialize, JsonSchema)]
@@ -44,6 +46,8 @@ pub(crate) struct Planned {
     sun_origin: SunOrigin,
     /// Whether shadows below the last surface of a column are left out.
     assumes_ground: bool,
+    /// What a person would see of the scene.
+    glance: AtAGlance,
 }
 
 pub(crate) fn run(args: &Plan) -> Outcome {
@@ -66,7 +70,11 @@ pub(crate) fn run(args: &Plan) -> Outcome {
         refuse_read("--output", &output).map_err(bad_input)?;
         bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
         let ground = DecidedGround::of(&scene, &mut options);
+        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha, &AtomicBool::new(false))?;
         let plan = BakePlan::new(&scene, &options).map_err(|error| share.whole(error.into()))?;
+        if let Some(grid) = plan.grids().first() {
+            warn_of_large_voxels(&args.scene, &glance, grid.voxel_size);
+        }
         let file = PlanFile { scene: whole(&args.scene)?, load: args.load.anywhere()?, plan };
         let text = serde_json::to_vec(&file)
             .map_err(|error| Failure::BadInput(format!("{}: {error}", output.display())))?;
@@ -86,12 +94,14 @@ pub(crate) fn run(args: &Plan) -> Outcome {
                 sun: sun.sun.towards(),
                 sun_origin: sun.origin,
                 assumes_ground: ground.is_assumed,
+                glance: AtAGlance::of(&glance),
             })?;
         } else {
             let (scene, plan) = (args.scene.display(), output.display());
             say!("{scene} -> {plan}: {} parts of {levels} levels", parts.len());
             say!("  {sun}");
             say!("  {ground}");
+            say!("  {}", AtAGlance::of(&glance));
             if let Some(job) = job {
                 say!("  {}", job.display());
             }

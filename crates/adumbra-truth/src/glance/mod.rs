@@ -1,0 +1,172 @@
+//! What a person would see at a glance: how much of the ground, and of the places where people stand, is in shadow, whether
+//! one thing hides the sun from all others, and whether a stray triangle makes the scene many times as wide as it is.
+//!
+//! A file may answer as rays do, and yet all of it may look wrong, because the scene is not what its owner thinks that it is: a
+//! sky dome is part of it, or a forgotten triangle lies 200 km away. So this looks at the scene alone. It takes a few thousand
+//! rays, and visits every triangle for all of them together ([`pencil`]).
+
+mod hider;
+mod pencil;
+mod spread;
+
+use adumbra::Bounds;
+use adumbra_scene::Scene;
+use adumbra_scene::random::Random;
+
+pub use hider::Hider;
+use pencil::Pencil;
+pub use spread::{Spread, Stray};
+
+/// How high a person's eyes are above the ground, world units.
+pub const EYE_HEIGHT_WORLD: f64 = 1.7;
+/// Vertical lines across the scene's sides. On each a person may stand.
+const LINES: usize = 45;
+const SEED: u64 = 2;
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
+/// By how much a point is lifted off its surface, as a share of the scene's longest side.
+const LIFT: f64 = 1e-6;
+
+/// What a person would see of a scene at a glance.
+#[derive(Clone, Debug)]
+pub struct Glance {
+    /// Points on the lowest surfaces that face up, or as low as the scene where there is none.
+    pub ground: Vec<Seen>,
+    /// Points at a person's eyes above them.
+    pub standing: Vec<Seen>,
+    /// What hides the sun from nearly everything else.
+    pub hider: Option<Hider>,
+    /// How far the scene is spread.
+    pub spread: Spread,
+}
+
+/// A point, and whether rays from it reach the sun.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// The point.
+    pub p_world: [f64; 3],
+    /// Whether it sees the sun.
+    pub is_lit: bool,
+}
+
+/// Returns the share of points in shadow, 0 to 1, or `None` if there are no points.
+pub fn shadowed_share(points: &[Seen]) -> Option<f64> {
+    let dark = points.iter().filter(|point| !point.is_lit).count();
+    (!points.is_empty()).then(|| dark as f64 / points.len() as f64)
+}
+
+impl Glance {
+    /// Looks at a scene under a sun in the direction `towards_sun`, of length 1. Points inside of something are not
+    /// among those of the ground: nobody stands in a wall. Ends early, with `None`, once `goes_on` is false.
+    ///
+    /// Cost: seven visits of all triangles, instances counted, on the current rayon pool; a few bytes per instance.
+    pub fn of(
+        scene: &Scene,
+        towards_sun: [f64; 3],
+        ignore_alpha: bool,
+        goes_on: &(dyn Fn() -> bool + Sync),
+    ) -> Option<Self> {
+        let spread = Spread::of(scene);
+        let lift = LIFT * spread.side_world().max(f64::MIN_POSITIVE);
+        let feet = feet(scene, &spread.most, lift, goes_on);
+        let eyes: Vec<[f64; 3]> = feet.iter().map(|&[x, y, z]| [x, y + EYE_HEIGHT_WORLD, z]).collect();
+        let outside = are_outside(scene, [&feet, &eyes], ignore_alpha, goes_on);
+        let points: Vec<[f64; 3]> = feet.iter().chain(&eyes).copied().collect();
+        let rays = Pencil::new(&points, towards_sun);
+        let stopped = rays.fold(
+            scene,
+            goes_on,
+            || vec![false; points.len()],
+            |stopped, crossing| {
+                if crossing.distance > 0.0
+                    && !stopped[crossing.point]
+                    && crossing.casts(scene)
+                    && crossing.is_opaque(scene, ignore_alpha)
+                {
+                    stopped[crossing.point] = true;
+                }
+            },
+            either,
+        );
+        let hider = Hider::of(scene, towards_sun, ignore_alpha, lift, goes_on);
+        let seen = |first: usize, points: &[[f64; 3]]| {
+            let all = points.iter().zip(&stopped[first..]).zip(&outside[first..]);
+            let outside = all.filter(|(_, outside)| **outside);
+            outside.map(|((&p_world, stopped), _)| Seen { p_world, is_lit: !stopped }).collect()
+        };
+        let (ground, standing) = (seen(0, &feet), seen(feet.len(), &eyes));
+        goes_on().then_some(Self { ground, standing, hider, spread })
+    }
+}
+
+/// Returns where people stand: the lowest surface that faces up on each line, lifted. One that casts goes first, then any that
+/// faces up, then any at all, then the scene's lowest height.
+fn feet(scene: &Scene, within: &Bounds, lift: f64, goes_on: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 3]> {
+    // At random within its cell, so that no regular town is seen at the same place of each block.
+    let mut random = Random::new(SEED, 0);
+    let mut across = |axis: usize, i: usize| {
+        let t = (i as f64 + random.unit()) / LINES as f64;
+        within.min[axis] + t * (within.max[axis] - within.min[axis])
+    };
+    let lines: Vec<[f64; 3]> =
+        (0..LINES * LINES).map(|i| [across(0, i % LINES), 0.0, across(2, i / LINES)]).collect();
+    let lowest = Pencil::new(&lines, UP).fold(
+        scene,
+        goes_on,
+        || vec![[f64::INFINITY; 3]; lines.len()],
+        |lowest, crossing| {
+            let faces_up = crossing.is_from_behind;
+            let kinds = [faces_up && crossing.casts(scene), faces_up, true];
+            for (height, _) in lowest[crossing.point].iter_mut().zip(kinds).filter(|(_, is)| *is) {
+                *height = height.min(crossing.distance);
+            }
+        },
+        |mut one, other| {
+            one.iter_mut().zip(other).for_each(|(a, b)| *a = [0, 1, 2].map(|i| a[i].min(b[i])));
+            one
+        },
+    );
+    let height =
+        |lowest: [f64; 3]| lowest.into_iter().find(|height| height.is_finite()).unwrap_or(within.min[1]);
+    lines.iter().zip(lowest).map(|(&[x, _, z], lowest)| [x, height(lowest) + lift, z]).collect()
+}
+
+/// Returns which points are not inside of something: above them and to two of their sides, the nearest surface that stops light
+/// shows its back. A decal, an awning or a bridge shows it above alone.
+fn are_outside(
+    scene: &Scene,
+    points: [&[[f64; 3]]; 2],
+    ignore_alpha: bool,
+    goes_on: &(dyn Fn() -> bool + Sync),
+) -> Vec<bool> {
+    let points = points.concat();
+    let is_free = |along: [f64; 3]| {
+        let nearest = Pencil::new(&points, along).fold(
+            scene,
+            goes_on,
+            || vec![(f64::INFINITY, false); points.len()],
+            |nearest, crossing| {
+                let known = &mut nearest[crossing.point];
+                let found = (crossing.distance, crossing.is_from_behind);
+                if crossing.distance > 0.0
+                    && found < *known
+                    && crossing.casts(scene)
+                    && crossing.is_opaque(scene, ignore_alpha)
+                {
+                    *known = found;
+                }
+            },
+            |mut one, other| {
+                one.iter_mut().zip(other).for_each(|(a, b)| *a = if b < *a { b } else { *a });
+                one
+            },
+        );
+        nearest.into_iter().map(|(_, is_from_behind)| !is_from_behind)
+    };
+    let [above, beside, before] = [UP, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(is_free);
+    above.zip(beside.zip(before)).map(|(above, (beside, before))| above || beside || before).collect()
+}
+
+fn either(mut one: Vec<bool>, other: Vec<bool>) -> Vec<bool> {
+    one.iter_mut().zip(other).for_each(|(a, b)| *a |= b);
+    one
+}
