@@ -3,7 +3,7 @@
 //!
 //! A file may answer as rays do, and yet all of it may look wrong, because the scene is not what its owner thinks that it is: a
 //! sky dome is part of it, or a forgotten triangle lies 200 km away. So this looks at the scene alone. It takes a few thousand
-//! rays, and visits every triangle for all of them together ([`pencil`]).
+//! rays, and visits every triangle for all of them together.
 
 mod hider;
 mod pencil;
