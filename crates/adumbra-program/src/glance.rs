@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use adumbra::{Bounds, Sun};
 use adumbra_scene::{Scene, pattern_of};
-use adumbra_truth::glance::{EYE_HEIGHT_WORLD, Glance, Seen, Stray, shadowed_share};
+use adumbra_truth::glance::{EYE_HEIGHT_WORLD, Glance, Stray, shadowed_share};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -17,10 +17,6 @@ use crate::exit::Failure;
 const LARGEST_VOXEL: f64 = 0.01;
 /// More of the places where people stand is seldom in shadow.
 const MOSTLY_DARK: f64 = 0.95;
-/// By how much a file's share may differ from that of rays, and at how many points at least they are compared.
-const MOST_DIFFERENT: f64 = 0.03;
-const LEAST_POINTS: usize = 400;
-
 /// Looks at a scene, and warns on stderr of what is out of the ordinary in it under a sun. `path` is the scene's.
 ///
 /// # Errors
@@ -130,24 +126,6 @@ pub fn warn_of_large_voxels(scene: &Path, glance: &Glance, voxel_size: f64) {
 /// The option that leaves out what has a name.
 fn exclude(name: &str) -> String {
     format!("--exclude {}", quoted(&pattern_of(name)))
-}
-
-/// Warns on stderr of a file whose shadows on the ground are others than those of rays. Only points that the file answers are
-/// compared.
-pub fn warn_of_difference(ground: &[Seen], visibility: impl Fn([f64; 3]) -> Option<f32>) {
-    let all = ground.iter().filter_map(|&point| Some((point, visibility(point.p_world)?)));
-    let (points, of_file): (Vec<Seen>, Vec<f64>) =
-        all.map(|(point, visibility)| (point, 1.0 - f64::from(visibility))).unzip();
-    let of_file = of_file.iter().sum::<f64>() / points.len().max(1) as f64;
-    if let Some(of_rays) = shadowed_share(&points).filter(|_| points.len() >= LEAST_POINTS)
-        && (of_file - of_rays).abs() > MOST_DIFFERENT
-    {
-        eprintln!(
-            "warning: {:.1} % of the ground is in shadow by rays, and {:.1} % by the file",
-            100.0 * of_rays,
-            100.0 * of_file
-        );
-    }
 }
 
 /// Numbers with commas between them, without zeros at their ends.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
 use adumbra::Sun;
+use adumbra_bake::Ground;
 use adumbra_scene::{Casters, LoadOptions, LoadedAs, Scene, UpAxis};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
@@ -15,7 +16,7 @@ use serde::Serialize;
 
 use crate::args::{RunArgs, SceneArgs};
 use crate::exit::{Code, Failure, Outcome};
-use crate::glance::{AtAGlance, look, warn_of_difference, warn_of_large_voxels};
+use crate::glance::{AtAGlance, look, warn_of_large_voxels};
 use crate::lookup::LookupArgs;
 use crate::output::print_json;
 use crate::say;
@@ -64,6 +65,8 @@ pub struct Verified {
     pub is_finest: bool,
     /// How the bake's scene was loaded.
     pub scene: LoadedAs,
+    /// Whether shadows below the last surface of a column were left out.
+    pub assumes_ground: bool,
     /// What cast shadows in it, if the file says it.
     pub casters: Option<Casters>,
     /// Its volume, for points in free space.
@@ -96,8 +99,9 @@ impl Verify {
         load.follow(file.scene, &self.scene);
         let (sun, voxel_size) = (file.sun, file.voxel_size);
         let volume = self.volume.then_some(file.volume);
-        let (result, glance, [baked, casters]) =
-            with_threads(self.run.threads, || -> Result<_, Failure> {
+        let (result, glance, [baked, casters]) = with_threads(
+            self.run.threads,
+            || -> Result<_, Failure> {
                 let scene = self.load_scene(&load)?;
                 let casters = [file.casters.unwrap_or(scene.casters()), scene.casters()];
                 warn_of_other_casters(casters[0], casters[1]);
@@ -105,11 +109,16 @@ impl Verify {
                 if file.is_finest {
                     warn_of_large_voxels(&self.scene, &glance, voxel_size);
                 }
-                let up = Some([0.0, 1.0, 0.0]);
-                warn_of_difference(&glance.ground, |p| answers.covers(p).then(|| answers.visibility(p, up)));
+                if file.assumes_ground && !Ground::of(&scene).is_there() {
+                    eprintln!(
+                        "warning: {}: the file has no shadows below the last surface, and the scene has no ground of its own; bake with --assume-ground no if the app draws one",
+                        self.file.display()
+                    );
+                }
                 let result = self.trace(&scene, load.ignore_alpha, sun, volume, answers)?;
                 Ok((result, AtAGlance::of(&glance), casters))
-            })??;
+            },
+        )??;
         if self.run.json {
             print_json(&VerifiedScene {
                 result: result.clone(),

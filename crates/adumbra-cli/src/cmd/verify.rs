@@ -53,6 +53,7 @@ pub(crate) fn run(VerifyFile { verify: args, level, path: of_path }: &VerifyFile
         voxel_size: file.grid.voxel_size,
         is_finest: level.level == 0,
         scene: LoadedAs::from(&file.settings),
+        assumes_ground: file.settings.assume_ground,
         casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: VolumeSampler::new(&file.grid),
     };
@@ -76,6 +77,7 @@ fn run_regions(args: &Verify, regions: &Regions, level: u32) -> Outcome {
         voxel_size: grid.voxel_size,
         is_finest: level == 0,
         scene: LoadedAs::from(&settings),
+        assumes_ground: settings.assume_ground,
         casters: None,
         volume: VolumeSampler::new(&grid),
     };

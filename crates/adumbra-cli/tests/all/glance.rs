@@ -59,6 +59,22 @@ fn a_sky_and_a_stray_are_said_and_can_be_left_out() {
 }
 
 #[test]
+fn verify_says_that_a_file_leaves_out_what_falls_on_the_ground() {
+    let folder = Folder::new();
+    let (scene, file) = (folder.write("a.obj", &town(40, "")), folder.path("a.adumbra"));
+    let said = |exclude: &[&str], assumed: &str| {
+        let bake = ["bake", &scene, "--resolution", "256", "--assume-ground", assumed, "-o", &file];
+        assert_eq!(adumbra(&[&bake, exclude].concat()).0, 0);
+        let verify = ["verify", &file, "--scene", &scene, "--samples", "5000"];
+        adumbra(&[&verify, exclude].concat()).1.contains("the scene has no ground of its own")
+    };
+    let alone = ["--exclude", "ground"];
+    let kept =
+        [said(&alone, "yes"), said(&alone, "auto"), said(&alone, "no"), said(&[], "auto"), said(&[], "yes")];
+    assert_eq!(kept, [true, false, false, false, false]);
+}
+
+#[test]
 fn verify_says_that_a_scene_is_in_another_state() {
     let folder = Folder::new();
     let (before, after) = (folder.write("a.obj", &town(40, "")), folder.write("b.obj", &town(37, "")));

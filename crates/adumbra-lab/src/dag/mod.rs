@@ -55,6 +55,7 @@ fn verify(args: &Verify) -> Outcome {
         voxel_size: file.grid.voxel_size,
         is_finest: true,
         scene: LoadedAs::from(&file.settings),
+        assumes_ground: file.settings.assume_ground,
         casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: VolumeSampler::new(&file.grid),
     };

@@ -65,6 +65,7 @@ pub(super) fn verify(args: &TreeVerify) -> Outcome {
         voxel_size: file.space.voxel_size,
         is_finest: true,
         scene: LoadedAs { ignore_alpha: file.ignores_alpha(), ..LoadedAs::default() },
+        assumes_ground: false,
         casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: volume_of(&file.space),
     };
