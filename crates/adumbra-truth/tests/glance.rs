@@ -150,7 +150,7 @@ fn shares_of_shadow_are_those_of_rays() {
             };
             for points in [&glance.ground, &glance.standing] {
                 let right = points.iter().filter(is_right).count();
-                assert!(points.len() > 1000, "{kind:?}: {}", points.len());
+                assert!(points.len() > 700, "{kind:?}: {}", points.len());
                 // Rays that graze a corner may go either way.
                 assert!(right * 1000 >= points.len() * 998, "{kind:?}: {right} of {}", points.len());
             }
@@ -166,23 +166,27 @@ fn people_stand_in_the_street_and_not_in_walls() {
         vec![[a, b, c], [a, c, d]]
     };
     add(&mut scene, "ground", "a", &quad([-50.0, 50.0], [-50.0, 50.0], 0.0));
-    // Half of the town is a block of 20 m.
-    let block = |[x0, x1]: [f64; 2], [z0, z1]: [f64; 2], height: f64| {
+    // Half of the town is a block of 20 m, on a slab whose upper side is the block's lower one. A tower stands in both.
+    let solid = |[x0, x1]: [f64; 2], [z0, z1]: [f64; 2], [low, high]: [f64; 2]| {
         let ring = [[x0, z0], [x0, z1], [x1, z1], [x1, z0]];
-        let mut all = quad([x0, x1], [z0, z1], height);
+        let mut all = quad([x0, x1], [z0, z1], high);
+        all.extend(turned_inside_out(quad([x0, x1], [z0, z1], low), true));
         for (i, [x, z]) in ring.into_iter().enumerate() {
             let [u, w] = ring[(i + 1) % 4];
-            let [a, b, c, d] = [[x, 0.0, z], [u, 0.0, w], [u, height, w], [x, height, z]];
+            let [a, b, c, d] = [[x, low, z], [u, low, w], [u, high, w], [x, high, z]];
             all.extend([[a, b, c], [a, c, d]]);
         }
         all
     };
-    add(&mut scene, "block", "b", &block([-50.0, 0.0], [-50.0, 50.0], 20.0));
+    let town = [[-50.0, 0.0], [-50.0, 50.0]];
+    add(&mut scene, "slab", "b", &solid(town[0], town[1], [0.0, 0.2]));
+    add(&mut scene, "block", "b", &solid(town[0], town[1], [0.2, 20.0]));
+    add(&mut scene, "tower", "b", &solid([-10.0, -5.0], town[1], [-1.0, 20.0]));
     // A road lies just above the street: people stand under it all the same.
     add(&mut scene, "road", "c", &quad([10.0, 20.0], [-50.0, 50.0], 0.01));
-    scene.instances[2].casts = false;
+    scene.instances[4].casts = false;
     add(&mut scene, "awning", "d", &quad([40.0, 45.0], [-50.0, 50.0], 5.0));
-    scene.instances[3].casts = false;
+    scene.instances[5].casts = false;
     let glance = look(&scene, [0.0, 1.0, 0.0]);
     assert!(glance.ground.len() > 940 && glance.ground.len() < 1080, "{}", glance.ground.len());
     assert!(

@@ -1,4 +1,4 @@
-//! How far what hangs on each node reaches: by this, keys that move it are told from rounding.
+//! How far what hangs on each node reaches: by this, keys that move it are distinguished from rounding.
 
 use crate::affine::{Affine, IDENTITY, multiply, stretch};
 use crate::gltf::nodes::Nodes;

@@ -10,8 +10,8 @@ mod pencil;
 mod spread;
 
 use adumbra::Bounds;
-use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
+use adumbra_scene::{AlphaMode, Scene};
 
 pub use hider::Hider;
 use pencil::Pencil;
@@ -56,7 +56,7 @@ pub fn shadowed_share(points: &[Seen]) -> Option<f64> {
 
 impl Glance {
     /// Looks at a scene under a sun in the direction `towards_sun`, of length 1. Points inside of something are not
-    /// among those of the ground: nobody stands in a wall. Ends early, with `None`, once `goes_on` is false.
+    /// among those of the ground: no one stands in a wall. Ends early, with `None`, once `goes_on` is false.
     ///
     /// Cost: seven visits of all triangles, instances counted, on the current rayon pool; a few bytes per instance.
     pub fn of(
@@ -69,7 +69,7 @@ impl Glance {
         let lift = LIFT * spread.side_world().max(f64::MIN_POSITIVE);
         let feet = feet(scene, &spread.most, lift, goes_on);
         let eyes: Vec<[f64; 3]> = feet.iter().map(|&[x, y, z]| [x, y + EYE_HEIGHT_WORLD, z]).collect();
-        let outside = are_outside(scene, [&feet, &eyes], ignore_alpha, goes_on);
+        let outside = are_outside(scene, [&feet, &eyes], goes_on);
         let points: Vec<[f64; 3]> = feet.iter().chain(&eyes).copied().collect();
         let rays = Pencil::new(&points, towards_sun);
         let stopped = rays.fold(
@@ -130,37 +130,28 @@ fn feet(scene: &Scene, within: &Bounds, lift: f64, goes_on: &(dyn Fn() -> bool +
     lines.iter().zip(lowest).map(|(&[x, _, z], lowest)| [x, height(lowest) + lift, z]).collect()
 }
 
-/// Returns which points are not inside of something: above them and to two of their sides, the nearest surface that stops light
-/// shows its back. A decal, an awning or a bridge shows it above alone.
-fn are_outside(
-    scene: &Scene,
-    points: [&[[f64; 3]]; 2],
-    ignore_alpha: bool,
-    goes_on: &(dyn Fn() -> bool + Sync),
-) -> Vec<bool> {
+/// Returns which points are not inside of a solid. From inside, a ray leaves more solids than it enters, however they overlap:
+/// it crosses more backs than fronts, here above a point and to two of its sides. A decal, an awning or a bridge has its back
+/// above alone. Masked surfaces bound no solids.
+fn are_outside(scene: &Scene, points: [&[[f64; 3]]; 2], goes_on: &(dyn Fn() -> bool + Sync)) -> Vec<bool> {
     let points = points.concat();
     let is_free = |along: [f64; 3]| {
-        let nearest = Pencil::new(&points, along).fold(
+        let left = Pencil::new(&points, along).fold(
             scene,
             goes_on,
-            || vec![(f64::INFINITY, false); points.len()],
-            |nearest, crossing| {
-                let known = &mut nearest[crossing.point];
-                let found = (crossing.distance, crossing.is_from_behind);
-                if crossing.distance > 0.0
-                    && found < *known
-                    && crossing.casts(scene)
-                    && crossing.is_opaque(scene, ignore_alpha)
-                {
-                    *known = found;
+            || vec![0_i32; points.len()],
+            |left, crossing| {
+                let is_opaque = scene.materials[crossing.material(scene) as usize].alpha == AlphaMode::Opaque;
+                if crossing.distance > 0.0 && is_opaque && crossing.casts(scene) {
+                    left[crossing.point] += if crossing.is_from_behind { 1 } else { -1 };
                 }
             },
             |mut one, other| {
-                one.iter_mut().zip(other).for_each(|(a, b)| *a = if b < *a { b } else { *a });
+                one.iter_mut().zip(other).for_each(|(a, b)| *a += b);
                 one
             },
         );
-        nearest.into_iter().map(|(_, is_from_behind)| !is_from_behind)
+        left.into_iter().map(|left| left <= 0)
     };
     let [above, beside, before] = [UP, [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]].map(is_free);
     above.zip(beside.zip(before)).map(|(above, (beside, before))| above || beside || before).collect()
