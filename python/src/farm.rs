@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeOptions, BakePlan, FolderObjects, ObjectKey, Objects, PartBaker, link};
+use adumbra_bake::{BakeOptions, BakePlan, Fetched, FolderObjects, ObjectKey, Objects, PartBaker, link};
 use adumbra_files::{check_output, folder_of, replace_file, same_file, target_of};
 use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
@@ -284,9 +284,11 @@ impl Recorded {
 }
 
 impl Objects for Recorded {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
-        let found = self.objects.get(key)?;
-        found.iter().for_each(|bytes| self.tell(key, bytes, false));
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        let found = self.objects.get(key, most_bytes)?;
+        if let Fetched::Whole(bytes) = &found {
+            self.tell(key, bytes, false);
+        }
         Ok(found)
     }
 
@@ -305,10 +307,12 @@ struct Checked {
 }
 
 impl Objects for Checked {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
-        let is_right =
-            |bytes: &Vec<u8>| self.sums.get(key).is_none_or(|sum| *sum == blake3::hash(bytes).to_string());
-        Ok(self.objects.get(key)?.filter(is_right))
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        let found = self.objects.get(key, most_bytes)?;
+        match (&found, self.sums.get(key)) {
+            (Fetched::Whole(bytes), Some(sum)) if *sum != blake3::hash(bytes).to_string() => Ok(Fetched::Nothing),
+            _ => Ok(found),
+        }
     }
 
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {

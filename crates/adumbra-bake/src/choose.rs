@@ -11,6 +11,7 @@ use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::{BakeOptions, FrameChoice, LOWEST_OBLIQUE_DEGREES, Size};
 use crate::plan::{Extents, Placement, Plan, caster_options};
+use crate::progress::NEVER;
 use crate::region_grids::placements;
 use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
@@ -35,7 +36,7 @@ pub(crate) struct Choice {
 
 impl Choice {
     /// Decides on the ground, chooses the frame, and places the grids of all levels.
-    pub(crate) fn new(scene: &Scene, options: &BakeOptions) -> Result<Self> {
+    pub(crate) fn new(scene: &Scene, options: &BakeOptions, cancel: &AtomicBool) -> Result<Self> {
         options.check()?;
         let options = BakeOptions { assume_ground: options.assume_ground.decided(scene), ..options.clone() };
         let options = &options;
@@ -43,7 +44,7 @@ impl Choice {
         let clusters = SceneClusters::new(scene, caster_options(options));
         let levels = match options.region {
             Some(region) => placements(scene, &clusters, options, region)?,
-            None => chosen(scene, &clusters, options)?,
+            None => chosen(scene, &clusters, options, cancel)?,
         };
         Ok(Self { options: options.clone(), clusters, levels })
     }
@@ -55,9 +56,14 @@ impl Choice {
 }
 
 /// Places the grids of all levels around the scene, in the frame that is chosen.
-fn chosen(scene: &Scene, clusters: &Arc<SceneClusters>, options: &BakeOptions) -> Result<Vec<Placement>> {
+fn chosen(
+    scene: &Scene,
+    clusters: &Arc<SceneClusters>,
+    options: &BakeOptions,
+    cancel: &AtomicBool,
+) -> Result<Vec<Placement>> {
     let extents = Extents::new(scene, options);
-    let frame = frame(scene, clusters, options, &extents)?;
+    let frame = frame(scene, clusters, options, &extents, cancel)?;
     let (frame, finest) = match Placement::new(&extents, options, frame, 0) {
         // Under a low sun the upright grid may be too wide.
         Err(Error::Range(_)) if options.frame == FrameChoice::Auto => {
@@ -76,18 +82,19 @@ pub(crate) fn frame(
     clusters: &Arc<SceneClusters>,
     options: &BakeOptions,
     extents: &Extents<'_>,
+    cancel: &AtomicBool,
 ) -> Result<Frame> {
     match options.frame {
         FrameChoice::Light => Ok(Frame::Light),
         FrameChoice::Oblique => Ok(upright(scene)),
         FrameChoice::ObliqueAt(yaw_radians) => Ok(Frame::Oblique { yaw_radians }),
-        FrameChoice::Auto => smaller(scene, options, clusters, extents),
+        FrameChoice::Auto => smaller(scene, options, clusters, extents, cancel),
     }
 }
 
 /// Plans the bake of the finest level of `scene`.
 pub(crate) fn plan<'s>(scene: &'s Scene, options: &BakeOptions) -> Result<Plan<'s>> {
-    Choice::new(scene, options)?.plan(scene, 0)
+    Choice::new(scene, options, &NEVER)?.plan(scene, 0)
 }
 
 /// Checks that sorting the scene's triangles fits the memory limit.
@@ -111,6 +118,7 @@ fn smaller(
     options: &BakeOptions,
     clusters: &Arc<SceneClusters>,
     extents: &Extents<'_>,
+    cancel: &AtomicBool,
 ) -> Result<Frame> {
     if options.sun.elevation_degrees() < LOWEST_OBLIQUE_DEGREES {
         return Ok(Frame::Light);
@@ -131,11 +139,12 @@ fn smaller(
     };
     let oblique = upright(scene);
     // Under a low sun the upright grid may be too wide.
-    let oblique_bytes = match forecast_bytes(scene, &coarse, oblique, &clusters, extents) {
+    let forecast = |frame| forecast_bytes(scene, &coarse, frame, &clusters, extents, cancel);
+    let oblique_bytes = match forecast(oblique) {
         Err(Error::Range(_)) => return Ok(Frame::Light),
         bytes => bytes?,
     };
-    let light_bytes = forecast_bytes(scene, &coarse, Frame::Light, &clusters, extents)?;
+    let light_bytes = forecast(Frame::Light)?;
     Ok(if oblique_bytes <= light_bytes { oblique } else { Frame::Light })
 }
 
@@ -147,6 +156,7 @@ fn forecast_bytes(
     frame: Frame,
     clusters: &Arc<SceneClusters>,
     extents: &Extents<'_>,
+    cancel: &AtomicBool,
 ) -> Result<f64> {
     let plan = Plan::placed(scene, options, Placement::new(extents, options, frame, 0)?, clusters)?;
     let blocks = plan.tiles.count();
@@ -166,7 +176,7 @@ fn forecast_bytes(
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(&block) = sampled.get(number) else { break };
-            let built = build_root(&plan.tiles, block, &sink, &mut buffers, &AtomicBool::new(false))?;
+            let built = build_root(&plan.tiles, block, &sink, &mut buffers, cancel)?;
             depths.taken(number, built);
             plan.check_memory("the forecast of the frame", held_bytes()?)?;
         }

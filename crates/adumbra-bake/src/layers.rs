@@ -99,7 +99,7 @@ impl<'s> LayerCapture<'s> {
 }
 
 fn caster_options(closed_regions: bool, ignore_alpha: bool) -> CasterOptions {
-    CasterOptions { closed_regions, ignore_alpha, outlines: false }
+    CasterOptions { closed_regions, ignore_alpha, outlines: false, limit_bytes: None }
 }
 
 /// Bytes that [`LayerCapture::new`] holds at most besides the scene, with these options.

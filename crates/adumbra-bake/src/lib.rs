@@ -117,7 +117,10 @@ pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
 pub use ground::Ground;
-pub use objects::{FolderContents, FolderObjects, MemoryObjects, ObjectKey, Objects};
+pub use objects::{
+    CachedObjects, Fetched, FolderContents, FolderObjects, FolderReport, MemoryObjects, OBJECT_MAGIC,
+    ObjectKey, Objects,
+};
 pub use options::{
     AssumeGround, BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS,
     LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,

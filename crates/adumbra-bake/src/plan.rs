@@ -86,7 +86,9 @@ impl Placement {
             )
             .into());
         }
-        let aim = resolution.ilog2().saturating_sub(TOP_GRID_LEVEL).max(MIN_ROOT_LEVEL);
+        // Under a low sun an oblique grid is far longer than the resolution.
+        let side = resolution.max(across / LONG_GRID);
+        let aim = side.ilog2().saturating_sub(TOP_GRID_LEVEL).max(MIN_ROOT_LEVEL);
         let root_level = match options.builder {
             Builder::Fast => aim,
             Builder::Plain => aim.min(MAX_PLAIN_ROOT_LEVEL),
@@ -104,8 +106,11 @@ impl Placement {
 const MIN_ROOT_LEVEL: u32 = 5;
 /// Largest root level for the plain builder, which holds all columns of a root block at once.
 const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
-/// log2 of the number of root cubes that the top grid aims at across the longer side.
+/// log2 of the number of root blocks that a bake aims at across the resolution.
 const TOP_GRID_LEVEL: u32 = 5;
+/// A grid that is longer than so many times the resolution has larger root blocks, so that it has at most twice as many times
+/// 2^[`TOP_GRID_LEVEL`] of them across.
+const LONG_GRID: u32 = 4;
 
 /// Grids begin and end at multiples of a page from the world's origin, so that texels stay where they are when a scene
 /// grows. A page is this share of the resolution, within the limits below: small grids are not to be mostly margin.
@@ -129,6 +134,7 @@ pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
         closed_regions: options.closed_regions,
         ignore_alpha: options.ignore_alpha,
         outlines: options.builder == Builder::Fast,
+        limit_bytes: options.max_memory_bytes,
     }
 }
 
@@ -228,6 +234,11 @@ impl<'s> Plan<'s> {
     /// Bytes of everything but what is built.
     pub(crate) fn baking_bytes(&self) -> u64 {
         self.scene_bytes + self.workers as u64 * self.worker_bytes
+    }
+
+    /// Bytes for objects while they are read, if memory is limited: what workers need later.
+    pub(crate) fn room_for_objects(&self) -> Option<u64> {
+        self.limit_bytes.map(|_| self.workers as u64 * self.worker_bytes)
     }
 
     /// Returns the bytes of pages in memory.

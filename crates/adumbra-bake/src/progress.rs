@@ -58,10 +58,12 @@ pub struct Watch<'a, P = Progress> {
     pub cancel: &'a AtomicBool,
 }
 
+/// The flag of work that nothing interrupts.
+pub(crate) static NEVER: AtomicBool = AtomicBool::new(false);
+
 impl<P> Watch<'static, P> {
     /// Returns a watch without progress reports or cancellation.
     pub fn none() -> Self {
-        static NEVER: AtomicBool = AtomicBool::new(false);
         Self { progress: &|_| {}, cancel: &NEVER }
     }
 }

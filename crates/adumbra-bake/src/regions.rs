@@ -11,6 +11,7 @@ use crate::choose::{check_sorting, frame};
 use crate::error::{Error, Result};
 use crate::options::{BakeOptions, FrameChoice, Size};
 use crate::plan::{Extents, caster_options};
+use crate::progress::NEVER;
 use crate::region_grids::REACH_TEXELS;
 use crate::triangles::casters::SceneClusters;
 
@@ -60,7 +61,7 @@ impl RegionPlan {
             Ok(_) => options.clone(),
             Err(_) => BakeOptions { size: Size::Resolution(FORECAST_RESOLUTION), ..options.clone() },
         };
-        let frame = frame(scene, &clusters, &forecast, &extents)?;
+        let frame = frame(scene, &clusters, &forecast, &extents, &NEVER)?;
         let world = LightGrid::new(options.sun, frame, voxel_size, [0.0; 3], [1; 3]);
         let regions = reached(scene, &clusters, &world, texels)?;
         Ok(Self { frame, voxel_size, texels, options: options.clone(), regions })

@@ -6,7 +6,8 @@ use std::sync::{Arc, Mutex};
 
 use adumbra::{AtRest, Bounds, IoError, Sun};
 use adumbra_bake::{
-    BakeOptions, BakePlan, Baker, BakerPage, Error, MemoryObjects, ObjectKey, Objects, Size, Watch, bake_to,
+    BakeOptions, BakePlan, Baker, BakerPage, Error, Fetched, MemoryObjects, ObjectKey, Objects, Size, Watch,
+    bake_to,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{Added, Edits, GeneratedKind, Moved, Which, generate};
@@ -105,8 +106,8 @@ fn pages_cover_each_level_once() {
 struct InOrder(MemoryObjects, Mutex<Vec<ObjectKey>>);
 
 impl Objects for InOrder {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
-        self.0.get(key)
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        self.0.get(key, most_bytes)
     }
 
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {

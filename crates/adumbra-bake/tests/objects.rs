@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use adumbra::{AtRest, Bias, Bounds, Receivers, Sun};
 use adumbra_bake::{
-    AssumeGround, BakeOptions, Builder, FolderObjects, FrameChoice, ObjectKey, Objects, Report, Size, Watch,
-    bake_to, bake_with_objects,
+    AssumeGround, BakeOptions, Builder, Fetched, FolderObjects, FrameChoice, ObjectKey, Objects, Report,
+    Size, Watch, bake_to, bake_with_objects,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{
@@ -293,7 +293,7 @@ fn damaged_objects_are_made_again() {
     assert!(again == bytes && report.reused_tiles == 0);
     // They have been replaced.
     for (key, object) in &whole {
-        assert_eq!(memory.get(key).unwrap().as_ref(), Some(object));
+        assert_eq!(memory.get(key, u64::MAX).unwrap(), Fetched::Whole(object.clone()));
     }
     // An object under the key of another is damaged too.
     let first = whole[0].1.clone();
@@ -310,13 +310,13 @@ fn folder_keeps_objects_and_removes_those_that_were_used_longest_ago() {
     let objects: Arc<dyn Objects> = Arc::new(cache.clone());
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let (bytes, _) = with_objects(&scene, &options, &objects);
-    let all = cache.contents().unwrap();
+    let all = cache.contents().unwrap().contents;
     assert!(all.objects > 0 && all.bytes > 0);
     let (again, report) = with_objects(&scene, &options, &objects);
     assert!(again == bytes && report.reused_tiles == report.tiles);
-    assert_eq!(cache.contents().unwrap(), all);
-    let removed = cache.prune(all.bytes / 2).unwrap();
-    let left = cache.contents().unwrap();
+    assert_eq!(cache.contents().unwrap().contents, all);
+    let removed = cache.prune(all.bytes / 2).unwrap().contents;
+    let left = cache.contents().unwrap().contents;
     assert!(
         left.bytes <= all.bytes / 2 && removed.objects + left.objects == all.objects,
         "{removed:?} {left:?}"

@@ -222,9 +222,8 @@ pub(crate) struct Info {
     /// Level of detail of the picture, 0 = the finest
     #[arg(long, value_name = "N", default_value_t = 0, requires = "picture")]
     pub(crate) level: u32,
-    /// Print one JSON object
-    #[arg(long)]
-    pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) run: RunArgs,
 }
 
 /// A level of detail of a shadow file.

@@ -1,5 +1,8 @@
 //! The program `adumbra`: bakes a scene's sun shadows into a file, and verifies the file's answers against rays.
 
+// They panic where nothing can be written.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod args;
 mod cmd;
 
@@ -16,22 +19,11 @@ impl start::Program for Args {
     }
 
     fn run(self) -> Outcome {
-        if !self.verb.has_something_to_finish() {
+        // A follower ends as soon as it is asked to, as if it had finished.
+        if !matches!(&self.verb, Verb::Bake(bake) if bake.watch) {
             signals::end_when_interrupted();
         }
         cmd::run(self.verb)
-    }
-}
-
-impl Verb {
-    /// Whether the verb handles an interrupt itself.
-    fn has_something_to_finish(&self) -> bool {
-        match self {
-            Self::Bake(_) | Self::Tile(_) | Self::Link(_) | Self::SunHours(_) | Self::Sky(_) => true,
-            #[cfg(feature = "render")]
-            Self::Demo(_) => true,
-            _ => false,
-        }
     }
 }
 

@@ -235,13 +235,13 @@ impl BakedFiles {
                 continue;
             }
             if spec.reads() == Reads::LightFile {
-                eprintln!(
+                adumbra_program::note!(
                     "note: no light-aligned --shadow-file; baking one with {} texels along its longest side",
                     how.resolution
                 );
                 self.light = Some(bake(how.scene, &how.options(), Watch::none())?.file);
             } else if let Some(more) = &mut self.more {
-                eprintln!("note: {}", more.announcement(spec, how));
+                adumbra_program::note!("note: {}", more.announcement(spec, how));
                 more.bake(spec, how)?;
             }
         }

@@ -6,12 +6,11 @@
 //! `fov_y` is the vertical field of view in degrees; an orthographic camera has `height_world` instead. `sun` is the
 //! direction towards the sun and may be absent.
 
-use adumbra::IoError;
 use std::io::Write as _;
 use std::path::Path;
 
 use adumbra::Sun;
-use adumbra_files::replace_file;
+use adumbra_files::{TEXT_BYTES, read_whole, replace_file};
 use adumbra_scene::{Camera, Projection};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -82,7 +81,7 @@ impl CameraFile {
     /// # Errors
     /// Returns [`Error::Program`] if the file cannot be read, and [`Error::CameraFile`] if it is not a camera.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
+        let bytes = read_whole(path, TEXT_BYTES)?;
         Self::parse(&bytes).map_err(|what| Error::CameraFile { path: path.to_owned(), what })
     }
 

@@ -15,6 +15,9 @@
 //! | [`verbs`] | the verbs `compare` and `render` |
 //! | [`args`] | command-line options that need the renderer |
 
+// They panic where nothing can be written.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 pub mod args;
 pub mod baked;
 pub mod camera_file;

@@ -9,10 +9,10 @@
 //! *A Class of Local Interpolating Splines*, 1974. The first and last keyframes are their own neighbours beyond the
 //! ends.
 
-use adumbra::IoError;
 use std::path::Path;
 
 use adumbra::Bounds;
+use adumbra_files::{TEXT_BYTES, read_whole};
 use adumbra_scene::{Camera, Projection};
 use serde::Deserialize;
 
@@ -71,7 +71,7 @@ impl CameraPath {
     /// # Errors
     /// Returns [`Error::Program`] if the file cannot be read, and [`Error::CameraPath`] if it is not a path.
     pub fn read(path: &Path) -> Result<Self> {
-        let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
+        let bytes = read_whole(path, TEXT_BYTES)?;
         Self::parse(&bytes).map_err(|what| Error::CameraPath { path: path.to_owned(), what })
     }
 

@@ -143,7 +143,7 @@ impl SweptSun {
         }
         let is_read = specs.iter().any(|spec| spec.reads() == Reads::LightFile);
         let Some(day) = self.day.as_ref().filter(|_| is_read && self.keys.is_none()) else { return Ok(()) };
-        eprintln!(
+        adumbra_program::note!(
             "note: no sun path as --shadow-file; baking one with {} texels along its longest side",
             how.resolution
         );

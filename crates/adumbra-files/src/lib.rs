@@ -1,11 +1,14 @@
-//! Writes files that are either complete or absent: a temporary file next to the target is renamed to it once it is
+//! Reads files within a limit, and writes files that are either complete or absent: a temporary file next to the target is renamed to it once it is
 //! complete. Symbolic links are followed: the file that a link leads to is replaced, and the link is kept.
 
+mod abandoned;
+mod input;
 #[cfg(feature = "watch")]
 mod watch;
 
 use std::collections::HashMap;
-use std::ffi::OsStr;
+#[cfg(unix)]
+use std::fs::Metadata;
 use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -16,6 +19,8 @@ use tempfile::{NamedTempFile, TempPath};
 
 use adumbra::IoError;
 
+pub use abandoned::Abandoned;
+pub use input::{TEXT_BYTES, read_text, read_whole};
 #[cfg(feature = "watch")]
 pub use watch::FileWatch;
 
@@ -35,9 +40,9 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64
     Ok(bytes)
 }
 
-/// Like [`replace_file`], but the temporary file is in `folder`, on the same disk, and the system may still hold the
-/// file's contents in memory. After a power failure there may be a file at `path` with other contents, so readers must be
-/// able to tell. Call [`remove_abandoned`] for `folder` from time to time.
+/// Like [`replace_file`], but a symbolic link at `path` is replaced itself, the temporary file is in `folder`, on the same
+/// disk, and the system may still hold the file's contents in memory. After a power failure there may be a file at `path`
+/// with other contents, so readers must be able to tell. Remove what is [`Abandoned`] in `folder` from time to time.
 ///
 /// # Errors
 /// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at `path` is
@@ -47,12 +52,11 @@ pub fn replace_unsynced(
     folder: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<(), IoError> {
-    let target = target_of(path).map_err(IoError::at("create", path))?;
-    let (mut temporary, living) = temporary_in(folder, path, &target)?;
+    let (mut temporary, living) = temporary_in(folder, path, path)?;
     write(temporary.as_file_mut()).map_err(with_hint).map_err(IoError::at("write", path))?;
     let placed = {
         let _placing = lock(&PLACING);
-        temporary.persist(&target)
+        temporary.persist(path)
     };
     drop(living);
     placed.map(|_| ()).map_err(|e| with_hint(e.error)).map_err(IoError::at("replace", path))
@@ -111,9 +115,8 @@ impl StagedFile {
     /// is kept.
     pub fn new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64>) -> Result<Self, IoError> {
         let target = target_of(path).map_err(IoError::at("create", path))?;
-        let folder = folder_of(&target);
-        remove_abandoned(&folder);
-        let (temporary, living) = temporary_in(&folder, path, &target)?;
+        abandoned::remove_beside(&target);
+        let (temporary, living) = temporary_beside(&target, path)?;
         let (mut file, temporary) = temporary.into_parts();
         let bytes = write(&mut file)
             .and_then(|bytes| file.sync_all().map(|()| bytes))
@@ -161,7 +164,7 @@ fn announce(target: &Path) {
 /// Returns the [`IoError`] that [`replace_file`] would return.
 pub fn check_output(path: &Path) -> Result<(), IoError> {
     let target = target_of(path).map_err(IoError::at("create", path))?;
-    temporary_in(&folder_of(&target), path, &target).map(|_| ())
+    temporary_beside(&target, path).map(|_| ())
 }
 
 /// Returns the path at which a file written to `path` will be: `path` itself, or the target of its symbolic links,
@@ -243,34 +246,22 @@ pub fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-const PREFIX: &str = ".adumbra-";
-const SUFFIX: &str = ".tmp";
-
-/// Removes temporary files that programs left in a folder because they were killed. Those of programs that run are locked.
-/// Where files cannot be locked, nothing is removed.
-pub fn remove_abandoned(folder: &Path) {
-    let Ok(entries) = fs::read_dir(folder) else { return };
-    for path in entries.flatten().map(|entry| entry.path()) {
-        let name = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
-        if name.starts_with(PREFIX)
-            && name.ends_with(SUFFIX)
-            && let Ok(file) = File::options().write(true).open(&path)
-            && file.try_lock().is_ok()
-        {
-            // It is locked until it is gone, so its name was not given to another file meanwhile.
-            let _ = fs::remove_file(&path);
-        }
-    }
+/// Creates an empty temporary file beside `target`, to which `path` leads, with the permissions of the existing file.
+fn temporary_beside(target: &Path, path: &Path) -> Result<(NamedTempFile, Living), IoError> {
+    let folder = folder_of(target);
+    check_target(target, &folder).map_err(IoError::at("create", path))?;
+    temporary_in(&folder, target, path)
 }
 
-/// Creates an empty temporary file in `folder` for `target`, to which `path` leads, with the permissions of the
-/// existing file. It is removed when the returned value is dropped.
-fn temporary_in(folder: &Path, path: &Path, target: &Path) -> Result<(NamedTempFile, Living), IoError> {
-    check_target(target, &folder_of(target)).map_err(IoError::at("create", path))?;
+/// Creates an empty temporary file in `folder` for `target`, to which `path` leads, with the permissions of an existing
+/// file. It is removed when the returned value is dropped.
+fn temporary_in(folder: &Path, target: &Path, path: &Path) -> Result<(NamedTempFile, Living), IoError> {
     #[cfg(unix)]
-    let permissions = fs::metadata(target).ok().map(|found| found.permissions());
+    let permissions =
+        fs::symlink_metadata(target).ok().filter(Metadata::is_file).map(|found| found.permissions());
+    let prefix = abandoned::prefix_of(target);
     let mut builder = tempfile::Builder::new();
-    builder.prefix(PREFIX).suffix(SUFFIX);
+    builder.prefix(&prefix).suffix(abandoned::SUFFIX).rand_bytes(abandoned::RANDOM_BYTES);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -369,31 +360,6 @@ mod tests {
         assert_eq!(source.kind(), ErrorKind::StorageFull);
         assert!(source.to_string().contains("free some space"));
         output.assert_kept();
-    }
-
-    #[test]
-    fn files_of_programs_that_were_killed_are_removed_and_those_in_use_are_not() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("file");
-        let names = || {
-            let mut names: Vec<String> = fs::read_dir(folder.path())
-                .unwrap()
-                .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-                .collect();
-            names.sort();
-            names
-        };
-        fs::write(folder.path().join(".adumbra-abc123.tmp"), "left").unwrap();
-        fs::write(folder.path().join(".adumbra-notes"), "mine").unwrap();
-        fs::write(folder.path().join("other.tmp"), "another's").unwrap();
-        let staged = StagedFile::new(&path, |file| file.write_all(b"first").map(|()| 5)).unwrap();
-        let held = names();
-        assert!(held.len() == 3 && held.iter().all(|name| name != ".adumbra-abc123.tmp"), "{held:?}");
-        replace_file(&path, |file| file.write_all(b"second").map(|()| 6)).unwrap();
-        assert_eq!(names().len(), 4, "the staged file is in use");
-        StagedFile::place([staged]).unwrap();
-        assert_eq!(fs::read(&path).unwrap(), b"first");
-        assert_eq!(names(), [".adumbra-notes", "file", "other.tmp"]);
     }
 
     /// Watchers that pair renames see a change of the file itself only if its time is that of the last step.

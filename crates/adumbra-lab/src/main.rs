@@ -1,9 +1,12 @@
 //! The program `adumbra-lab`: measures what `adumbra` bakes and draws, and writes the report.
 
+// They panic where nothing can be written.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 use std::process::ExitCode;
 
 use adumbra_compare::verbs::{Offer, compare, render};
-use adumbra_lab::args::{DagVerb, TreeVerb, Verb};
+use adumbra_lab::args::Verb;
 use adumbra_lab::{TECHNIQUES, bench, dag, paper_report, programs, schemas, tree, tune_ao};
 use adumbra_program::exit::Outcome;
 use adumbra_program::{signals, start};
@@ -34,10 +37,8 @@ impl start::Program for Args {
     }
 
     fn run(self) -> Outcome {
-        if !matches!(
-            self.verb,
-            Verb::Report(_) | Verb::Dag { what: DagVerb::Bake(_) } | Verb::Tree { what: TreeVerb::Bake(_) }
-        ) {
+        // A report keeps what it has measured.
+        if !matches!(self.verb, Verb::Report(_)) {
             signals::end_when_interrupted();
         }
         Ok(match self.verb {

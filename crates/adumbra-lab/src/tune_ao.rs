@@ -29,7 +29,7 @@ pub fn run(args: &TuneAo) -> Result<Code> {
     let cache = Cache::in_folder("target/truth-cache".into(), Cache::DEFAULT_LIMIT_BYTES);
     let begun = Instant::now();
     let scenes = TuneScene::all(&gpu, &args.scenes, &options, &cache)?;
-    eprintln!("{} scenes ready after {:.0} s", scenes.len(), begun.elapsed().as_secs_f64());
+    adumbra_program::note!("{} scenes ready after {:.0} s", scenes.len(), begun.elapsed().as_secs_f64());
     if !args.variant.is_empty() {
         return variants(args, &scenes, &options);
     }
@@ -37,7 +37,7 @@ pub fn run(args: &TuneAo) -> Result<Code> {
     let estimators: Vec<_> = estimators.into_iter().map(|e| OcclusionSettings::new(e, 1.0)).collect();
     let mut last = Instant::now();
     let found = tune(&scenes, &options, &estimators, |entry| {
-        eprintln!(
+        adumbra_program::note!(
             "{} on {}: {:.4}, elsewhere {:?}; {:.0} s",
             entry.estimator,
             entry.on.name(),

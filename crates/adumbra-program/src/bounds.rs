@@ -12,7 +12,7 @@ pub fn warn_if_empty(bounds: Option<&Bounds>, scene: &Scene, path: &Path) -> boo
     let is_empty = bounds.is_some_and(|b| is_box(b) && !hold_geometry(b, scene));
     if is_empty {
         let Bounds { min, max } = scene.bounds();
-        eprintln!(
+        crate::note!(
             "warning: --bounds contain no part of {}, which extends from {min:?} to {max:?}; check the box's position and unit",
             path.display()
         );

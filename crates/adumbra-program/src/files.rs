@@ -16,8 +16,17 @@ impl MemoryLimit {
     ///
     /// Returns [`Failure`] if the file cannot be read or does not fit into the limit.
     pub fn read_shadow_file(&self, path: &Path) -> Result<ShadowFile, Failure> {
-        self.check_files("the shadow file", || Ok(ShadowFile::memory(path)?.peak_bytes))?;
+        self.check_shadow_file(path)?;
         Ok(ShadowFile::read(path)?)
+    }
+
+    /// Checks that the shadow file at `path` fits into the limit. Its first bytes are read.
+    ///
+    /// # Errors
+    ///
+    /// Returns [`Failure`] if it does not, or cannot be read.
+    pub fn check_shadow_file(&self, path: &Path) -> Result<(), Failure> {
+        self.check_files("the shadow file", || Ok(ShadowFile::memory(path)?.peak_bytes))
     }
 
     /// Reads the shadow file at `path`, to store it again in this way.

@@ -82,14 +82,14 @@ fn warn_of_darkness(scene: &Path, glance: &Glance) {
     if let Some(hider) = &glance.hider {
         let quoted: Vec<String> = hider.names.iter().map(|name| format!("{name:?}")).collect();
         let options: Vec<String> = hider.names.iter().map(|name| exclude(name)).collect();
-        eprintln!(
+        crate::note!(
             "warning: {scene}: {} hides the sun from {:.0} % of everything else; if it is a sky or a backdrop, leave it out with {}",
             quoted.join(" with "),
             100.0 * hider.share,
             options.join(" ")
         );
     } else if let Some(share) = shadowed_share(&glance.standing).filter(|&share| share >= MOSTLY_DARK) {
-        eprintln!(
+        crate::note!(
             "warning: {scene}: {:.0} % of the places where people stand are in shadow; is this the scene and the sun that are meant?",
             100.0 * share
         );
@@ -110,16 +110,16 @@ pub fn warn_of_large_voxels(scene: &Path, glance: &Glance, voxel_size: f64) {
     let Bounds { min, max } = spread.bounds_to_give();
     let bounds = listed(min.iter().chain(&max));
     match &spread.stray {
-        Some(Stray { name, reaches, is_around: false }) => eprintln!(
+        Some(Stray { name, reaches, is_around: false }) => crate::note!(
             "warning: {scene}: {large}; {name:?} reaches {}: leave it out with {}, or give --bounds={bounds}",
             listed(reaches),
             exclude(name)
         ),
-        Some(Stray { name, reaches, is_around: true }) => eprintln!(
+        Some(Stray { name, reaches, is_around: true }) => crate::note!(
             "warning: {scene}: {large}; {name:?} is around all of it and reaches {}: give --bounds={bounds}",
             listed(reaches)
         ),
-        None => eprintln!("warning: {scene}: {large}; give a higher --resolution"),
+        None => crate::note!("warning: {scene}: {large}; give a higher --resolution"),
     }
 }
 

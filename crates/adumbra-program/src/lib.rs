@@ -10,15 +10,20 @@
 //! | [`glance`] | what a person would see of a scene, and warnings of what is out of the ordinary |
 //! | [`moment`] | moments of sun paths |
 //! | [`query`], [`verify`] | verbs that several programs offer for files of their own |
+//! | [`console`] | stdout and stderr |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
 //! | [`text`] | captions in pictures |
 //! | [`schemas`], [`mirrors`] | the verb `schema`; schemas of the reader's types |
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
+// They panic where nothing can be written.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
+
 mod advice;
 mod allocator;
 pub mod args;
 pub mod bounds;
+pub mod console;
 mod environment;
 pub mod exit;
 mod files;
@@ -39,11 +44,21 @@ pub mod text;
 pub mod threads;
 pub mod verify;
 
-/// Prints a line on stdout. Errors are ignored, so a closed pipe or a full disk behind stdout does not end the work.
+/// Prints a line on stdout. If it cannot be written, the program fails at its end: see [`start::main`].
 #[macro_export]
 macro_rules! say {
-    ($($words:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($words)*);
-    }};
+    () => {
+        $crate::say!("")
+    };
+    ($($words:tt)*) => {
+        $crate::console::say(format_args!($($words)*))
+    };
+}
+
+/// Prints a line on stderr. If it cannot be written, nothing is left to say.
+#[macro_export]
+macro_rules! note {
+    ($($words:tt)*) => {
+        $crate::console::note(format_args!($($words)*))
+    };
 }

@@ -117,7 +117,7 @@ impl Reporter {
                 let long = seconds >= 10.0 || state.last.is_some();
                 if long && due(state.last, Duration::from_secs(10)) {
                     state.last = Some(Instant::now());
-                    eprintln!(
+                    crate::note!(
                         "{}: {} of {} {}, {:.*} {}/s, {:.1} MB, {format_eta}",
                         self.units.doing,
                         p.done_tiles,
@@ -142,7 +142,7 @@ impl Reporter {
                         graph_bytes: p.graph_bytes,
                     };
                     if let Ok(line) = serde_json::to_value(&line) {
-                        eprintln!("{line}");
+                        crate::note!("{line}");
                     }
                 }
             }

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use adumbra::{IoError, PointVisibility};
-use adumbra_files::{check_output, same_file};
+use adumbra::PointVisibility;
+use adumbra_files::{check_output, read_whole, same_file};
 use rayon::prelude::*;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -117,11 +117,13 @@ impl Query {
         let paths = [Some(self.points_path()), self.normals.as_deref()];
         let bytes: u64 = paths.into_iter().flatten().filter_map(|p| Some(p.metadata().ok()?.len())).sum();
         self.run.check_memory("the points", 0, READING_RATIO * bytes)?;
+        // The length of a pipe is not known before.
+        let most_bytes = self.run.max_memory.map_or(u64::MAX, |limit| limit / READING_RATIO);
         let points = match &self.points_f64 {
-            Some(path) => read_f64_triples(path)?,
-            None => read_f32_triples(self.points_path())?,
+            Some(path) => read_f64_triples(path, most_bytes)?,
+            None => read_f32_triples(self.points_path(), most_bytes)?,
         };
-        let normals = self.normals.as_deref().map(read_f32_triples).transpose()?;
+        let normals = self.normals.as_deref().map(|path| read_f32_triples(path, most_bytes)).transpose()?;
         if let (Some(n), Some(path)) = (&normals, &self.normals)
             && n.len() != points.len()
         {
@@ -205,25 +207,32 @@ impl NotFinite {
             format!("{normals} of {of} normals are not finite, so their points are looked up without one");
         match (points, normals) {
             (0, 0) => {}
-            (_, 0) => eprintln!("warning: {lit}"),
-            (0, _) => eprintln!("warning: {plain}"),
-            _ => eprintln!("warning: {lit}; {plain}"),
+            (_, 0) => crate::note!("warning: {lit}"),
+            (0, _) => crate::note!("warning: {plain}"),
+            _ => crate::note!("warning: {lit}; {plain}"),
         }
     }
 }
 
-fn read_f32_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
-    let triples = read_triples::<4>(path, "float32")?;
+fn read_f32_triples(path: &Path, most_bytes: u64) -> Result<Vec<[f64; 3]>, Failure> {
+    let triples = read_triples::<4>(path, most_bytes, "float32")?;
     Ok(triples.into_iter().map(|t| t.map(|b| f64::from(f32::from_le_bytes(b)))).collect())
 }
 
-fn read_f64_triples(path: &Path) -> Result<Vec<[f64; 3]>, Failure> {
-    Ok(read_triples::<8>(path, "float64")?.into_iter().map(|t| t.map(f64::from_le_bytes)).collect())
+fn read_f64_triples(path: &Path, most_bytes: u64) -> Result<Vec<[f64; 3]>, Failure> {
+    Ok(read_triples::<8>(path, most_bytes, "float64")?
+        .into_iter()
+        .map(|t| t.map(f64::from_le_bytes))
+        .collect())
 }
 
 /// Reads triples of numbers that take `BYTES` bytes each.
-fn read_triples<const BYTES: usize>(path: &Path, kind: &str) -> Result<Vec<[[u8; BYTES]; 3]>, Failure> {
-    let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
+fn read_triples<const BYTES: usize>(
+    path: &Path,
+    most_bytes: u64,
+    kind: &str,
+) -> Result<Vec<[[u8; BYTES]; 3]>, Failure> {
+    let bytes = read_whole(path, most_bytes)?;
     if bytes.len() % (3 * BYTES) != 0 {
         return Err(Failure::BadInput(format!(
             "{}: {} bytes are not a whole number of {kind} triples of {} bytes; write x, y, z as little-endian {kind}",

@@ -50,32 +50,36 @@ pub fn load_scene_within(limit: MemoryLimit, path: &Path, options: &LoadOptions)
     let notes = &scene.notes;
     note_scene(path, notes);
     for warning in &notes.warnings {
-        eprintln!("warning: {}: {warning}", path.display());
+        crate::note!("warning: {}: {warning}", path.display());
     }
     for omission in &notes.omissions {
-        eprintln!("warning: {}: {omission} left out; --strict makes this an error", path.display());
+        crate::note!("warning: {}: {omission} left out; --strict makes this an error", path.display());
     }
     for pattern in &notes.unmatched_patterns {
         let option = if pattern.excludes { "--exclude" } else { "--only" };
-        eprintln!("warning: {}: {option} {pattern}", path.display());
+        crate::note!("warning: {}: {option} {pattern}", path.display());
     }
     if notes.looks_z_up {
-        eprintln!(
+        crate::note!(
             "warning: {}: flat along Z, or much taller than wide, as a scene is in which Z points up; if so, give --up z, and --up y if not",
             path.display()
         );
     }
     if notes.outside_textures > 0 {
-        eprintln!(
+        crate::note!(
             "note: {}: files outside the scene's folder are read only with --allow-outside; use it for scenes that you trust",
             path.display()
         );
     }
     if notes.degenerate_triangles > 0 {
-        eprintln!("warning: {}: {} degenerate triangles skipped", path.display(), notes.degenerate_triangles);
+        crate::note!(
+            "warning: {}: {} degenerate triangles skipped",
+            path.display(),
+            notes.degenerate_triangles
+        );
     }
     if notes.untriangulated_polygons > 0 {
-        eprintln!(
+        crate::note!(
             "warning: {}: {} polygons could not be triangulated properly: they intersect themselves, are far from flat or have more than 16384 corners; triangulate them in the \
             program that made them",
             path.display(),
@@ -83,14 +87,14 @@ pub fn load_scene_within(limit: MemoryLimit, path: &Path, options: &LoadOptions)
         );
     }
     if notes.blended_materials > 0 {
-        eprintln!(
+        crate::note!(
             "note: {}: {} blended materials cast shadows where alpha >= 0.5",
             path.display(),
             notes.blended_materials
         );
     }
     if notes.skipped_movers > 0 {
-        eprintln!(
+        crate::note!(
             "note: {}: {} animated instances are skipped because they move; --include-animated loads them in their first pose",
             path.display(),
             notes.skipped_movers

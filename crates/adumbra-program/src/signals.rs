@@ -1,23 +1,27 @@
-//! Signals: the first interrupt asks the work to stop, the second ends the program. Exceeding a file-size limit becomes
-//! an error instead of ending the program.
+//! Signals: an interrupt ends the program at once, in whatever it does, and removes its temporary files. Verbs that have
+//! something to finish are asked to stop first. Exceeding a file-size limit becomes an error instead of ending the program.
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 #[cfg(unix)]
 use std::sync::atomic::Ordering;
 
+#[cfg(unix)]
+use signal_hook::consts::SIGHUP;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::exit::Code;
 
-/// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the program.
+/// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the program. For verbs
+/// that look at the flag often.
 pub fn install() -> Arc<AtomicBool> {
     let cancel = Arc::new(AtomicBool::new(false));
     listen(&cancel);
     cancel
 }
 
-/// Makes the first interrupt end the program, for verbs that have nothing to finish.
+/// Makes the first interrupt end the program: files that are written appear whole or not at all, so that no verb needs to
+/// finish anything.
 pub fn end_when_interrupted() {
     listen(&Arc::new(AtomicBool::new(true)));
 }
@@ -27,7 +31,9 @@ pub fn end_when_interrupted() {
 /// received, they keep the system's default action.
 #[cfg(unix)]
 fn listen(flag: &Arc<AtomicBool>) {
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
+    // The end of the terminal ends the program too, unless it was started by `nohup` or the like.
+    let caught = [SIGINT, SIGTERM].into_iter().chain((!ignores_hangup()).then_some(SIGHUP));
+    let Ok(mut signals) = signal_hook::iterator::Signals::new(caught) else { return };
     let heard = Arc::clone(flag);
     let each = move || {
         for _ in signals.forever() {
@@ -44,7 +50,18 @@ fn listen(flag: &Arc<AtomicBool>) {
 
 #[cfg(unix)]
 fn end() -> ! {
+    crate::note!("error: interrupted; no file was left half written");
     signal_hook::low_level::exit(Code::Interrupted as i32)
+}
+
+/// Whether the program was started so that the end of its terminal does not end it. Where that is not known, the system's
+/// default action is kept.
+#[cfg(unix)]
+fn ignores_hangup() -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    // Bit 0 is that of signal 1.
+    ignored.and_then(|digits| u64::from_str_radix(digits.trim(), 16).ok()).is_none_or(|bits| bits & 1 != 0)
 }
 
 #[cfg(not(unix))]

@@ -5,8 +5,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::exit::{Code, Outcome};
-use crate::{allocator, environment, signals};
+use crate::exit::{Code, Failure, Outcome};
+use crate::{allocator, console, environment, note, signals};
 
 /// A program's arguments, and how they are run.
 pub trait Program: Parser {
@@ -21,7 +21,7 @@ pub trait Program: Parser {
     fn run(self) -> Outcome;
 }
 
-/// Runs a program: its whole `main`.
+/// Runs a program: its whole `main`. What it said must have reached stdout.
 pub fn main<P: Program>() -> ExitCode {
     environment::set_runtime_folder();
     allocator::return_large_blocks();
@@ -30,19 +30,30 @@ pub fn main<P: Program>() -> ExitCode {
         Ok(program) => program,
         Err(error) => {
             let code = if error.use_stderr() { Code::Usage } else { Code::Fine };
-            // If even this cannot be printed, nothing is left to do.
-            let _ = error.print();
-            return code.into();
+            if let Err(unprinted) = error.print()
+                && code == Code::Fine
+            {
+                console::fail(unprinted);
+            }
+            return ended(code).into();
         }
     };
     if program.checks_arguments_only() {
         return Code::Fine.into();
     }
     match program.run() {
-        Ok(code) => code.into(),
+        Ok(code) => ended(code).into(),
         Err(error) => {
-            eprintln!("error: {error}");
+            note!("error: {error}");
             error.code().into()
         }
     }
+}
+
+/// Returns the code of a program that has done its work, which may not have reached stdout.
+fn ended(code: Code) -> Code {
+    let Err(error) = console::check() else { return code };
+    let failure = Failure::from(error);
+    note!("error: {failure}");
+    if code == Code::Fine { failure.code() } else { code }
 }

@@ -100,8 +100,8 @@ pub fn sun_of_scene(scene: &Scene) -> Result<(ChosenSun, Vec<String>), adumbra::
     let mut messages = Vec::new();
     for light in &scene.suns {
         let origin = SunOrigin { source: SunSource::Light, light: Some(light.name.clone()) };
-        match ChosenSun::from_direction(light.towards, origin) {
-            Ok(sun) => return Ok((sun, messages)),
+        match Sun::from_direction(light.towards) {
+            Ok(sun) => return Ok((ChosenSun { sun, origin, towards: sun.towards() }, messages)),
             Err(error) => messages.push(format!("the light {:?} cannot be the sun: {error}", light.name)),
         }
     }
@@ -116,7 +116,7 @@ pub fn sun_of_scene(scene: &Scene) -> Result<(ChosenSun, Vec<String>), adumbra::
 pub fn sun_of_scene_with_warnings(scene: &Scene, path: &Path) -> Result<ChosenSun, adumbra::Error> {
     let (sun, messages) = sun_of_scene(scene)?;
     for message in messages {
-        eprintln!("warning: {}: {message}", path.display());
+        crate::note!("warning: {}: {message}", path.display());
     }
     Ok(sun)
 }
@@ -127,7 +127,7 @@ const LOWEST_SUN_DEGREES: f64 = 1.0;
 /// Warns on stderr of a sun under which look-ups on level ground are inexact.
 pub fn warn_of_low_sun(sun: &Sun) {
     if sun.elevation_degrees() < LOWEST_SUN_DEGREES {
-        eprintln!(
+        crate::note!(
             "warning: the sun is {:.2}° above the horizon; below {LOWEST_SUN_DEGREES}° level ground is too steep relative to the light for exact look-ups; check the file with verify",
             sun.elevation_degrees()
         );

@@ -110,7 +110,7 @@ impl Verify {
                     warn_of_large_voxels(&self.scene, &glance, voxel_size);
                 }
                 if file.assumes_ground && !Ground::of(&scene).is_there() {
-                    eprintln!(
+                    crate::note!(
                         "warning: {}: the file has no shadows below the last surface, and the scene has no ground of its own; bake with --assume-ground no if the app draws one",
                         self.file.display()
                     );
@@ -132,7 +132,7 @@ impl Verify {
             print_result(&result, &glance, self.lookup.filter);
         }
         if !result.is_checked() {
-            eprintln!(
+            crate::note!(
                 "check failed: {} interior points were compared, but the check needs at least {MIN_CHECKED_POINTS}; give more --samples, \
                  and make sure that file and scene overlap",
                 result.class(Class::Interior).points
@@ -143,7 +143,7 @@ impl Verify {
             return Ok(Code::Fine);
         }
         for class in result.classes.iter().filter(|c| !c.holds) {
-            eprintln!(
+            crate::note!(
                 "check failed: {} points {}; {}",
                 class.class.name(),
                 missed(class),
@@ -202,9 +202,12 @@ impl Verify {
 /// Warns on stderr of a scene with other casters than that of the bake.
 pub fn warn_of_other_casters(baked: Casters, scene: Casters) {
     if scene != baked {
-        eprintln!(
+        crate::note!(
             "warning: the file was baked from {} triangles in {} instances that cast shadows, and the scene has {} in {}",
-            baked.triangles, baked.instances, scene.triangles, scene.instances
+            baked.triangles,
+            baked.instances,
+            scene.triangles,
+            scene.instances
         );
     }
 }

@@ -1,10 +1,9 @@
 //! Edits of a scene's instances, as an editor or an engine makes them: moved, added, removed.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::Path;
 
-use adumbra::IoError;
+use adumbra_files::{TEXT_BYTES, read_whole};
 use serde::{Deserialize, Serialize};
 
 use crate::affine::{Affine, is_finite};
@@ -69,7 +68,7 @@ impl Edits {
     /// # Errors
     /// Returns [`Error::Io`] if the file cannot be read, and [`Error::Edits`] if it does not hold edits.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = fs::read(path).map_err(IoError::at("read", path))?;
+        let text = read_whole(path, TEXT_BYTES)?;
         serde_json::from_slice(&text).map_err(|e| Error::Edits { what: format!("{}: {e}", path.display()) })
     }
 }

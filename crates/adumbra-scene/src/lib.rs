@@ -88,8 +88,20 @@ pub struct Scene {
 pub struct FileSun {
     /// The node's name, or `node 7` if it is unnamed.
     pub name: String,
-    /// Unit vector in world space from the scene towards the light: opposite to the direction in which it shines.
+    /// Vector in world space from the scene towards the light, opposite to the direction in which it shines. It has the length
+    /// of the node's Z axis: normalized, it would lead to a sun with other last bits. It is never zero.
     pub towards: [f64; 3],
+}
+
+impl FileSun {
+    /// Returns the vector towards the light with a length of 1.
+    pub fn unit_towards(&self) -> [f64; 3] {
+        // The squares of very small components would be 0.
+        let largest = self.towards.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
+        let scaled = self.towards.map(|c| c / largest);
+        let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
+        scaled.map(|c| c / length)
+    }
 }
 
 /// Triangles in a mesh's own space.

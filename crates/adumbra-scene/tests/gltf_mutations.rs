@@ -93,7 +93,7 @@ fn check_scene(scene: &Scene) {
     let textures = scene.textures.len();
     assert!(scene.materials.iter().all(|m| m.texture.is_none_or(|t| (t as usize) < textures)));
     for sun in &scene.suns {
-        let length = sun.towards.iter().map(|c| c * c).sum::<f64>();
+        let length = sun.unit_towards().iter().map(|c| c * c).sum::<f64>();
         assert!((length - 1.0).abs() < 1e-9, "{sun:?}");
     }
 }

@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra::IoError;
-use adumbra_bake::{FolderContents, ObjectKey, Objects};
+use adumbra_bake::{Fetched, FolderContents, FolderReport, OBJECT_MAGIC, ObjectKey, Objects};
 use object_store::path::Path;
 use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload};
 use tokio::runtime::{Builder, Runtime};
@@ -86,39 +86,54 @@ impl StoreObjects {
     ///
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
-    pub fn contents(&self) -> Result<FolderContents, IoError> {
+    pub fn contents(&self) -> Result<FolderReport, IoError> {
         let mut contents = FolderContents::default();
         for ObjectMeta { size, .. } in self.list()? {
             contents.objects += 1;
             contents.bytes += size;
         }
-        Ok(contents)
+        Ok(FolderReport { contents, failures: Vec::new() })
     }
 
     /// Removes objects until the others have at most `most_bytes`; those that were written longest ago go first, because
-    /// stores do not know what was read. Returns what was removed.
+    /// stores do not know what was read. Returns what was removed. What cannot be removed stays.
     ///
     /// # Errors
-    /// Returns [`IoError`] if the store cannot be read, or an object cannot be removed.
-    pub fn prune(&self, most_bytes: u64) -> Result<FolderContents, IoError> {
+    /// Returns [`IoError`] if the store cannot be read.
+    pub fn prune(&self, most_bytes: u64) -> Result<FolderReport, IoError> {
         let mut list = self.list()?;
         list.sort_by(|a, b| (a.last_modified, &a.location).cmp(&(b.last_modified, &b.location)));
         let mut left: u64 = list.iter().map(|object| object.size).sum();
-        let mut removed = FolderContents::default();
+        let FolderReport { contents: mut removed, mut failures } = FolderReport::default();
         for ObjectMeta { location, size, .. } in list {
             if left <= most_bytes {
                 break;
             }
-            match self.wait(self.store.delete(&location)) {
-                // Another program was faster.
-                Ok(()) | Err(Error::NotFound { .. }) => {}
-                Err(error) => return Err(self.failed("remove", &location, error)),
+            match self.wait(self.remove(&location, size)) {
+                Ok(true) => {
+                    left -= size;
+                    removed.objects += 1;
+                    removed.bytes += size;
+                }
+                Ok(false) => left -= size,
+                Err(error) => failures.push(self.failed("remove", &location, error)),
             }
-            left -= size;
-            removed.objects += 1;
-            removed.bytes += size;
         }
-        Ok(removed)
+        Ok(FolderReport { contents: removed, failures })
+    }
+
+    /// Removes an object. `false` if it is not one, or is gone.
+    async fn remove(&self, path: &Path, size: u64) -> Result<bool, Error> {
+        let length = size.min(OBJECT_MAGIC.len() as u64);
+        if length > 0 && *self.store.get_range(path, 0..length).await? != OBJECT_MAGIC[..] {
+            return Ok(false);
+        }
+        match self.store.delete(path).await {
+            Ok(()) => Ok(true),
+            // Another program was faster.
+            Err(Error::NotFound { .. }) => Ok(false),
+            Err(error) => Err(error),
+        }
     }
 
     fn list(&self) -> Result<Vec<ObjectMeta>, IoError> {
@@ -130,7 +145,7 @@ impl StoreObjects {
                 let listed = self.wait(self.store.list_with_delimiter(Some(&folder)));
                 let listed = listed.map_err(|error| self.failed("list", &folder, error))?;
                 folders.extend(listed.common_prefixes);
-                let is_object = |object: &ObjectMeta| object.location.extension() == Some("object");
+                let is_object = |object: &ObjectMeta| self.key_of(&object.location).is_some();
                 found.extend(listed.objects.into_iter().filter(is_object));
             }
         }
@@ -143,12 +158,25 @@ impl StoreObjects {
         self.below.clone().join(folder).join(format!("{rest}.object"))
     }
 
+    /// Returns the key of an object by its place.
+    fn key_of(&self, path: &Path) -> Option<ObjectKey> {
+        let parts: Vec<_> = path.prefix_match(&self.below)?.collect();
+        let [first, rest] = &parts[..] else { return None };
+        let rest = rest.as_ref().strip_suffix(".object")?;
+        (first.as_ref().len() == 2).then(|| format!("{}{rest}", first.as_ref()).parse().ok())?
+    }
+
     fn wait<T>(&self, work: impl Future<Output = T>) -> T {
         self.runtime.block_on(work)
     }
 
-    async fn read(&self, path: &Path) -> Result<Vec<u8>, Error> {
-        Ok(self.store.get(path).await?.bytes().await?.to_vec())
+    async fn read(&self, path: &Path, most_bytes: u64) -> Result<Fetched, Error> {
+        let found = self.store.get(path).await?;
+        // The bytes follow only if they are asked for.
+        if found.meta.size > most_bytes {
+            return Ok(Fetched::TooLong(found.meta.size));
+        }
+        Ok(Fetched::Whole(found.bytes().await?.to_vec()))
     }
 
     /// Puts an object where there is none. If there is one with the same bytes, nothing is written; another one is damaged,
@@ -159,7 +187,8 @@ impl StoreObjects {
         match self.store.put_opts(path, payload(), create).await {
             Ok(_) => return Ok(()),
             Err(Error::AlreadyExists { .. } | Error::Precondition { .. }) => {
-                if self.read(path).await.is_ok_and(|found| found == bytes) {
+                let found = self.read(path, bytes.len() as u64).await;
+                if matches!(found, Ok(Fetched::Whole(found)) if found == bytes) {
                     return Ok(());
                 }
             }
@@ -195,11 +224,11 @@ fn kind_of_cause(error: &Error) -> ErrorKind {
 }
 
 impl Objects for StoreObjects {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
         let path = self.path(key);
-        match self.wait(self.read(&path)) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(Error::NotFound { .. }) => Ok(None),
+        match self.wait(self.read(&path, most_bytes)) {
+            Ok(found) => Ok(found),
+            Err(Error::NotFound { .. }) => Ok(Fetched::Nothing),
             Err(error) => Err(self.failed("read", &path, error)),
         }
     }

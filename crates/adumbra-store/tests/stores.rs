@@ -5,9 +5,12 @@ use std::sync::Arc;
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, ObjectKey, Objects, Size, Watch, bake_to, bake_with_objects};
+use adumbra_bake::{
+    BakeOptions, Fetched, OBJECT_MAGIC, ObjectKey, Objects, Size, Watch, bake_to, bake_with_objects,
+};
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_store::StoreObjects;
+use object_store::ObjectStoreExt;
 use object_store::memory::InMemory;
 use object_store::path::Path;
 
@@ -22,14 +25,15 @@ fn in_memory() -> StoreObjects {
 #[test]
 fn objects_are_kept_and_damaged_ones_are_replaced() {
     let store = in_memory();
-    assert_eq!(store.get(&key('a')).unwrap(), None);
+    assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Nothing);
     store.put(&key('a'), b"first").unwrap();
     store.put(&key('a'), b"first").unwrap();
-    assert_eq!(store.get(&key('a')).unwrap().as_deref(), Some(&b"first"[..]));
+    assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"first".to_vec()));
     // Whoever puts other bytes has found the object damaged.
     store.put(&key('a'), b"whole").unwrap();
-    assert_eq!(store.get(&key('a')).unwrap().as_deref(), Some(&b"whole"[..]));
-    let all = store.contents().unwrap();
+    assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"whole".to_vec()));
+    assert_eq!(store.get(&key('a'), 4).unwrap(), Fetched::TooLong(5));
+    let all = store.contents().unwrap().contents;
     assert_eq!((all.objects, all.bytes), (1, 5));
 }
 
@@ -42,20 +46,48 @@ fn writers_of_one_object_are_all_right() {
             scope.spawn(|| store.put(&key('b'), &bytes).unwrap());
         }
     });
-    assert!(store.get(&key('b')).unwrap().as_deref() == Some(&bytes));
+    assert!(store.get(&key('b'), 100_000).unwrap() == Fetched::Whole(bytes));
 }
 
 #[test]
 fn pruned_stores_have_what_was_written_last() {
     let store = in_memory();
+    let object = [&OBJECT_MAGIC[..], &[1; 2]].concat();
     for digit in '0'..='9' {
-        store.put(&key(digit), &[1; 10]).unwrap();
+        store.put(&key(digit), &object).unwrap();
         thread::sleep(std::time::Duration::from_millis(3));
     }
-    let removed = store.prune(35).unwrap();
+    let removed = store.prune(35).unwrap().contents;
     assert_eq!((removed.objects, removed.bytes), (7, 70));
-    assert_eq!(store.contents().unwrap().objects, 3);
-    assert!(store.get(&key('6')).unwrap().is_none() && store.get(&key('7')).unwrap().is_some());
+    assert_eq!(store.contents().unwrap().contents.objects, 3);
+    assert!(store.get(&key('6'), 10).unwrap() == Fetched::Nothing);
+    assert!(store.get(&key('7'), 10).unwrap() == Fetched::Whole(object));
+}
+
+/// A bucket may have other things in it, and be given by mistake.
+#[test]
+fn what_is_no_object_is_not_removed() {
+    let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
+    let inner = Arc::new(InMemory::new());
+    let store = StoreObjects::new("memory".to_owned(), inner.clone(), Path::from("here")).unwrap();
+    let rest = "a".repeat(62);
+    let others = [
+        "here/ab/notes.object".to_owned(),
+        format!("here/abc/{rest}.object"),
+        format!("here/AB/{rest}.object"),
+        format!("here/ab/{rest}a.object"),
+        format!("here/ab/{rest}.backup"),
+        // Only its first bytes tell.
+        format!("here/ab/{rest}.object"),
+    ];
+    for path in &others {
+        runtime.block_on(inner.put(&Path::from(&**path), "mine, and not an object".into())).unwrap();
+    }
+    store.put(&key('a'), OBJECT_MAGIC).unwrap();
+    assert_eq!(store.prune(0).unwrap().contents.objects, 1);
+    for path in &others {
+        assert!(runtime.block_on(inner.head(&Path::from(&**path))).is_ok(), "{path}");
+    }
 }
 
 #[test]
@@ -114,7 +146,7 @@ fn servers_that_are_away_can_be_asked_again() {
         .unwrap();
     let store =
         StoreObjects::new("http://127.0.0.1:9/objects".to_owned(), Arc::new(store), Path::default()).unwrap();
-    let error = store.get(&key('c')).unwrap_err();
+    let error = store.get(&key('c'), 100).unwrap_err();
     let kind = error.source.kind();
     assert!(
         matches!(kind, std::io::ErrorKind::ConnectionRefused | std::io::ErrorKind::TimedOut),

@@ -7,10 +7,11 @@
 //! "quit"]
 //! ```
 
-use adumbra::IoError;
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+use adumbra_files::{TEXT_BYTES, read_text};
 
 use serde::{Deserialize, Serialize};
 
@@ -74,7 +75,7 @@ impl Script {
     /// Returns [`ViewError::Io`] if the file cannot be read, or [`ViewError::Script`], with the number of the step, if
     /// it is not a script.
     pub fn read(path: &Path) -> Result<Self> {
-        let text = std::fs::read_to_string(path).map_err(IoError::at("read", path))?;
+        let text = read_text(path, TEXT_BYTES)?;
         Self::parse(path, &text)
     }
 

@@ -8,6 +8,7 @@ pub(crate) mod run;
 
 use std::io::{self, ErrorKind, Seek, Write};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use adumbra::file::{CommonSection, FileWriter, LEVEL_STEP, StoredBundle};
@@ -88,7 +89,7 @@ fn bake_in_memory(
 ) -> Result<Bake> {
     let hashes = objects.map(|_| SceneHashes::new(scene));
     let objects = objects.zip(hashes.as_ref());
-    let choice = Choice::new(scene, options)?;
+    let choice = Choice::new(scene, options, watch.cancel)?;
     let mut levels = Vec::with_capacity(choice.levels.len());
     let mut report = Report::default();
     let mut settings = None;
@@ -144,7 +145,7 @@ fn bake_file(
     watch: Watch<'_>,
     out: impl Write + Seek,
 ) -> Result<Written> {
-    let choice = Choice::new(scene, options)?;
+    let choice = Choice::new(scene, options, watch.cancel)?;
     let plan_of = |level: usize| choice.plan(scene, level);
     let plan = plan_of(choice.levels.len() - 1)?;
     // Only the resolution differs from level to level.
@@ -161,7 +162,7 @@ fn bake_file(
         // Linking needs no triangles.
         drop(plan);
         report = report.with(&built.report);
-        write_level(&mut writer, built.made, grids[level].size, options.at_rest)?;
+        write_level(&mut writer, built.made, grids[level].size, options.at_rest, watch.cancel)?;
     }
     let bytes = writer.finish().map_err(Error::Output)?;
     Ok(Written { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
@@ -190,6 +191,7 @@ pub(crate) fn write_level(
     pages: Pages,
     size: [u32; 3],
     at_rest: AtRest,
+    cancel: &AtomicBool,
 ) -> Result<()> {
     let mut linked = pages.link()?;
     let (words, shapes) = linked.take_common();
@@ -200,8 +202,12 @@ pub(crate) fn write_level(
     let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| {
         ranges.with(|ranges| StoredBundle::new(at, dims, pages, ranges, &common))
     };
-    linked
-        .for_each_bundle(stored, |_, bundle| writer.bundle(&bundle.map_err(invalid)?).map_err(Error::Output))
+    linked.for_each_bundle(stored, |_, bundle| {
+        if cancel.load(Ordering::Relaxed) {
+            return Err(Error::Interrupted);
+        }
+        writer.bundle(&bundle.map_err(invalid)?).map_err(Error::Output)
+    })
 }
 
 /// Returns the error for pages that cannot be written.
@@ -230,7 +236,8 @@ fn build_level(
         let parts = Parts::new(size, root_level);
         let numbers: Vec<usize> = (0..parts.count()).collect();
         let keys = hashes.keys(plan, options.builder, &parts, &numbers);
-        sink = sink.with_objects(Keeper::new(objects, parts, numbers.into_iter().zip(keys)));
+        let keeper = Keeper::new(objects, parts, numbers.into_iter().zip(keys));
+        sink = sink.with_objects(keeper.within(plan.room_for_objects()));
     }
     let reused_tiles = sink.found_tiles();
     let mut built = build_planned(plan, options, Watch::new(&progress, watch.cancel), |_| sink)?;

@@ -119,7 +119,7 @@ mod tests {
         ) {
             let corners = corners.map(|[x, y]| [x, y, 0.0]);
             let Some(mask) = TriangleMask::on(&corners, uv, [1.0; 3], 0) else { return Ok(()) };
-            let tables = OpacityTables::new(&scene);
+            let tables = OpacityTables::new(&scene, u64::MAX);
             let table = mask.table(&tables).expect("a texture");
             let columns: [f64; 8] = std::array::from_fn(|i| i as f64 + 0.5);
             for row in 0..8 {
@@ -150,7 +150,7 @@ mod tests {
         // Almost edge-on: a thousandth of a texel holds all of the card's half.
         let corners = [[4.0, 0.0, 0.0], [4.001, 0.0, 9.0], [4.0, 8.0, 0.0]];
         let mask = TriangleMask::on(&corners, [[0.01, 0.0], [0.49, 0.0], [0.01, 1.0]], [1.0; 3], 0).unwrap();
-        let tables = OpacityTables::new(&scene);
+        let tables = OpacityTables::new(&scene, u64::MAX);
         let columns: [f64; 8] = std::array::from_fn(|i| 4.0 + (i as f64 - 4.0) / 256.0);
         assert_eq!(mask.opaque_along(mask.table(&tables).unwrap(), &columns, 0.5), 0);
         assert!(columns.iter().all(|&x| !mask.is_opaque(&scene, [x, 0.5])));

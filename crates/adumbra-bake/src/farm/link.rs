@@ -45,7 +45,7 @@ pub fn link(
         report.tiles += tiles_of(plan, level);
         report.reused_tiles = report.tiles;
         let graph_bytes = sink.result_bytes();
-        write_level(&mut writer, sink.into_pages(), grids[level].size, plan.at_rest)?;
+        write_level(&mut writer, sink.into_pages(), grids[level].size, plan.at_rest, watch.cancel)?;
         report.spilled_bytes += spill.spilled_bytes();
         let texels_per_tile = 1 << (2 * plan.levels[level].root_level);
         (watch.progress)(Progress { done_tiles: report.tiles, total_tiles, texels_per_tile, graph_bytes });
@@ -79,12 +79,17 @@ fn found(
     spill: &Arc<Spill>,
 ) -> Result<(DepthsSink, u64)> {
     let PlannedLevel { grid, root_level } = plan.levels[level];
-    let sink = DepthsSink::new(grid.size, root_level, true, spill).with_objects(keeper(plan, level, objects));
+    // Pages have the other half.
+    let keeper = keeper(plan, level, objects).within(limits.max_memory_bytes.map(|bytes| bytes / 2));
+    let sink = DepthsSink::new(grid.size, root_level, true, spill).with_objects(keeper);
     sink.check_room()?;
     let is_missing =
         |part: &PlannedPart| part.level as usize == level && !sink.has_part(part.number as usize);
     let mut missing = plan.parts.iter().enumerate().filter(|(_, part)| is_missing(part));
     if let Some((first, _)) = missing.next() {
+        if let Some((bytes, limit_bytes)) = sink.object_bytes().zip(limits.max_memory_bytes) {
+            return Err(Error::MemoryLimit { what: "reading a part", needed_bytes: 2 * bytes, limit_bytes });
+        }
         return Err(Error::MissingParts { missing: 1 + missing.count(), level, first });
     }
     let held_bytes = sink.memory_bytes() + sink.finish_bytes();

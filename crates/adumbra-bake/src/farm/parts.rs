@@ -141,7 +141,8 @@ impl<'s> PartBaker<'s> {
         if planned.iter().zip(&keys).any(|((_, planned), key)| planned != key) {
             return Err(Error::SceneChanged("the plan was made by another version of this program"));
         }
-        let keeper = Keeper::new(objects, parts.clone(), planned.iter().copied());
+        let keeper =
+            Keeper::new(objects, parts.clone(), planned.iter().copied()).within(plan.room_for_objects());
         let mut sink = DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill)
             .for_objects_alone(keeper);
         sink.check_room()?;

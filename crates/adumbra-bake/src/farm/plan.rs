@@ -13,6 +13,7 @@ use crate::inputs::SceneHashes;
 use crate::objects::{ObjectKey, Parts};
 use crate::options::{BakeOptions, Builder, FrameChoice, Size};
 use crate::plan::{Placement, Plan};
+use crate::progress::NEVER;
 use crate::triangles::casters::{Bins, SceneClusters};
 
 /// A bake that is planned: its grids, and its parts. Two plans of a scene with the same options are equal.
@@ -96,7 +97,7 @@ impl BakePlan {
     /// Plans the bake of `scene`, and returns what baking its parts needs too.
     pub(crate) fn prepared(scene: &Scene, options: &BakeOptions) -> Result<(Self, Prepared)> {
         let options = BakeOptions { builder: Builder::Fast, ..options.clone() };
-        let choice = Choice::new(scene, &options)?;
+        let choice = Choice::new(scene, &options, &NEVER)?;
         let hashes = SceneHashes::new(scene);
         let mut parts = Vec::new();
         let mut settings = FileSettings::default();

@@ -154,9 +154,6 @@ struct Descent<'a, S> {
     cancel: &'a AtomicBool,
 }
 
-/// Blocks of this level and above check for cancellation.
-const CANCEL_LEVEL: u32 = 8;
-
 impl<S: BlockSink> Descent<'_, S> {
     /// Builds a block whose surfaces are `buffers.lists[from..]`; receivers farther away are
     /// `buffers.beside[from_beside..]`. Some surface behind everything resolved is sampled at `known_behind`. Recursion
@@ -176,7 +173,7 @@ impl<S: BlockSink> Descent<'_, S> {
         if buffers.lists.len() == from {
             return Ok(self.sink.uniform(block.level, [depth, FREE_TO_END]));
         }
-        if block.level >= CANCEL_LEVEL && self.cancel.load(Ordering::Relaxed) {
+        if self.cancel.load(Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
         let (list, beside) = (&buffers.lists[from..], &buffers.beside[from_beside..]);

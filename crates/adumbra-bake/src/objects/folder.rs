@@ -1,20 +1,23 @@
 //! Objects in a folder: `ab/cdef….object` for the key `abcdef…`, and `new/` for objects that are being written.
 
-use std::ffi::OsStr;
-use std::fs::{self, File};
-use std::io::{ErrorKind, Write};
+use std::fs::{self, File, Metadata};
+use std::io::{ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use adumbra::IoError;
-use adumbra_files::{remove_abandoned, replace_unsynced};
+use adumbra_files::{Abandoned, replace_unsynced};
 
-use super::{ObjectKey, Objects};
+use super::object::OBJECT_MAGIC;
+use super::{Fetched, ObjectKey, Objects};
 
 const EXTENSION: &str = "object";
 const NEW: &str = "new";
+/// Objects are written in less than a second. Other machines may share the folder, and their locks may not be seen here.
+const ABANDONED_AFTER: Duration = Duration::from_hours(24);
 
-/// A folder with objects. Bakes on one machine or on many may share it.
+/// A folder with objects. Bakes on one machine or on many may share it. What else is in the folder is left alone, and no
+/// symbolic link in it is followed.
 #[derive(Clone, Debug)]
 pub struct FolderObjects {
     folder: PathBuf,
@@ -27,19 +30,32 @@ pub struct FolderContents {
     pub objects: u64,
     /// Their bytes.
     pub bytes: u64,
+    /// Number of temporary files that programs left more than a day ago because they were killed.
+    pub abandoned: u64,
+    /// Their bytes.
+    pub abandoned_bytes: u64,
+}
+
+/// What was found or removed, and what could not be.
+#[derive(Debug, Default)]
+pub struct FolderReport {
+    /// What was found or removed.
+    pub contents: FolderContents,
+    /// What could not be read or removed.
+    pub failures: Vec<IoError>,
 }
 
 impl FolderObjects {
-    /// Uses a folder, and creates it if it is not there.
+    /// Uses a folder, and creates it if it is not there. Removes temporary files that programs left more than a day ago.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be created.
     pub fn create(folder: impl Into<PathBuf>) -> Result<Self, IoError> {
         let folder = folder.into();
-        let new = folder.join(NEW);
-        fs::create_dir_all(&new).map_err(IoError::at("create", &folder))?;
-        remove_abandoned(&new);
-        Ok(Self { folder })
+        fs::create_dir_all(&folder).map_err(IoError::at("create", &folder))?;
+        let objects = Self { folder };
+        objects.abandoned().for_each(|file| _ = file.remove());
+        Ok(objects)
     }
 
     /// Uses a folder that is there.
@@ -49,7 +65,6 @@ impl FolderObjects {
     pub fn open(folder: impl Into<PathBuf>) -> Result<Self, IoError> {
         let folder = folder.into();
         fs::read_dir(&folder).map_err(IoError::at("read", &folder))?;
-        remove_abandoned(&folder.join(NEW));
         Ok(Self { folder })
     }
 
@@ -57,63 +72,99 @@ impl FolderObjects {
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be read.
-    pub fn contents(&self) -> Result<FolderContents, IoError> {
+    pub fn contents(&self) -> Result<FolderReport, IoError> {
+        let (objects, failures) = self.list()?;
         let mut contents = FolderContents::default();
-        for Found { bytes, .. } in self.list()? {
-            contents.objects += 1;
-            contents.bytes += bytes;
-        }
-        Ok(contents)
+        objects.iter().for_each(|object| contents.add_object(object.bytes));
+        self.abandoned().for_each(|file| contents.add_abandoned(file.bytes()));
+        Ok(FolderReport { contents, failures })
     }
 
-    /// Removes objects until the others have at most `most_bytes`; those that were used longest ago go first. Returns what
-    /// was removed.
+    /// Removes temporary files that were left more than a day ago, then objects until the others have at most `most_bytes`;
+    /// those that were used longest ago go first. Returns what was removed. What cannot be removed stays.
     ///
     /// # Errors
-    /// Returns [`IoError`] if the folder cannot be read, or an object cannot be removed.
-    pub fn prune(&self, most_bytes: u64) -> Result<FolderContents, IoError> {
-        let mut found = self.list()?;
+    /// Returns [`IoError`] if the folder cannot be read.
+    pub fn prune(&self, most_bytes: u64) -> Result<FolderReport, IoError> {
+        let mut removed = FolderContents::default();
+        let (mut found, mut failures) = self.list()?;
+        for file in self.abandoned() {
+            let bytes = file.bytes();
+            match file.remove() {
+                Ok(()) => removed.add_abandoned(bytes),
+                Err(error) => failures.push(error),
+            }
+        }
         found.sort_by(|a, b| (a.used, &a.path).cmp(&(b.used, &b.path)));
         let mut left: u64 = found.iter().map(|object| object.bytes).sum();
-        let mut removed = FolderContents::default();
         for Found { path, bytes, .. } in found {
             if left <= most_bytes {
                 break;
             }
             match fs::remove_file(&path) {
                 // Another program was faster.
-                Err(error) if error.kind() == ErrorKind::NotFound => {}
-                result => result.map_err(IoError::at("remove", &path))?,
-            }
-            left -= bytes;
-            removed.objects += 1;
-            removed.bytes += bytes;
-        }
-        Ok(removed)
-    }
-
-    fn list(&self) -> Result<Vec<Found>, IoError> {
-        let mut list = Vec::new();
-        for folder in entries(&self.folder)? {
-            if !folder.is_dir() {
-                continue;
-            }
-            for path in entries(&folder)? {
-                let is_object = path.extension() == Some(OsStr::new(EXTENSION));
-                // One that is gone by now is none.
-                if let (true, Ok(found)) = (is_object, fs::metadata(&path)) {
-                    let used = found.modified().unwrap_or(SystemTime::UNIX_EPOCH);
-                    list.push(Found { path, bytes: found.len(), used });
+                Err(error) if error.kind() == ErrorKind::NotFound => left -= bytes,
+                Err(error) => failures.push(IoError::at("remove", path)(error)),
+                Ok(()) => {
+                    left -= bytes;
+                    removed.add_object(bytes);
                 }
             }
         }
-        Ok(list)
+        Ok(FolderReport { contents: removed, failures })
+    }
+
+    fn abandoned(&self) -> impl Iterator<Item = Abandoned> + use<> {
+        Abandoned::find(&self.folder.join(NEW), |_, age| age > ABANDONED_AFTER)
+    }
+
+    /// Returns the objects, and what could not be read.
+    fn list(&self) -> Result<(Vec<Found>, Vec<IoError>), IoError> {
+        let (mut list, mut failures) = (Vec::new(), Vec::new());
+        for (first, folder) in entries(&self.folder)? {
+            if !is_name(&first, 2) || !fs::symlink_metadata(&folder).is_ok_and(|found| found.is_dir()) {
+                continue;
+            }
+            let within = entries(&folder).unwrap_or_else(|error| {
+                failures.push(error);
+                Vec::new()
+            });
+            for (name, path) in within {
+                let rest = name.strip_suffix(EXTENSION).and_then(|name| name.strip_suffix('.'));
+                if !rest.is_some_and(|rest| is_name(rest, 62)) {
+                    continue;
+                }
+                match object_at(&path) {
+                    Ok(Some(found)) => {
+                        let used = found.modified().unwrap_or(SystemTime::UNIX_EPOCH);
+                        list.push(Found { path, bytes: found.len(), used });
+                    }
+                    Ok(None) => {}
+                    // One that is gone by now is none.
+                    Err(error) if error.kind() == ErrorKind::NotFound => {}
+                    Err(error) => failures.push(IoError::at("read", path)(error)),
+                }
+            }
+        }
+        Ok((list, failures))
     }
 
     fn path(&self, key: &ObjectKey) -> PathBuf {
         let name = key.to_string();
         let (folder, rest) = name.split_at(2);
         self.folder.join(folder).join(rest).with_extension(EXTENSION)
+    }
+}
+
+impl FolderContents {
+    fn add_object(&mut self, bytes: u64) {
+        self.objects += 1;
+        self.bytes += bytes;
+    }
+
+    fn add_abandoned(&mut self, bytes: u64) {
+        self.abandoned += 1;
+        self.abandoned_bytes += bytes;
     }
 }
 
@@ -124,31 +175,60 @@ struct Found {
     used: SystemTime,
 }
 
-fn entries(folder: &Path) -> Result<Vec<PathBuf>, IoError> {
-    let paths = fs::read_dir(folder).and_then(|all| all.map(|entry| entry.map(|e| e.path())).collect());
-    paths.map_err(IoError::at("read", folder))
+/// Returns the names and paths of what is in a folder. Names that are no text belong to no object.
+fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, IoError> {
+    let named = |entry: fs::DirEntry| Some((entry.file_name().into_string().ok()?, entry.path()));
+    let all = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
+    Ok(all.map_err(IoError::at("read", folder))?.into_iter().filter_map(named).collect())
+}
+
+/// Whether a name has so many lower-case hexadecimal digits, and nothing else.
+fn is_name(name: &str, digits: usize) -> bool {
+    name.len() == digits && name.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
+}
+
+/// Returns what is known of the object at a path. A power failure may leave an empty one. `None` if it is something else.
+fn object_at(path: &Path) -> std::io::Result<Option<Metadata>> {
+    let found = fs::symlink_metadata(path)?;
+    if !found.is_file() {
+        return Ok(None);
+    }
+    let mut magic = Vec::new();
+    File::open(path)?.take(OBJECT_MAGIC.len() as u64).read_to_end(&mut magic)?;
+    Ok((magic.is_empty() || magic == OBJECT_MAGIC).then_some(found))
 }
 
 impl Objects for FolderObjects {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
         let path = self.path(key);
-        match fs::read(&path) {
-            Ok(bytes) => {
-                // The time of use, for pruning. A folder that cannot be written has none.
-                let _ =
-                    File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
-                Ok(Some(bytes))
+        let read = || -> std::io::Result<Fetched> {
+            let found = fs::symlink_metadata(&path)?;
+            if !found.is_file() {
+                return Ok(Fetched::Nothing);
             }
-            Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(IoError::at("read", path)(error)),
+            if found.len() > most_bytes {
+                return Ok(Fetched::TooLong(found.len()));
+            }
+            let mut bytes = Vec::with_capacity(found.len() as usize);
+            // It may become longer while it is read.
+            File::open(&path)?.take(most_bytes).read_to_end(&mut bytes)?;
+            // The time of use, for pruning. A folder that cannot be written has none.
+            let _ = File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
+            Ok(Fetched::Whole(bytes))
+        };
+        match read() {
+            Err(error) if error.kind() == ErrorKind::NotFound => Ok(Fetched::Nothing),
+            found => found.map_err(IoError::at("read", &path)),
         }
     }
 
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
         let path = self.path(key);
-        let folder = path.parent().unwrap_or(&self.folder);
-        fs::create_dir_all(folder).map_err(IoError::at("create", folder))?;
+        let new = self.folder.join(NEW);
+        for folder in [path.parent().unwrap_or(&self.folder), &new] {
+            fs::create_dir_all(folder).map_err(IoError::at("create", folder))?;
+        }
         // Not synced: what a power failure damages does not have its checksum, and is made again.
-        replace_unsynced(&path, &self.folder.join(NEW), |file| file.write_all(bytes))
+        replace_unsynced(&path, &new, |file| file.write_all(bytes))
     }
 }

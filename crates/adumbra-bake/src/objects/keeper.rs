@@ -1,14 +1,14 @@
 //! Finds the objects of a bake, and writes those that are missing as soon as their parts are done.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 
-use adumbra::IoError;
 use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
 use rayon::prelude::*;
 
 use super::object::{self, PageObject};
-use super::{ObjectKey, Objects};
+use super::{Fetched, ObjectKey, Objects};
+use crate::error::{Error, Result};
 
 /// How a grid is cut into parts: a part has a root block, or all root blocks of a page.
 #[derive(Clone, Debug)]
@@ -88,6 +88,9 @@ fn inside(place: [u32; 2], shift: u32, dims: [u32; 2]) -> impl Iterator<Item = [
     ys.flat_map(move |y| xs.clone().map(move |x| [x, y]))
 }
 
+/// Copies of an object's bytes while it is read: the bytes, the words of its pages, and those that are checked and kept.
+const COPIES: u64 = 4;
+
 /// The objects of a bake.
 #[derive(Debug)]
 pub(crate) struct Keeper {
@@ -97,7 +100,13 @@ pub(crate) struct Keeper {
     keys: Vec<Option<ObjectKey>>,
     /// Whether the object of a part was there.
     found: Vec<AtomicBool>,
-    failure: Mutex<Option<IoError>>,
+    /// Memory for objects while they are read, if it is limited.
+    room_bytes: Option<u64>,
+    /// Held by whoever reads an object that takes more than its thread's share of the room.
+    large: Mutex<()>,
+    /// Bytes of the longest object that does not fit the room.
+    left_out_bytes: AtomicU64,
+    failure: Mutex<Option<Error>>,
 }
 
 impl Keeper {
@@ -110,31 +119,84 @@ impl Keeper {
         let found = (0..parts.count()).map(|_| AtomicBool::new(false)).collect();
         let mut all = vec![None; parts.count()];
         keys.into_iter().for_each(|(part, key)| all[part] = Some(key));
-        Self { objects: Arc::clone(objects), parts, keys: all, found, failure: Mutex::default() }
+        Self {
+            objects: Arc::clone(objects),
+            parts,
+            keys: all,
+            found,
+            room_bytes: None,
+            large: Mutex::default(),
+            left_out_bytes: AtomicU64::new(0),
+            failure: Mutex::default(),
+        }
+    }
+
+    /// Limits the memory for objects while they are read. One that takes more is made again.
+    pub(crate) fn within(self, room_bytes: Option<u64>) -> Self {
+        Self { room_bytes, ..self }
     }
 
     /// Reads all objects that are there, on all threads, and passes the pages of each to `take`, x fastest.
     pub(crate) fn find(&self, take: impl Fn(usize, Vec<PageObject>) + Sync) {
         (0..self.keys.len()).into_par_iter().for_each(|part| {
             let Some(key) = &self.keys[part] else { return };
-            match self.objects.get(key) {
-                Err(error) => self.fail(error),
-                Ok(None) => {}
-                // What is damaged is made again.
-                Ok(Some(bytes)) => {
-                    let dims = self.parts.page_dims(part);
-                    let pages = if self.objects.are_own() {
-                        object::from_own_bytes(&bytes, dims)
-                    } else {
-                        object::from_bytes(key, &bytes, dims)
-                    };
-                    if let Some(pages) = pages {
-                        take(part, pages);
-                        self.found[part].store(true, Ordering::Relaxed);
-                    }
+            let (dims, take) = (self.parts.page_dims(part), |pages| take(part, pages));
+            let most_bytes = object::most_bytes(dims);
+            let Some(room_bytes) = self.room_bytes else {
+                self.read(part, key, most_bytes, take);
+                return;
+            };
+            // Half of the room is for all threads, the other half for a large object.
+            let large_bytes = room_bytes / (2 * COPIES);
+            let small_bytes = large_bytes / rayon::current_num_threads() as u64;
+            match self.read(part, key, most_bytes.min(small_bytes), take) {
+                Some(bytes) if bytes > most_bytes => {}
+                Some(bytes) if bytes > large_bytes => {
+                    self.left_out_bytes.fetch_max(bytes, Ordering::Relaxed);
                 }
+                Some(_) => {
+                    let _alone = self.large.lock().unwrap_or_else(|e| e.into_inner());
+                    self.read(part, key, most_bytes.min(large_bytes), take);
+                }
+                None => {}
             }
         });
+    }
+
+    /// Returns the room that the longest object that did not fit would have needed, if there was one.
+    pub(crate) fn needed_bytes(&self) -> Option<u64> {
+        Some(2 * COPIES * self.left_out_bytes.load(Ordering::Relaxed)).filter(|&bytes| bytes > 0)
+    }
+
+    /// Reads the object of a part, and passes its pages to `take`. Returns the length of one that is longer than
+    /// `most_bytes`. What is damaged is made again.
+    fn read(
+        &self,
+        part: usize,
+        key: &ObjectKey,
+        most_bytes: u64,
+        take: impl FnOnce(Vec<PageObject>),
+    ) -> Option<u64> {
+        let bytes = match self.objects.get(key, most_bytes) {
+            Ok(Fetched::Whole(bytes)) => bytes,
+            Ok(Fetched::TooLong(bytes)) => return Some(bytes),
+            Ok(Fetched::Nothing) => return None,
+            Err(error) => {
+                self.fail(error.into());
+                return None;
+            }
+        };
+        let dims = self.parts.page_dims(part);
+        let pages = if self.objects.are_own() {
+            object::from_own_bytes(&bytes, dims)
+        } else {
+            object::from_bytes(key, &bytes, dims)
+        };
+        if let Some(pages) = pages {
+            take(pages);
+            self.found[part].store(true, Ordering::Relaxed);
+        }
+        None
     }
 
     /// Whether the object of a root block's part was there.
@@ -162,19 +224,19 @@ impl Keeper {
     pub(crate) fn keep<'p>(&self, part: usize, pages: impl Iterator<Item = (u32, u32, &'p [u32])> + Clone) {
         let Some(key) = &self.keys[part] else { return };
         if let Err(error) = self.objects.put(key, &object::to_bytes(key, pages)) {
-            self.fail(error);
+            self.fail(error.into());
         }
     }
 
     /// Checks that all objects could be read and written.
     ///
     /// # Errors
-    /// Returns the first [`IoError`], once.
-    pub(crate) fn check(&self) -> Result<(), IoError> {
+    /// Returns the first [`Error::Io`], once.
+    pub(crate) fn check(&self) -> Result<()> {
         self.failure.lock().unwrap_or_else(|e| e.into_inner()).take().map_or(Ok(()), Err)
     }
 
-    fn fail(&self, error: IoError) {
+    fn fail(&self, error: Error) {
         self.failure.lock().unwrap_or_else(|e| e.into_inner()).get_or_insert(error);
     }
 }

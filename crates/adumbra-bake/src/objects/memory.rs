@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use adumbra::IoError;
 
-use super::{ObjectKey, Objects};
+use super::{Fetched, ObjectKey, Objects};
 
 /// Objects in memory, for a program that bakes a scene again and again while it is edited.
 #[derive(Default)]
@@ -47,7 +47,7 @@ impl std::fmt::Debug for MemoryObjects {
 }
 
 impl Objects for MemoryObjects {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
         let mut held = self.held();
         let round = held.round;
         let found = held.objects.get_mut(key).map(|object| {
@@ -55,7 +55,11 @@ impl Objects for MemoryObjects {
             Arc::clone(&object.bytes)
         });
         drop(held);
-        Ok(found.map(|bytes| bytes.to_vec()))
+        Ok(match found {
+            Some(bytes) if bytes.len() as u64 > most_bytes => Fetched::TooLong(bytes.len() as u64),
+            Some(bytes) => Fetched::Whole(bytes.to_vec()),
+            None => Fetched::Nothing,
+        })
     }
 
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {

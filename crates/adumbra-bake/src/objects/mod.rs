@@ -10,10 +10,12 @@
 //! | `object.rs` | the bytes of an object |
 //! | `folder.rs` | objects in a folder |
 //! | `memory.rs` | objects in memory |
+//! | `cache.rs` | objects that a bake can do without |
 //! | `keeper.rs` | which parts of a bake are there, and what becomes of the others |
 //!
 //! Source: build systems that keep results by what they were made from, such as Bazel (Google, 2015).
 
+mod cache;
 mod folder;
 mod keeper;
 mod key;
@@ -26,20 +28,33 @@ use std::fmt;
 
 use adumbra::IoError;
 
-pub use folder::{FolderContents, FolderObjects};
+pub use cache::CachedObjects;
+pub use folder::{FolderContents, FolderObjects, FolderReport};
 pub(crate) use keeper::{Keeper, Parts};
 pub use key::ObjectKey;
 pub use memory::MemoryObjects;
+pub use object::OBJECT_MAGIC;
 pub(crate) use object::PageObject;
+
+/// What is kept under a key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Fetched {
+    /// The bytes of an object.
+    Whole(Vec<u8>),
+    /// An object of so many bytes, more than were asked for. They were not read.
+    TooLong(u64),
+    /// Nothing, or what cannot be an object.
+    Nothing,
+}
 
 /// Keeps objects. Several bakes may use one at the same time, on one machine or many: whoever writes an object last writes
 /// the same bytes as the others.
 pub trait Objects: fmt::Debug + Send + Sync {
-    /// Returns the bytes of an object, or `None` if it is not there.
+    /// Returns an object, if it has at most `most_bytes`.
     ///
     /// # Errors
     /// Returns [`IoError`] if it cannot be read.
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError>;
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError>;
 
     /// Keeps an object. It must be whole or not there, whenever the program ends.
     ///

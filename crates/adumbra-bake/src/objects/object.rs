@@ -16,9 +16,13 @@ use blake3::Hasher;
 
 use super::ObjectKey;
 
-const MAGIC: &[u8; 8] = b"ADUMOBJ1";
+/// The first bytes of an object.
+pub const OBJECT_MAGIC: &[u8; 8] = b"ADUMOBJ1";
 const HEAD: usize = 40;
 const PAGE_HEAD: usize = 12;
+/// The most half-words of a page: 64 × 64 leaves, each with a head, a gradient, 63 differences of 32 bits and six planes of 64
+/// bits, and 16 × 16 + 4 × 4 + 1 nodes, each with three half-words and 16 fields of two.
+const MOST_PAGE_HALVES: u64 = 4096 * (2 + 126 + 24) + 273 * (3 + 32);
 
 /// A page of an object, before it is linked.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,17 +43,23 @@ pub(super) fn to_bytes<'p>(
         bytes.extend([root, base, words.len() as u32].into_iter().flat_map(u32::to_le_bytes));
     }
     pages.for_each(|(_, _, words)| words.iter().for_each(|word| bytes.extend(word.to_le_bytes())));
-    bytes[..8].copy_from_slice(MAGIC);
+    bytes[..8].copy_from_slice(OBJECT_MAGIC);
     let sum = checksum(key, &bytes);
     bytes[8..HEAD].copy_from_slice(&sum);
     bytes
+}
+
+/// Returns the most bytes that an object with `dims` pages along x and y can have.
+pub(super) fn most_bytes(dims: [u32; 2]) -> u64 {
+    let pages = u64::from(dims[0]) * u64::from(dims[1]);
+    HEAD as u64 + pages * (PAGE_HEAD as u64 + 4 * MOST_PAGE_HALVES.div_ceil(2))
 }
 
 /// Returns the pages of an object with `dims` pages along x and y. `None` if the bytes are not what a bake wrote under this
 /// key.
 pub(super) fn from_bytes(key: &ObjectKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<PageObject>> {
     let found = bytes.get(8..HEAD)?;
-    if &bytes[..8] != MAGIC || checksum(key, bytes) != *found {
+    if &bytes[..8] != OBJECT_MAGIC || checksum(key, bytes) != *found {
         return None;
     }
     from_own_bytes(bytes, dims).filter(|pages| is_valid(pages, dims))

@@ -208,7 +208,10 @@ pub(crate) struct Reader {
     shapes: Shapes,
     /// The hash of each shape of the list, from its level and all that is below it.
     pub(super) hashes: Vec<u128>,
-    /// For each half-word of the page, one more than the index of the shape that begins there.
+    /// The level of each shape of the list.
+    pub(super) levels: Vec<u8>,
+    /// For each half-word of the page, one more than the index of the shape that was last read there. Pages that were forged
+    /// may have shapes of several levels in one place.
     places: Vec<u32>,
     hashed: Vec<u8>,
 }
@@ -228,6 +231,7 @@ impl Reader {
 
     fn walk<const LISTS: bool>(&mut self, words: &[u32], root: u32) {
         self.hashes.clear();
+        self.levels.clear();
         self.places.clear();
         self.places.resize(2 * words.len(), 0);
         self.shape::<LISTS>(Code { words }, root, PAGE_LEVEL);
@@ -238,7 +242,9 @@ impl Reader {
     }
 
     fn shape<const LISTS: bool>(&mut self, code: Code<'_>, at: u32, level: u32) -> u32 {
-        if let Some(known) = self.places[at as usize].checked_sub(1) {
+        if let Some(known) = self.places[at as usize].checked_sub(1)
+            && u32::from(self.levels[known as usize]) == level
+        {
             return known;
         }
         if level == LEAF_LEVEL {
@@ -299,6 +305,7 @@ impl Reader {
     }
 
     fn add_hash(&mut self, level: u32) {
+        self.levels.push(level as u8);
         self.hashed.push(level as u8);
         self.hashes.push(xxh3_128(&self.hashed));
     }

@@ -206,6 +206,28 @@ fn small_scenes_have_the_plain_builders_columns() {
     assert!(drawn > 1000, "{drawn} texels are drawn");
 }
 
+/// A ray crosses hundreds of surfaces. Some boxes overlap others, share planes with them, or have no bottom, so that rays
+/// never leave them.
+#[test]
+fn boxes_in_boxes_have_the_plain_builders_columns() {
+    let boxes = (0..60_u8).map(|i| {
+        let inset = 0.1 * f32::from(i);
+        let [min, max] = [[-8.0 + inset, 0.0, -8.0 + inset], [8.0 - inset, 9.0 - inset, 8.0 - 0.5 * inset]];
+        let mut mesh = adumbra_testing::cuboid(min, if i % 5 == 0 { [max[0], 9.0, max[2]] } else { max });
+        if i % 7 == 3 {
+            mesh.triangles.truncate(mesh.triangles.len() - 2);
+            mesh.triangle_materials.truncate(mesh.triangles.len());
+        }
+        mesh
+    });
+    let scene = adumbra_testing::scene_of(boxes.collect());
+    for towards in [[0.0, 1.0, 0.0], [0.5, 0.8, 0.35]] {
+        let options = BakeOptions::new(sun(towards), Size::Resolution(64));
+        let [drawn, _] = assert_agreement("boxes", &scene, &options, 1);
+        assert!(drawn > 100, "{drawn} texels are drawn");
+    }
+}
+
 #[test]
 #[ignore = "slow: a forest, twice"]
 fn layers_of_masked_cards_have_the_plain_builders_columns() {

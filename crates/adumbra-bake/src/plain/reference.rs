@@ -9,7 +9,7 @@ use crate::choose::{self, Choice};
 use crate::columns::rules::{ColumnRules, FREE_TO_END};
 use crate::options::{AssumeGround, BakeOptions, Builder, FrameChoice, Size};
 use crate::plan::{Placement, Plan};
-use crate::progress::Watch;
+use crate::progress::{NEVER, Watch};
 use crate::test_bakes::for_each_column_of;
 use crate::triangles::project::{
     FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth,
@@ -382,7 +382,7 @@ fn columns_do_not_depend_on_where_root_blocks_begin() {
         builder: Builder::Plain,
         ..BakeOptions::new(sun, Size::VoxelSize(0.125))
     };
-    let Choice { clusters, levels, .. } = Choice::new(&scene, &options).expect("a small bake");
+    let Choice { clusters, levels, .. } = Choice::new(&scene, &options, &NEVER).expect("a small bake");
     let [four, one] = [5, 6].map(|root_level| {
         let placement = Placement { root_level, ..levels[0] };
         let tiles = Plan::placed(&scene, &options, placement, &clusters).expect("a small plan").tiles;

@@ -221,6 +221,11 @@ impl DepthsSink {
         self.keeper.as_ref().is_some_and(|keeper| keeper.has(part))
     }
 
+    /// Returns the room that the longest object that did not fit would have needed, if there was one.
+    pub(crate) fn object_bytes(&self) -> Option<u64> {
+        self.keeper.as_ref().and_then(Keeper::needed_bytes)
+    }
+
     /// Returns the number of root blocks whose objects were there.
     pub(crate) fn found_tiles(&self) -> usize {
         self.keeper.as_ref().map_or(0, Keeper::found_tiles)
@@ -473,7 +478,7 @@ impl Structure for DepthsSink {
         if self.is_too_large.load(Ordering::Relaxed) || self.store.halves() > MAX_HALVES {
             return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
         }
-        Ok(self.keeper.as_ref().map_or(Ok(()), Keeper::check)?)
+        self.keeper.as_ref().map_or(Ok(()), Keeper::check)
     }
 
     fn make_room(&self) {

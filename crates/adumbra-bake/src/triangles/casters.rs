@@ -64,6 +64,8 @@ pub(crate) struct CasterOptions {
     pub(crate) ignore_alpha: bool,
     /// Whether to compute what the fast builder needs: connected components, adjacent vertices and opacity.
     pub(crate) outlines: bool,
+    /// Most bytes that the bake may take, the scene's included, if they are limited.
+    pub(crate) limit_bytes: Option<u64>,
 }
 
 /// Returns the bytes that [`SceneClusters::new`] holds while it works, apart from the scene and the opacity of its
@@ -101,7 +103,14 @@ impl SceneClusters {
     pub(crate) fn new(scene: &Scene, options: CasterOptions) -> Arc<Self> {
         let meshes = scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect();
         let has_holes = options.outlines && !options.ignore_alpha;
-        let opacity = if has_holes { OpacityTables::new(scene) } else { OpacityTables::default() };
+        let opacity = if has_holes {
+            // Half of what is left. Without tables, samples are as exact, and slower.
+            let others = scene.memory_bytes() + sorting_bytes(scene, options);
+            let room = options.limit_bytes.map_or(u64::MAX, |limit| limit.saturating_sub(others) / 2);
+            OpacityTables::new(scene, room)
+        } else {
+            OpacityTables::default()
+        };
         Arc::new(Self { meshes, opacity })
     }
 

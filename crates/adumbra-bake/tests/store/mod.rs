@@ -4,15 +4,19 @@ use std::collections::HashMap;
 use std::sync::Mutex;
 
 use adumbra::IoError;
-use adumbra_bake::{ObjectKey, Objects};
+use adumbra_bake::{Fetched, ObjectKey, Objects};
 
 /// Objects in memory.
 #[derive(Debug, Default)]
 pub(crate) struct InMemory(pub(crate) Mutex<HashMap<ObjectKey, Vec<u8>>>);
 
 impl Objects for InMemory {
-    fn get(&self, key: &ObjectKey) -> Result<Option<Vec<u8>>, IoError> {
-        Ok(self.0.lock().unwrap().get(key).cloned())
+    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        Ok(match self.0.lock().unwrap().get(key) {
+            Some(bytes) if bytes.len() as u64 > most_bytes => Fetched::TooLong(bytes.len() as u64),
+            Some(bytes) => Fetched::Whole(bytes.clone()),
+            None => Fetched::Nothing,
+        })
     }
 
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {

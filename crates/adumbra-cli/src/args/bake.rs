@@ -1,11 +1,12 @@
 //! Arguments of `bake`, and the settings that it shares with other bakes.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adumbra::{AtRest, Bounds, Receivers, Sun};
 use adumbra_bake::{AssumeGround, BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds, parse_triple};
 use adumbra_program::exit::Failure;
+use adumbra_program::output::{SCENE, refuse_inputs};
 use adumbra_program::progress::Style;
 use clap::ValueEnum;
 
@@ -257,4 +258,31 @@ pub(crate) struct Bake {
     pub(crate) progress: Style,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+const INTO: &str = "the glTF file of --into";
+
+impl Bake {
+    /// Returns the files that are read, or written beside the shadow file, with their names in errors.
+    pub(crate) fn other_files(&self) -> Vec<(&'static str, &Path)> {
+        let paths = [
+            (SCENE, Some(&self.scene)),
+            ("the edits", self.load.edit()),
+            ("the suns", self.path.suns.as_ref()),
+            (INTO, self.into.as_ref()),
+            ("the cache", self.cache.as_ref()),
+        ];
+        paths.into_iter().filter_map(|(what, path)| Some((what, path?.as_path()))).collect()
+    }
+
+    /// Checks that no file is written over another one that the bake reads or writes.
+    pub(crate) fn check_paths(&self, output: &Path) -> Result<(), Failure> {
+        refuse_inputs("--output", output, self.other_files())?;
+        if let Some(into) = &self.into {
+            // It may be the scene, and is written itself.
+            let others = self.other_files().into_iter().filter(|(what, _)| ![SCENE, INTO].contains(what));
+            refuse_inputs("--into", into, others)?;
+        }
+        Ok(())
+    }
 }

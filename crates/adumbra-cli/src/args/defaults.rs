@@ -328,7 +328,9 @@ fn used(verb: &Verb) -> Used {
             let cache = absent(args.cache.as_ref(), "the plan's path with the extension .cache");
             [vec![("--cache", cache)], run(&args.run)].concat()
         }
-        Verb::Info(args) => vec![("--picture", String::new()), ("--level", args.level.to_string())],
+        Verb::Info(args) => {
+            [vec![("--picture", String::new()), ("--level", args.level.to_string())], run(&args.run)].concat()
+        }
         Verb::Schema(_) => vec![("words", String::new())],
         Verb::Verify(args) => {
             let own = vec![

@@ -5,11 +5,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Frame;
-use adumbra_bake::{BakeOptions, Estimate, Written, estimate};
+use adumbra_bake::{BakeOptions, Estimate, Objects, Written, estimate};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
-use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
+use adumbra_program::output::{format_bytes, print_json, refuse_read};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{ChosenSun, SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
@@ -22,7 +22,7 @@ use super::bake_path::{self, BakedSunPath};
 use super::bake_regions::{self, BakedRegions};
 use super::ground::DecidedGround;
 use super::staged::Baking;
-use super::store::objects;
+use super::store::cache;
 use super::{bake_watch, bits_per_texel};
 use crate::args::Bake;
 
@@ -122,12 +122,7 @@ pub(super) struct Forecast {
 }
 
 pub(crate) fn run(args: &Bake) -> Outcome {
-    let cancel = if args.dry_run {
-        signals::end_when_interrupted();
-        Arc::default()
-    } else {
-        signals::install()
-    };
+    let cancel = if args.watch { signals::install() } else { Arc::default() };
     if let Some(texels) = args.regions {
         let baked = bake_regions::run(args, texels, &cancel)?;
         if args.run.json {
@@ -148,14 +143,16 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     args.settings.check()?;
     // A wrong sun is refused before the scene is loaded.
     args.settings.sun.given_for(&args.scene, &args.load)?;
+    let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output)).transpose()?;
     if !args.dry_run {
-        refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
+        args.check_paths(&output).map_err(bad_input)?;
         files::check_output(&output)?;
     }
-    let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output)).transpose()?;
+    let cache = cache(args.cache.as_deref())?;
     if args.watch {
-        return bake_watch::run(args, &output, cancel);
+        return bake_watch::run(args, &output, cache, cancel);
     }
+    let cache = cache.map(|cache| Arc::new(cache) as Arc<dyn Objects>);
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
@@ -187,7 +184,6 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 AtAGlance::of(&glance),
             );
         }
-        let cache = args.cache.as_deref().map(objects).transpose()?;
         let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel: &cancel };
         let (staged, written) = baking.file(&options, &output)?;
         StagedFile::place([staged])?;
@@ -304,7 +300,7 @@ fn dry_run(
         say!("  a lower --resolution, a larger --thickness or --receivers static makes the file smaller");
     }
     if options.max_memory_bytes.is_some_and(|limit| e.memory_bytes[0] > limit) {
-        eprintln!(
+        adumbra_program::note!(
             "warning: --max-memory is less than the bake needs: it will be slower, and keep the rest in temporary files"
         );
     }

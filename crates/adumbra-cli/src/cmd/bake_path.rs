@@ -1,18 +1,16 @@
 //! `adumbra bake --sun-path` and `--suns`: bakes the path of a sun.
 
-use std::fs;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use adumbra::{IoError, Sun};
-use adumbra::{SunPath, SunStep};
+use adumbra::{IoError, Sun, SunPath, SunStep};
 use adumbra_bake::Watch;
-use adumbra_files::{self as files, StagedFile};
+use adumbra_files::{self as files, StagedFile, TEXT_BYTES, read_text};
 use adumbra_path::{BakedKey, BakedPath, Error, GapError, PathOptions, bake_path};
 use adumbra_program::exit::Failure;
 use adumbra_program::glance::look;
 use adumbra_program::moment::{clock, steps_of, suns_of_day};
-use adumbra_program::output::{SCENE, format_bytes, refuse_inputs};
+use adumbra_program::output::format_bytes;
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::threads::with_threads;
@@ -90,7 +88,7 @@ fn of_day(day: &Day) -> Result<Suns, Failure> {
 }
 
 fn of_list(path: &std::path::Path) -> Result<Suns, Failure> {
-    let text = fs::read_to_string(path).map_err(IoError::at("read", path))?;
+    let text = read_text(path, TEXT_BYTES)?;
     let bad = |error: adumbra_solar::Error| Failure::BadInput(format!("{}: {error}", path.display()));
     let steps = steps_of(&read_suns(&text).map_err(bad)?);
     Ok(Suns { steps, utc_offset_seconds: 0, place_degrees: None })
@@ -109,9 +107,7 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
         return range("--lowest-sun", lowest_degrees, "an elevation from 0.5 to below 90 degrees");
     }
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("day.adumbra"));
-    let inputs =
-        [(SCENE, &*args.scene)].into_iter().chain(args.path.suns.as_deref().map(|p| ("the suns", p)));
-    refuse_inputs("--output", &output, inputs)?;
+    args.check_paths(&output)?;
     files::check_output(&output)?;
     let (ground, baked) = with_threads(args.run.threads, || -> Result<_, Failure> {
         let limit = args.run.memory_limit();

@@ -1,16 +1,17 @@
 //! `adumbra bake --regions`: bakes a world into a file for each of its regions, and writes a manifest.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::regions::Regions;
 use adumbra::{Frame, Region};
-use adumbra_bake::{BakeOptions, RegionPlan};
+use adumbra_bake::{BakeOptions, Objects, RegionPlan};
 use adumbra_files::{StagedFile, check_output};
 use adumbra_program::exit::Failure;
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
-use adumbra_program::output::{SCENE, format_bytes, make_folder, refuse_inputs, refuse_read, write_whole};
+use adumbra_program::output::{format_bytes, make_folder, refuse_read, write_whole};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
@@ -20,7 +21,7 @@ use serde::Serialize;
 
 use super::ground::DecidedGround;
 use super::staged::Baking;
-use super::store::objects;
+use super::store::cache;
 use crate::args::{Bake, Shard};
 
 /// The result of `bake --regions`.
@@ -86,9 +87,10 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
     args.settings.check()?;
     args.settings.sun.given_for(&args.scene, &args.load)?;
     Region::check_texels(texels)?;
-    refuse_inputs("--output", &manifest, [(SCENE, &*args.scene)]).map_err(bad_input)?;
+    args.check_paths(&manifest).map_err(bad_input)?;
     check_output(&manifest)?;
     let names = Names::beside(&manifest)?;
+    let cache = cache(args.cache.as_deref())?.map(|cache| Arc::new(cache) as Arc<dyn Objects>);
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
@@ -106,7 +108,6 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
         let plan = RegionPlan::new(&scene, &options, texels).map_err(|error| share.whole(error.into()))?;
         warn_of_large_voxels(&args.scene, &glance, plan.voxel_size());
         make_folder(&names.folder)?;
-        let cache = args.cache.as_deref().map(objects).transpose()?;
         let Shard { index, count } = args.shard.unwrap_or(Shard { index: 0, count: 1 });
         let due = plan.shard(index, count);
         let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel };

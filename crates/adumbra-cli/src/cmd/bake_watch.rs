@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use adumbra_bake::{BakeOptions, BakedParts, Baker, Error, Watch};
+use adumbra_bake::{BakeOptions, BakedParts, Baker, CachedObjects, Error, Watch};
 use adumbra_files::{self as files, FileWatch, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json_line};
@@ -22,7 +22,6 @@ use serde::Serialize;
 use crate::args::Bake;
 use crate::cmd::ground::DecidedGround;
 use crate::cmd::staged::staged;
-use crate::cmd::store::objects;
 
 /// How often a program that waits looks for a signal.
 const LOOK: Duration = Duration::from_millis(50);
@@ -60,15 +59,20 @@ struct Follower<'a> {
     stop: Arc<AtomicBool>,
 }
 
-pub(super) fn run(args: &Bake, output: &Path, ends: Arc<AtomicBool>) -> Outcome {
+pub(super) fn run(
+    args: &Bake,
+    output: &Path,
+    cache: Option<CachedObjects>,
+    ends: Arc<AtomicBool>,
+) -> Outcome {
     with_threads(args.run.threads, || {
         let (changed, stop) = Default::default();
-        Follower { args, output, ends, changed, stop }.follow()
+        Follower { args, output, ends, changed, stop }.follow(cache)
     })?
 }
 
 impl Follower<'_> {
-    fn follow(&self) -> Outcome {
+    fn follow(&self, cache: Option<CachedObjects>) -> Outcome {
         let start = Instant::now();
         let scene = self.load()?;
         let load_seconds = start.elapsed().as_secs_f64();
@@ -85,8 +89,8 @@ impl Follower<'_> {
         if !self.args.run.json {
             say!("  {ground}");
         }
-        let mut baker = match &self.args.cache {
-            Some(folder) => Baker::with_objects(scene, &options, objects(folder)?)?,
+        let mut baker = match cache {
+            Some(cache) => Baker::with_objects(scene, &options, Arc::new(cache.with_memory()))?,
             None => Baker::new(scene, &options)?,
         };
         let mut times = [load_seconds, start.elapsed().as_secs_f64()];
@@ -108,7 +112,7 @@ impl Follower<'_> {
                         times = [load_seconds, start.elapsed().as_secs_f64()];
                         break;
                     }
-                    Err(error) => eprintln!("warning: {error}; the shadow file is as before"),
+                    Err(error) => adumbra_program::note!("warning: {error}; the shadow file is as before"),
                 }
             }
         }
@@ -132,7 +136,7 @@ impl Follower<'_> {
             let start = Instant::now();
             match self.load() {
                 Ok(scene) => return Some((scene, start.elapsed().as_secs_f64())),
-                Err(error) => eprintln!("warning: {error}; the shadow file is as before"),
+                Err(error) => adumbra_program::note!("warning: {error}; the shadow file is as before"),
             }
         }
     }

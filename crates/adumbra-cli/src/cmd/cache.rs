@@ -1,6 +1,9 @@
 //! `adumbra cache`: looks after what `bake --cache` keeps.
 
-use adumbra_bake::FolderContents;
+use std::path::Path;
+
+use adumbra::IoError;
+use adumbra_bake::{FolderContents, FolderReport};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
@@ -17,11 +20,15 @@ pub(super) struct CacheContents {
     objects: u64,
     /// Their bytes.
     bytes: u64,
+    /// Number of temporary files that programs left more than a day ago because they were killed.
+    abandoned: u64,
+    /// Their bytes.
+    abandoned_bytes: u64,
 }
 
 impl From<FolderContents> for CacheContents {
-    fn from(FolderContents { objects, bytes }: FolderContents) -> Self {
-        Self { objects, bytes }
+    fn from(FolderContents { objects, bytes, abandoned, abandoned_bytes }: FolderContents) -> Self {
+        Self { objects, bytes, abandoned, abandoned_bytes }
     }
 }
 
@@ -42,24 +49,46 @@ pub(crate) fn run(args: &Cache) -> Outcome {
 }
 
 fn info(args: &CacheInfo) -> Outcome {
-    let contents = Store::open(&args.place)?.contents()?;
+    let FolderReport { contents, failures } = Store::open(&args.place)?.contents()?;
+    warn(&args.place, &failures);
     if args.json {
         print_json(&CacheContents::from(contents))?;
     } else {
-        say!("{}: {} objects, {}", args.place.display(), contents.objects, format_bytes(contents.bytes));
+        say!("{}: {}", args.place.display(), said(contents));
     }
     Ok(Code::Fine)
 }
 
 fn prune(args: &CachePrune) -> Outcome {
     let store = Store::open(&args.place)?;
-    let removed = store.prune(args.keep)?;
-    let left = store.contents()?;
+    let FolderReport { contents: removed, failures } = store.prune(args.keep)?;
+    warn(&args.place, &failures);
+    let left = store.contents()?.contents;
     if args.json {
         print_json(&Pruned { removed: removed.into(), left: left.into() })?;
     } else {
-        let said = |FolderContents { objects, bytes }| format!("{objects} objects, {}", format_bytes(bytes));
         say!("{}: removed {}; left {}", args.place.display(), said(removed), said(left));
     }
+    if left.bytes > args.keep && !failures.is_empty() {
+        adumbra_program::note!("error: {}: more than --keep is left", args.place.display());
+        return Ok(Code::BadInput);
+    }
     Ok(Code::Fine)
+}
+
+fn said(FolderContents { objects, bytes, abandoned, abandoned_bytes }: FolderContents) -> String {
+    let objects = format!("{objects} objects, {}", format_bytes(bytes));
+    if abandoned == 0 {
+        return objects;
+    }
+    format!(
+        "{objects}, and {abandoned} temporary files of killed programs, {}",
+        format_bytes(abandoned_bytes)
+    )
+}
+
+fn warn(place: &Path, failures: &[IoError]) {
+    for failure in failures {
+        adumbra_program::note!("warning: {}: {failure}; it stays as it is", place.display());
+    }
 }

@@ -12,10 +12,10 @@ use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
 use adumbra_program::output::{format_bytes, make_folder, print_json, refuse_same, write_png, write_whole};
 use adumbra_program::progress::{Reporter, Style, Units};
+use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::sun::DEFAULT_SUN;
 use adumbra_program::threads::with_threads;
-use adumbra_program::{say, signals};
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, generate, write_glb};
 use adumbra_truth::picture;
 use adumbra_truth::picture::{BaseColors, Shadows};
@@ -67,8 +67,7 @@ pub(super) struct Shown {
 }
 
 pub(crate) fn run(args: &Demo) -> Outcome {
-    let cancel = signals::install();
-    with_threads(args.run.threads, || demo(args, &cancel))?
+    with_threads(args.run.threads, || demo(args, &AtomicBool::new(false)))?
 }
 
 fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {

@@ -79,7 +79,7 @@ struct Light {
 
 impl Light {
     fn of(light: &FileSun) -> Self {
-        Self { name: light.name.clone(), towards: light.towards }
+        Self { name: light.name.clone(), towards: light.unit_towards() }
     }
 }
 
@@ -165,7 +165,7 @@ fn inspect(args: &Inspect) -> Outcome {
         say!("  materials            {}, {masked} masked", scene.materials.len());
         say!("  degenerate triangles {}", scene.notes.degenerate_triangles);
         for light in &scene.suns {
-            let [x, y, z] = light.towards;
+            let [x, y, z] = light.unit_towards();
             say!("  directional light    {:?}, towards {x:.4},{y:.4},{z:.4}", light.name);
         }
         say!("  {}", AtAGlance::of(&glance));

@@ -7,6 +7,8 @@ use adumbra_path::{Moment, measure};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, span};
 use adumbra_program::output::format_bytes;
+#[cfg(feature = "render")]
+use adumbra_program::output::{SCENE, refuse_inputs};
 use adumbra_program::query::Query;
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
@@ -101,7 +103,7 @@ pub(super) fn query(args: &Query, path: &SunPath, time: Option<TimeArg>, level: 
     let points = args.read()?;
     let Some(PathMoment { sun, keys }) = answering else {
         let time = shown(path, seconds);
-        eprintln!("warning: at {time} the sun is below the horizon: all points are in shadow");
+        adumbra_program::note!("warning: at {time} the sun is below the horizon: all points are in shadow");
         return args.answer(&points, &Night, None);
     };
     let bias = args.lookup.bias.over(keys[0].settings.bias)?;
@@ -129,6 +131,11 @@ pub(super) fn verify(
 ) -> Result<VerifiedPath, Failure> {
     if !(of_path.max_excess >= 0.0) {
         return Err(Failure::Usage(format!("--max-excess {}: give 0 or more percent", of_path.max_excess)));
+    }
+    #[cfg(feature = "render")]
+    if let Some(plot) = &of_path.plot {
+        refuse_inputs("--plot", plot, [("the sun path", &*args.file), (SCENE, &*args.scene)])?;
+        adumbra_files::check_output(plot)?;
     }
     let mut load = args.load.load_options()?;
     args.run.memory_limit().check_keys(path)?;
@@ -177,7 +184,7 @@ pub(super) fn verify(
     warn_of_other_casters(baked, casters);
     if !key_holds {
         let remedy = remedy(&of_key, baked == casters);
-        eprintln!("check failed: the middle key misses what a shadow file promises; {remedy}");
+        adumbra_program::note!("check failed: the middle key misses what a shadow file promises; {remedy}");
     }
     Ok(VerifiedPath {
         file: args.file.display().to_string(),

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use adumbra_bake::{FolderContents, FolderObjects, Objects};
+use adumbra_bake::{CachedObjects, FolderObjects, FolderReport, Objects};
 use adumbra_program::exit::Failure;
 #[cfg(feature = "stores")]
 use adumbra_store::StoreObjects;
@@ -24,7 +24,7 @@ impl Store {
         }
     }
 
-    pub(super) fn contents(&self) -> Result<FolderContents, Failure> {
+    pub(super) fn contents(&self) -> Result<FolderReport, Failure> {
         Ok(match self {
             Self::Folder(folder) => folder.contents()?,
             #[cfg(feature = "stores")]
@@ -32,7 +32,7 @@ impl Store {
         })
     }
 
-    pub(super) fn prune(&self, most_bytes: u64) -> Result<FolderContents, Failure> {
+    pub(super) fn prune(&self, most_bytes: u64) -> Result<FolderReport, Failure> {
         Ok(match self {
             Self::Folder(folder) => folder.prune(most_bytes)?,
             #[cfg(feature = "stores")]
@@ -69,4 +69,20 @@ pub(super) fn objects(place: &Path) -> Result<Arc<dyn Objects>, Failure> {
         #[cfg(feature = "stores")]
         Store::Remote(store) => Arc::new(store),
     })
+}
+
+/// Opens the folder or store of `--cache`, if it is given. Whatever fails later is said once, and the bake goes on without
+/// it.
+pub(super) fn cache(place: Option<&Path>) -> Result<Option<CachedObjects>, Failure> {
+    let Some(place) = place else { return Ok(None) };
+    let named = place.display().to_string();
+    let opened = objects(place).map_err(|failure| Failure::Other {
+        code: failure.code(),
+        message: format!("--cache {named}: {failure}; give a folder of its own, or leave the option out"),
+    });
+    Ok(Some(CachedObjects::new(opened?, move |error| {
+        adumbra_program::note!(
+            "warning: --cache {named}: {error}; the bake goes on without what the cache cannot do"
+        );
+    })))
 }

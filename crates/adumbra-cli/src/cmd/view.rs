@@ -15,7 +15,7 @@ use crate::args::View;
 
 pub(crate) fn run(args: &View) -> Result<Code> {
     let options = options(args)?;
-    adumbra_view::run(options, Box::new(|line| eprintln!("{line}"))).map_err(failure)?;
+    adumbra_view::run(options, Box::new(|line| adumbra_program::note!("{line}"))).map_err(failure)?;
     Ok(Code::Fine)
 }
 

@@ -43,6 +43,69 @@ fn caches_that_are_not_there_or_cannot_be_written_are_errors_that_name_them() {
     let (scene, file) = (folder.generate("city"), folder.write("taken", b"a file"));
     let output = folder.write("city.adumbra", b"earlier");
     let (code, error) = adumbra(&["bake", &scene, "--resolution", "256", "--cache", &file, "-o", &output]);
-    assert!(code != 0 && error.contains("taken"), "{code}: {error}");
+    assert!(code != 0 && error.contains("--cache") && error.contains("taken"), "{code}: {error}");
     assert_eq!(fs::read(&output).unwrap(), b"earlier");
+    // Before the scene is loaded, which may take long.
+    let broken = folder.write("broken.glb", b"no scene");
+    for verb in [&["bake", &broken][..], &["bake", &broken, "--watch"], &["bake", &broken, "--regions=1024"]]
+    {
+        let (code, error) = adumbra(&[verb, &["--cache", &file]].concat());
+        assert!(code != 0 && error.contains("--cache") && error.contains("taken"), "{code}: {error}");
+    }
+}
+
+#[test]
+fn a_cache_that_cannot_be_used_is_said_and_the_bake_goes_on() {
+    let folder = Folder::new();
+    let (scene, cache) = (folder.generate("primitives"), folder.path("cache"));
+    let bake = |output: &str| {
+        adumbra(&["bake", &scene, "--resolution", "256", "--levels", "1", "--cache", &cache, "-o", output])
+    };
+    let [first, second] = ["first", "second"].map(|name| folder.path(name));
+    let (code, said) = bake(&first);
+    assert!(code == 0 && !said.contains("warning"), "{code}: {said}");
+    let in_cache = |path: &str| fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
+    let objects: Vec<_> = in_cache(&cache)
+        .filter(|path| !path.ends_with("new"))
+        .flat_map(|path| in_cache(path.to_str().unwrap()))
+        .collect();
+    for object in &objects {
+        fs::remove_file(object).unwrap();
+        fs::create_dir(object).unwrap();
+    }
+    let (code, said) = bake(&second);
+    assert!(code == 0 && said.matches("warning: --cache").count() == 1, "{code}: {said}");
+    assert!(fs::read(&first).unwrap() == fs::read(&second).unwrap());
+    // Nor is a folder an object to remove.
+    assert_eq!(json(&["cache", "prune", &cache, "--keep", "0", "--json"])["removed"]["objects"], 0);
+}
+
+/// The light that `--into` writes leads to the same sun.
+#[test]
+fn a_scene_that_was_told_of_its_shadows_is_baked_from_the_cache() {
+    let folder = Folder::new();
+    let (scene, cache, output) =
+        (folder.generate("primitives"), folder.path("cache"), folder.path("a.adumbra"));
+    let bake = || {
+        json(&[
+            "bake",
+            &scene,
+            "--resolution",
+            "512",
+            "--into",
+            &scene,
+            "--cache",
+            &cache,
+            "-o",
+            &output,
+            "--json",
+        ])
+    };
+    assert_eq!(bake()["reused_tiles"], 0);
+    let first = fs::read(&output).unwrap();
+    for _ in 0..2 {
+        let said = bake();
+        assert!(said["reused_tiles"] == said["tiles"] && said["sun_origin"]["source"] == "light", "{said}");
+        assert!(fs::read(&output).unwrap() == first);
+    }
 }

@@ -12,12 +12,16 @@ mod export;
 mod farm;
 mod glance;
 mod ground;
+#[cfg(target_os = "linux")]
+mod interrupts;
 mod levels;
 mod memory;
 mod movers;
 mod nothing_lost;
 mod occlusion;
 mod options;
+#[cfg(target_os = "linux")]
+mod outputs;
 mod path;
 mod program;
 mod regions;

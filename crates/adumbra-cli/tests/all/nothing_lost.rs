@@ -108,6 +108,32 @@ fn bake_keeps_what_only_the_loader_sees_named() {
 }
 
 #[test]
+fn bakes_keep_every_file_that_an_option_names() {
+    let Baked { folder, scene, .. } = baked();
+    let gltf = folder.generate("primitives");
+    let edits = folder.write("moves.json", b"{}");
+    let (into, edited) = (["bake", &scene, "--into", &gltf], ["bake", &scene, "--edit", &edits]);
+    for name in names(&folder, "primitives.glb") {
+        is_kept(&gltf, 3, &[[&into[..], &["-o", &name]].concat()]);
+    }
+    is_kept(&edits, 3, &[[&edited[..], &["-o", &edits]].concat()]);
+    // A folder that becomes the cache.
+    let place = folder.path("place.adumbra");
+    let (code, error) = adumbra(&["bake", &scene, "--cache", &place, "-o", &place]);
+    assert!(code == 3 && error.contains("the cache"), "{code}: {error}");
+    let suns = folder.write("suns.csv", b"2026-06-21T10:00:00Z 140 55\n");
+    is_kept(&suns, 2, &[vec!["bake", &scene, "--suns", &suns, "-o", &suns]]);
+    let plan = folder.path("a.plan.json");
+    is_kept(&scene, 3, &[vec!["plan", &scene, "-o", &plan, "--export", "make", "--shadow-file", &scene]]);
+    let (code, error) = adumbra(&["plan", &scene, "-o", &plan, "--export", "make", "--shadow-file", &plan]);
+    assert!(code == 3 && error.contains("one file"), "{code}: {error}");
+    assert_eq!(adumbra(&["plan", &scene, "-o", &plan, "--resolution", "256"]).0, 0);
+    assert_eq!(adumbra(&["tile", "--plan", &plan]).0, 0);
+    is_kept(&scene, 3, &[vec!["link", "--plan", &plan, "-o", &scene]]);
+    is_kept(&plan, 3, &[vec!["link", "--plan", &plan, "-o", &plan]]);
+}
+
+#[test]
 fn query_keeps_its_file_points_and_normals() {
     let Baked { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);

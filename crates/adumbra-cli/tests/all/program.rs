@@ -2,7 +2,6 @@
 
 use std::fs;
 use std::process::{Command, Stdio};
-use std::time::Duration;
 
 use adumbra_testing::{Folder, adumbra, json, program, stderr};
 use serde_json::Value;
@@ -311,20 +310,6 @@ fn interrupt_exits_with_130_and_leaves_the_earlier_file() {
     assert!(folder.no_temporary_files());
 }
 
-/// Waits until a process catches interrupts.
-#[cfg(target_os = "linux")]
-fn wait_for_handler(process: u32) {
-    let catches_interrupts = || {
-        let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
-        let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:")).unwrap().trim();
-        // Bit 1 is that of signal 2, SIGINT.
-        u64::from_str_radix(caught, 16).unwrap() & 0b10 != 0
-    };
-    while !catches_interrupts() {
-        std::thread::sleep(Duration::from_millis(1));
-    }
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 fn verify_exits_with_130_when_interrupted() {
@@ -336,7 +321,7 @@ fn verify_exits_with_130_when_interrupted() {
         .args(["verify", &file, "--scene", &scene, "--samples", "1000000000"])
         .spawn()
         .unwrap();
-    wait_for_handler(child.id());
+    crate::interrupts::wait_for_handler(child.id());
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
 }

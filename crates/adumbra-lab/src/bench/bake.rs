@@ -105,7 +105,7 @@ fn bake_row(args: &BenchBake, name: &str, resolution: u64, variant: &(&str, &[&s
     let whole = |key: &str| said[key].as_u64();
     let raw =
         said["size"][0].as_f64().unwrap_or(f64::NAN) * said["size"][1].as_f64().unwrap_or(f64::NAN) * 4.0;
-    eprintln!(
+    adumbra_program::note!(
         "{name} {resolution} {}: {:.2} s, {} bytes",
         variant.0,
         number("seconds"),

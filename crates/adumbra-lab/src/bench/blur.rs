@@ -154,7 +154,7 @@ impl Bench<'_> {
                 }
                 times.sort_by(f64::total_cmp);
                 milliseconds.push(times[times.len() / 2]);
-                eprintln!("{spec}: {:.2} ms", times[times.len() / 2]);
+                adumbra_program::note!("{spec}: {:.2} ms", times[times.len() / 2]);
             }
             rows.push(Cost {
                 name: (*name).to_owned(),

@@ -115,7 +115,11 @@ fn measure(
         renderer.draw(&shot, &mut technique, Answer::Visibility)?;
         let figures = peers::figures(&renderer.read_factor(&technique)?, &view)?;
         if let Some(figures) = &figures {
-            eprintln!("{name} {spec}: {:.2} ({:.1})", figures.wrong_percent, figures.mean_percent);
+            adumbra_program::note!(
+                "{name} {spec}: {:.2} ({:.1})",
+                figures.wrong_percent,
+                figures.mean_percent
+            );
         }
         row.scenes[column] = figures;
     }

@@ -139,7 +139,12 @@ impl<'a, 's> Stage<'a, 's> {
         };
         for c in &comparison.compared {
             let row = &c.row;
-            eprintln!("{}, {what}, {}: {} % wrong", self.name, row.name, percent(row.wrong(), 3));
+            adumbra_program::note!(
+                "{}, {what}, {}: {} % wrong",
+                self.name,
+                row.name,
+                percent(row.wrong(), 3)
+            );
         }
         Ok(Report {
             adapter: renderer.gpu().name(),

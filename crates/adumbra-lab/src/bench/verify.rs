@@ -88,7 +88,7 @@ pub(super) fn run(args: &BenchVerify) -> Result<Code> {
                     let options = VerifyOptions { samples: args.samples, seed: 1 };
                     let v = Verifier::new(&answers, &tracer, &solids).run(&sampler, &options);
                     all_hold &= v.holds();
-                    eprintln!(
+                    adumbra_program::note!(
                         "{name} {sun_name} {layout} K = {filter}: interior {:.5}, grazing {:.5}{}",
                         v.interior_agreement,
                         v.class(Class::Grazing).agreement,

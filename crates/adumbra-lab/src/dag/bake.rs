@@ -1,5 +1,6 @@
 //! `adumbra-lab dag bake`: bakes a scene into a graph.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_bake::Watch;
@@ -13,7 +14,7 @@ use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::sun::{SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
-use adumbra_program::{bounds, memory, say, signals};
+use adumbra_program::{bounds, memory, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -45,7 +46,7 @@ pub(crate) struct DagBaked {
 }
 
 pub(super) fn run(args: &DagBake) -> Outcome {
-    let cancel = signals::install();
+    let cancel = AtomicBool::new(false);
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumdag"));

@@ -80,7 +80,7 @@ pub fn run(args: &Report) -> Result<Code> {
         let steps = match plan::steps(name, args) {
             Ok(steps) => steps,
             Err(why) => {
-                eprintln!("{name}: skipped: {why}");
+                adumbra_program::note!("{name}: skipped: {why}");
                 continue;
             }
         };
@@ -93,7 +93,7 @@ pub fn run(args: &Report) -> Result<Code> {
             clear(&args.output.join("data").join(name))?;
         }
         let section = measure(begun, &steps, &places, &cancel)?;
-        eprintln!("{name}: {}, {:.0} s", section.outcome.words(), section.seconds());
+        adumbra_program::note!("{name}: {}, {:.0} s", section.outcome.words(), section.seconds());
         record.put(section, &names);
         record.write(&args.output)?;
         data.recorded(name);
@@ -104,14 +104,14 @@ pub fn run(args: &Report) -> Result<Code> {
     }
     let path = args.output.join("report.html");
     let bytes = std::fs::metadata(&path).map_err(IoError::at("read", &path))?.len();
-    eprintln!("{}, {:.0} s", format_bytes(bytes), start.elapsed().as_secs_f64());
+    adumbra_program::note!("{}, {:.0} s", format_bytes(bytes), start.elapsed().as_secs_f64());
     if args.json {
         print_json(&record)?;
     } else {
         say!("{}", path.display());
     }
     if bytes > MAX_BYTES {
-        eprintln!(
+        adumbra_program::note!(
             "check failed: {} is larger than {}, even with its pictures at their smallest",
             path.display(),
             format_bytes(MAX_BYTES)
@@ -190,7 +190,7 @@ fn measure(
     make_folder(&places.folder.join(&folder))?;
     section.outcome = Found::Measured;
     for step in steps {
-        eprintln!("{}", step.command());
+        adumbra_program::note!("{}", step.command());
         let (record, found) = step.run(places, cancel)?;
         section.steps.push(record);
         section.outcome = worse(section.outcome, found);

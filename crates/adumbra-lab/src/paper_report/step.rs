@@ -112,7 +112,7 @@ impl Places {
 fn pass_on(stderr: impl Read) -> VecDeque<String> {
     let mut kept = VecDeque::new();
     for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-        eprintln!("  {line}");
+        adumbra_program::note!("  {line}");
         if kept.len() == KEPT_LINES {
             kept.pop_front();
         }

@@ -18,7 +18,7 @@ use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{ChosenSun, SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
-use adumbra_program::{bounds, memory, say, signals};
+use adumbra_program::{bounds, memory, say};
 use adumbra_scene::Scene;
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -107,7 +107,7 @@ struct Extras {
 
 /// Bakes and writes the tree.
 pub(super) fn run(args: &TreeBake) -> Outcome {
-    let cancel = signals::install();
+    let cancel = AtomicBool::new(false);
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumtree"));

@@ -117,10 +117,9 @@ impl Nodes {
     pub(super) fn suns(&self, root: &Root) -> Vec<FileSun> {
         let sun = |&node: &usize| {
             // A light shines along its node's -Z (KHR_lights_punctual).
-            let towards = self.world[node].map(|row| row[2]);
-            let length = towards.iter().map(|c| c * c).sum::<f64>().sqrt();
             let name = name(root.nodes.get(node)?, node);
-            (length > 0.0).then(|| FileSun { name, towards: towards.map(|c| c / length) })
+            let towards = self.world[node].map(|row| row[2]);
+            towards.iter().any(|&c| c != 0.0).then_some(FileSun { name, towards })
         };
         self.suns.iter().filter_map(sun).collect()
     }

@@ -18,6 +18,7 @@ use super::container::split;
 use super::document::Document;
 use super::faults::bad;
 use super::nodes::Nodes;
+use crate::affine::compose;
 use crate::budget::Budget;
 use crate::error::Result;
 use crate::glb::container;
@@ -90,7 +91,7 @@ fn add_light(path: &Path, root: &mut Parts, index: usize, scene: usize, sun: Sun
     let mut scenes: Vec<Parts> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
     let mut used: Vec<Value> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
     let node = json!({
-        "name": "sun", "rotation": rotation(sun.towards()), "extensions": {LIGHTS: {"light": index}},
+        "name": "sun", "matrix": placement(sun), "extensions": {LIGHTS: {"light": index}},
     });
     if !scenes.is_empty() {
         let count = scenes.len();
@@ -127,15 +128,42 @@ fn read<T: serde::de::DeserializeOwned>(parts: &Parts, name: &str) -> serde_json
         .transpose()
 }
 
-/// Returns the quaternion (x, y, z, w) that turns a light, which shines along its -Z, away from the sun.
-fn rotation([x, y, z]: [f64; 3]) -> [f64; 4] {
+/// Returns the matrix, column by column, that turns a light, which shines along its -Z, away from the sun. Its scale, from 1 to
+/// the root of 3, means nothing for lights.
+///
+/// Bakes find objects of earlier ones by the bits of the sun, so its Z axis is one of which a loader makes the very same sun.
+/// No quaternion can promise that.
+fn placement(sun: Sun) -> [f64; 16] {
+    let axis = axis_towards(sun);
+    let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
+    let [x, y, z] = sun.towards();
     // The shortest turn from +Z towards the sun. Opposite to it any half turn about an axis across will do.
     let w = 1.0 + z;
-    if w < 1e-9 {
-        return [0.0, 1.0, 0.0, 0.0];
-    }
-    let length = (x * x + y * y + w * w).sqrt();
-    [-y, x, 0.0, w].map(|c| c / length)
+    let rotation = if w < 1e-9 { [0.0, 1.0, 0.0, 0.0] } else { [-y, x, 0.0, w] };
+    let map = compose([0.0; 3], rotation, [length; 3]);
+    std::array::from_fn(|i| match (i / 4, i % 4) {
+        (_, 3) => f64::from(u8::from(i == 15)),
+        (2, row) => axis[row],
+        (3, _) => 0.0,
+        (column, row) => map[row][column],
+    })
+}
+
+/// Returns the vector, with a largest component of 1 or -1, of which [`Sun::from_direction`] makes this sun. A sun's
+/// components were divided by a length, so those of the vector are within two units in the last place of their quotients.
+fn axis_towards(sun: Sun) -> [f64; 3] {
+    let towards = sun.towards();
+    let largest = towards.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
+    let axis = towards.map(|c| c / largest);
+    let near = |c: f64| {
+        let is_exact = c == 0.0 || c.abs() == 1.0;
+        let all = [c, c.next_up(), c.next_down(), c.next_up().next_up(), c.next_down().next_down()];
+        all.into_iter().take(if is_exact { 1 } else { all.len() })
+    };
+    let all =
+        near(axis[0]).flat_map(|x| near(axis[1]).flat_map(move |y| near(axis[2]).map(move |z| [x, y, z])));
+    let found = all.into_iter().find(|&axis| Sun::from_direction(axis).is_ok_and(|found| found == sun));
+    found.unwrap_or(axis)
 }
 
 #[cfg(test)]
@@ -159,14 +187,37 @@ mod tests {
         assert_eq!(json["scenes"][0]["nodes"], json!([0, 1]));
         let light = &json["extensions"][LIGHTS]["lights"][0];
         assert_eq!(light["extras"]["adumbra"]["shadow"], "city.adumbra");
-        let q = [0, 1, 2, 3].map(|i| json["nodes"][1]["rotation"][i].as_f64().expect("a number"));
-        // +Z turned by q.
-        let [x, y, z, w] = q;
-        let turned = [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)];
-        let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon").towards();
-        assert!((0..3).all(|a| (turned[a] - sun[a]).abs() < 1e-12), "{turned:?} {sun:?}");
+        // The axes are at right angles and of one length, and +Z leads towards the sun.
+        let matrix: Vec<f64> =
+            serde_json::from_value(json["nodes"][1]["matrix"].clone()).expect("16 numbers");
+        let axis = |c: usize| [0, 1, 2].map(|row| matrix[4 * c + row]);
+        let dot = |a: usize, b: usize| (0..3).map(|i| axis(a)[i] * axis(b)[i]).sum::<f64>();
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            assert!(dot(a, b).abs() < 1e-12 && (dot(a, a) - dot(b, b)).abs() < 1e-12, "{matrix:?}");
+        }
+        let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
+        assert_eq!(Sun::from_direction(axis(2)).expect("above the horizon"), sun);
         // Named again, the light is the same one.
         assert_eq!(named(&json.to_string()), json);
+    }
+
+    /// A bake finds the objects of the one before only if the sun has the same bits.
+    #[test]
+    fn light_leads_to_the_very_same_sun() {
+        let mut random = crate::random::Random::new(3, 0);
+        for number in 0..200 {
+            let mut towards = [0; 3].map(|_| 2.0 * random.unit() - 1.0);
+            towards[1] = [towards[1].abs(), 1e-3, 1e3][number % 3] + 1e-9;
+            towards[number % 2 * 2] *= [1.0, 1e-6, 0.0, 1.0][number % 4];
+            let sun = Sun::from_direction(towards).expect("above the horizon");
+            let bytes =
+                with_shadow_name(Path::new("a.gltf"), MINIMAL.as_bytes(), "a", sun).expect("a glTF file");
+            let json: Value = serde_json::from_slice(&bytes).expect("JSON");
+            let light = json["nodes"].as_array().and_then(|nodes| nodes.last()).expect("a node");
+            let matrix: [f64; 16] = serde_json::from_value(light["matrix"].clone()).expect("16 numbers");
+            let axis = crate::affine::from_columns(&matrix).map(|row| row[2]);
+            assert_eq!(Sun::from_direction(axis).expect("above the horizon"), sun, "{towards:?}");
+        }
     }
 
     #[test]

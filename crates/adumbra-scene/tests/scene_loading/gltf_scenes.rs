@@ -191,7 +191,7 @@ fn gltf_suns_come_from_where_their_nodes_turn_them() {
         (json!({"rotation": [0, half, 0, half]}), [1.0, 0.0, 0.0]),
     ] {
         let scene = lit(sun(), vec![shining(0, node.clone())], &json!([0])).load().expect("loads");
-        let found = scene.suns[0].towards;
+        let found = scene.suns[0].unit_towards();
         assert!((0..3).all(|a| (found[a] - towards[a]).abs() < 1e-9), "{node}: {found:?}");
         assert_eq!((scene.suns.len(), scene.suns[0].name.as_str()), (1, "node 0"));
         // Below a parent that turns, stretches and mirrors.
@@ -199,7 +199,7 @@ fn gltf_suns_come_from_where_their_nodes_turn_them() {
         let scene = lit(sun(), vec![parent, shining(0, node.clone())], &json!([0])).load().expect("loads");
         let [x, y, z] = [2.0 * towards[0], 3.0 * towards[1], -5.0 * towards[2]];
         let length = (x * x + y * y + z * z).sqrt();
-        let (found, turned) = (scene.suns[0].towards, [z, y, -x].map(|c| c / length));
+        let (found, turned) = (scene.suns[0].unit_towards(), [z, y, -x].map(|c| c / length));
         assert!((0..3).all(|a| (found[a] - turned[a]).abs() < 1e-6), "{node}: {found:?} {turned:?}");
     }
     let scene = lit(sun(), vec![shining(0, json!({"scale": [0, 0, 0]}))], &json!([0])).load().expect("loads");

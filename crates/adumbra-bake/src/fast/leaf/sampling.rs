@@ -8,6 +8,9 @@ use crate::texel_mask::{texels_of, texels_where};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
 use crate::triangles::surface::Surface;
 
+/// Up to so many crossings, comparing each with all others is faster than sorting them.
+const FEW_CROSSINGS: usize = 48;
+
 impl Leaf<'_> {
     /// Samples surfaces from the light on, and skips columns that are resolved: no surface visited so far extends past
     /// the next one, and every solid that was entered has been left.
@@ -115,6 +118,10 @@ impl Leaf<'_> {
         self.base = self.first.depth;
         let solid = texels_where(|texel| self.first.get(texel).is_solid());
         let crossings = &self.buffers.crossings;
+        if crossings.len() > FEW_CROSSINGS {
+            self.resolve_many_solids(solid);
+            return;
+        }
         let (mut crossed, mut ends) = (0, [[FixedDepth::MAX; BLOCK_SIDE]; BLOCK_SIDE]);
         for end in crossings {
             crossed |= end.covered;
@@ -146,6 +153,32 @@ impl Leaf<'_> {
         }
         for texel in texels_of(solid & crossed & !ended) {
             self.first.set_open(texel);
+        }
+    }
+
+    /// Does what [`Self::resolve_solids`] does, texel by texel in order of depth: the time grows with the number of crossings,
+    /// not with its square.
+    fn resolve_many_solids(&mut self, solid: u64) {
+        let mut on_texel: Vec<(FixedDepth, i32)> = Vec::new();
+        for texel in texels_of(solid) {
+            let (row, column) = (texel / BLOCK_SIDE, texel % BLOCK_SIDE);
+            on_texel.clear();
+            let crossings = self.buffers.crossings.iter().filter(|c| c.covered >> texel & 1 != 0);
+            on_texel.extend(crossings.map(|c| (c.depths[row][column], if c.leaves { -1 } else { 1 })));
+            if on_texel.is_empty() {
+                continue;
+            }
+            on_texel.sort_unstable();
+            // What is at one depth counts together. The column has left what it entered where the sum is not above 0.
+            let mut inside = 0;
+            let end = on_texel.chunk_by(|a, b| a.0 == b.0).find_map(|here| {
+                inside += here.iter().map(|(_, one)| one).sum::<i32>();
+                (inside <= 0 && here[0].1 < 0).then_some(here[0].0)
+            });
+            match end {
+                Some(end) => self.base[row][column] = end,
+                None => self.first.set_open(texel),
+            }
         }
     }
 }

@@ -5,9 +5,10 @@
 
 mod sample;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
 
-use adumbra_scene::{AlphaMode, Pixels, Scene, Texture, Wrap};
+use adumbra_scene::{AlphaMode, Material, Pixels, Scene, Texture, Wrap};
 
 /// Texels along an axis, and corners in all, that a table may have: their numbers are exact in the arithmetic of
 /// samples.
@@ -20,30 +21,32 @@ pub(crate) struct OpacityTables {
     /// Index into `tables` for each material; `None` for those without holes in a texture.
     of_material: Vec<Option<usize>>,
     tables: Vec<OpacityTable>,
+    corner_bytes: u64,
 }
 
 impl OpacityTables {
-    /// Builds the tables of all materials. Those that cut the same texture at the same alpha share one.
-    pub(crate) fn new(scene: &Scene) -> Self {
+    /// Builds the tables of all materials. Those that cut the same texture at the same alpha share one, and all that cut it
+    /// share its corners. Where the corners would take more than `most_bytes`, there are no tables.
+    pub(crate) fn new(scene: &Scene, most_bytes: u64) -> Self {
+        let cut = cut_textures(scene);
+        let textures: HashSet<u32> = cut.iter().flatten().map(|&(number, _)| number).collect();
+        let needed_bytes: u64 = textures.iter().map(|&n| corner_count(&scene.textures[n as usize])).sum();
+        if needed_bytes > most_bytes {
+            return Self::default();
+        }
+        let corners: HashMap<u32, Arc<[u8]>> =
+            textures.into_iter().map(|n| (n, corners(&scene.textures[n as usize]))).collect();
         let mut found = HashMap::new();
         let mut tables = Vec::new();
-        let of_material = scene.materials.iter().map(|material| {
-            let (AlphaMode::Mask { cutoff }, Some(number)) = (material.alpha, material.texture) else {
-                return None;
-            };
-            let texture = &scene.textures[number as usize];
-            let [width, height] = [texture.width, texture.height];
-            let corners = u64::from(width) * u64::from(height);
-            if width.max(height) > MOST_TEXELS || corners > MOST_CORNERS {
-                return None;
-            }
-            let opaque_from = least_opaque_sample(material.base_color[3], cutoff)?;
+        let of_material = cut.into_iter().map(|cut| {
+            let (number, opaque_from) = cut?;
             Some(*found.entry((number, opaque_from.to_bits())).or_insert_with(|| {
-                tables.push(OpacityTable::new(texture, opaque_from));
+                let corners = Arc::clone(&corners[&number]);
+                tables.push(OpacityTable::new(&scene.textures[number as usize], corners, opaque_from));
                 tables.len() - 1
             }))
         });
-        Self { of_material: of_material.collect(), tables }
+        Self { of_material: of_material.collect(), tables, corner_bytes: needed_bytes }
     }
 
     /// Returns a material's table, or `None` if it has no texture with holes.
@@ -53,7 +56,7 @@ impl OpacityTables {
 
     /// Bytes held.
     pub(crate) fn memory_bytes(&self) -> u64 {
-        self.tables.iter().map(|t| t.corners.capacity() as u64).sum()
+        self.corner_bytes + (self.tables.capacity() * size_of::<OpacityTable>()) as u64
     }
 }
 
@@ -65,25 +68,50 @@ pub(crate) struct OpacityTable {
     nearest: bool,
     /// Alpha at the corners of cells, row by row; `width` of them in a row. Cell c is between corners c and c + 1, and
     /// corner c is the centre of texel c - 1. Of a nearest texture, cell c is texel c, which is its first corner.
-    corners: Vec<u8>,
+    corners: Arc<[u8]>,
     width: usize,
     /// The least sample, 0 to 255, that is opaque; infinity if none is.
     opaque_from: f32,
 }
 
 impl OpacityTable {
-    /// Cost: one pass over the texture.
-    fn new(texture: &Texture, opaque_from: f32) -> Self {
+    fn new(texture: &Texture, corners: Arc<[u8]>, opaque_from: f32) -> Self {
         let size = [texture.width, texture.height];
-        let [width, height] = size.map(|s| if texture.nearest { s + 1 } else { s + 2 });
-        let mut corners = Vec::with_capacity(width as usize * height as usize);
-        for y in 0..height {
-            let row = texel_of_corner(y, texture, 1);
-            corners.extend((0..width).map(|x| alpha_byte(texture, texel_of_corner(x, texture, 0), row)));
-        }
-        let width = width as usize;
+        let width = corner_dims(texture)[0] as usize;
         Self { size, wrap: texture.wrap, nearest: texture.nearest, corners, width, opaque_from }
     }
+}
+
+/// Returns the texture of each material with holes, and the least sample of it that is opaque.
+fn cut_textures(scene: &Scene) -> Vec<Option<(u32, f32)>> {
+    let cut = |material: &Material| {
+        let (AlphaMode::Mask { cutoff }, Some(number)) = (material.alpha, material.texture) else {
+            return None;
+        };
+        let texture = &scene.textures[number as usize];
+        if texture.width.max(texture.height) > MOST_TEXELS || corner_count(texture) > MOST_CORNERS {
+            return None;
+        }
+        Some((number, least_opaque_sample(material.base_color[3], cutoff)?))
+    };
+    scene.materials.iter().map(cut).collect()
+}
+
+/// Returns the number of corners along u and v.
+fn corner_dims(texture: &Texture) -> [u32; 2] {
+    [texture.width, texture.height].map(|side| if texture.nearest { side + 1 } else { side + 2 })
+}
+
+fn corner_count(texture: &Texture) -> u64 {
+    corner_dims(texture).map(u64::from).iter().product()
+}
+
+/// Returns the alpha at a texture's corners. Cost: one pass over it.
+fn corners(texture: &Texture) -> Arc<[u8]> {
+    let [width, height] = corner_dims(texture);
+    let rows = (0..height).map(|y| texel_of_corner(y, texture, 1));
+    rows.flat_map(|row| (0..width).map(move |x| alpha_byte(texture, texel_of_corner(x, texture, 0), row)))
+        .collect()
 }
 
 /// Returns the least sample of a texture, 0 to 255, at which a material with opaque vertices is opaque, or infinity if
@@ -132,7 +160,6 @@ fn alpha_byte(texture: &Texture, x: u32, y: u32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use adumbra_scene::Material;
     use proptest::prelude::*;
 
     fn scene(size: [u32; 2], alphas: &[u8], wrap: [Wrap; 2], nearest: bool, cutoff: f32) -> Scene {
@@ -175,7 +202,7 @@ mod tests {
         ) {
             let alphas = &alphas[..(size[0] * size[1]) as usize];
             let scene = scene(size, alphas, wrap, nearest, cutoff);
-            let tables = OpacityTables::new(&scene);
+            let tables = OpacityTables::new(&scene, u64::MAX);
             let table = tables.of(0).expect("a texture");
             let expected = (0..8).fold(0, |bits, i| bits | u8::from(scene.is_opaque(0, points[i], 1.0)) << i);
             let along = |axis: usize| std::array::from_fn(|i| points[i][axis]);
@@ -200,10 +227,10 @@ mod tests {
     fn only_textures_with_holes_have_a_table() {
         let mut scene = scene([1, 1], &[9], [Wrap::Clamp; 2], false, 0.5);
         scene.materials[0].alpha = AlphaMode::Opaque;
-        assert!(OpacityTables::new(&scene).of(0).is_none());
+        assert!(OpacityTables::new(&scene, u64::MAX).of(0).is_none());
         scene.materials[0] =
             Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..Material::opaque("m", [1.0; 4]) };
-        assert!(OpacityTables::new(&scene).of(0).is_none());
+        assert!(OpacityTables::new(&scene, u64::MAX).of(0).is_none());
     }
 
     #[test]
@@ -211,10 +238,17 @@ mod tests {
         let mut scene = scene([8, 8], &[9; 64], [Wrap::Clamp; 2], false, 0.5);
         let masked = scene.materials[0].clone();
         scene.materials.extend([masked.clone(), masked]);
-        let one = OpacityTables::new(&scene);
+        let one = OpacityTables::new(&scene, 100);
         scene.materials[2].alpha = AlphaMode::Mask { cutoff: 0.01 };
-        let two = OpacityTables::new(&scene);
-        assert_eq!(2 * one.memory_bytes(), two.memory_bytes());
+        let two = OpacityTables::new(&scene, 100);
+        // 10 x 10 corners, whatever the number of cuts.
+        assert!(
+            one.corner_bytes == 100
+                && two.corner_bytes == 100
+                && [one.tables.len(), two.tables.len()] == [1, 2]
+        );
+        assert!(Arc::ptr_eq(&two.tables[0].corners, &two.tables[1].corners));
+        assert!(OpacityTables::new(&scene, 99).of(0).is_none());
         let opacities = [0, 1, 2].map(|m| two.of(m).map(|t| t.opaque_at([[0.4; 8]; 2])));
         assert_eq!(opacities, [Some(0), Some(0), Some(u8::MAX)]);
     }

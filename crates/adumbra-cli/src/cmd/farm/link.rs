@@ -1,14 +1,15 @@
 //! `adumbra link`: makes the file of a plan of its objects.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_bake::{BakeOptions, Watch, Written, link};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
-use adumbra_program::output::{format_bytes, print_json, refuse_inputs, refuse_read};
+use adumbra_program::output::{SCENE, format_bytes, print_json, refuse_inputs, refuse_read};
 use adumbra_program::threads::with_threads;
-use adumbra_program::{memory, say, signals};
+use adumbra_program::{memory, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -35,12 +36,14 @@ pub(crate) struct Linked {
 }
 
 pub(crate) fn run(args: &Link) -> Outcome {
-    let cancel = signals::install();
+    let cancel = AtomicBool::new(false);
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
-    refuse_inputs("--output", &args.output, [("the plan", &*args.plan)]).map_err(bad_input)?;
     let cache = cache_of(args.cache.as_ref(), &args.plan);
-    let PlanFile { plan, .. } = PlanFile::read(&args.plan)?;
+    let PlanFile { plan, scene, load } = PlanFile::read(&args.plan)?;
+    let inputs = [("the plan", &*args.plan), ("the cache", &*cache), (SCENE, &*scene)];
+    let edits = load.edit().map(|path| ("the edits", &**path));
+    refuse_inputs("--output", &args.output, inputs.into_iter().chain(edits)).map_err(bad_input)?;
     files::check_output(&args.output)?;
     refuse_read("--output", &args.output).map_err(bad_input)?;
     with_threads(args.run.threads, || {

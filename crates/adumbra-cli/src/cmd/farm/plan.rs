@@ -10,7 +10,7 @@ use adumbra_files::{check_output, replace_file};
 use adumbra_program::bounds;
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
-use adumbra_program::output::{SCENE, print_json, refuse_inputs, refuse_read};
+use adumbra_program::output::{SCENE, print_json, refuse_inputs, refuse_read, refuse_same};
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::sun::{SunOrigin, warn_of_low_sun};
@@ -55,7 +55,14 @@ pub(crate) fn run(args: &Plan) -> Outcome {
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("plan.json"));
     args.settings.check()?;
     args.settings.sun.given_for(&args.scene, &args.load)?;
-    refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
+    let cache = cache_of(args.cache.as_ref(), &output);
+    let edits = args.load.edit().map(|path| ("the edits", &**path));
+    let inputs = || [(SCENE, &*args.scene), ("the cache", &*cache)].into_iter().chain(edits);
+    let shadow_file = args.shadow_file.as_deref().map(|path| ("--shadow-file", path));
+    for (option, path) in [("--output", &*output)].into_iter().chain(shadow_file) {
+        refuse_inputs(option, path, inputs()).map_err(bad_input)?;
+    }
+    refuse_same([&*output].into_iter().chain(args.shadow_file.as_deref())).map_err(bad_input)?;
     check_output(&output)?;
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();

@@ -1,13 +1,15 @@
 //! The file of a plan: where its scene is, how to load it, and the plan.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use adumbra::IoError;
 use adumbra_bake::BakePlan;
+use adumbra_files::read_whole;
 use adumbra_program::args::SceneArgs;
 use adumbra_program::exit::Failure;
 use serde::{Deserialize, Serialize};
+
+/// Most bytes of a plan: a part takes about a hundred, and a plan has a million at most.
+const PLAN_BYTES: u64 = 1 << 30;
 
 #[derive(Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -19,7 +21,7 @@ pub(super) struct PlanFile {
 
 impl PlanFile {
     pub(super) fn read(path: &Path) -> Result<Self, Failure> {
-        let text = fs::read(path).map_err(IoError::at("read", path))?;
+        let text = read_whole(path, PLAN_BYTES)?;
         serde_json::from_slice(&text)
             .map_err(|error| Failure::BadInput(format!("{}: {error}", path.display())))
     }

@@ -1,5 +1,7 @@
 //! `adumbra tile`: bakes parts of a plan.
 
+use std::sync::atomic::AtomicBool;
+
 use adumbra_bake::{BakeOptions, PartBaker, Watch};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::memory::Guard;
@@ -7,7 +9,7 @@ use adumbra_program::output::print_json;
 use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::scene::load_scene_within;
 use adumbra_program::threads::with_threads;
-use adumbra_program::{memory, say, signals};
+use adumbra_program::{memory, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -31,7 +33,7 @@ pub(crate) struct Tiled {
 }
 
 pub(crate) fn run(args: &Tile) -> Outcome {
-    let cancel = signals::install();
+    let cancel = AtomicBool::new(false);
     let cache = cache_of(args.cache.as_ref(), &args.plan);
     let PlanFile { scene: path, load, plan } = PlanFile::read(&args.plan)?;
     let path = args.scene.as_ref().unwrap_or(&path);

@@ -2,13 +2,15 @@
 
 mod pages;
 
-use std::fs;
-
-use adumbra::file::{BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Level};
-use adumbra::{AtRest, Error, FileSettings, Frame, IoError, Receivers, Region, ShadowFile};
+use adumbra::file::sections::read_file;
+use adumbra::file::{
+    BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Header, Level,
+};
+use adumbra::{AtRest, Error, FileSettings, Frame, Receivers, Region, ShadowFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::moment;
 use adumbra_program::output::{format_bytes, print_json, refuse_inputs, write_png};
+use adumbra_program::threads::with_threads;
 use adumbra_program::{mirrors, say};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -112,7 +114,7 @@ pub(crate) fn run(args: &Info) -> Outcome {
             return Err(Failure::Usage(format!("--picture: {file} is a manifest; give a region's file")));
         }
         let info = ManifestInfo::of(&regions, &args.file);
-        if args.json {
+        if args.run.json {
             print_json(&Printed::Manifest(info))?;
         } else {
             info.print();
@@ -124,12 +126,17 @@ pub(crate) fn run(args: &Info) -> Outcome {
             let file = args.file.display();
             return Err(Failure::Usage(format!("--picture: {file} is a sun path; give the file of one sun")));
         }
-        if let Some(info) = path::info(&sun_path, &args.file, args.json)? {
+        if let Some(info) = path::info(&sun_path, &args.file, args.run.json)? {
             print_json(&Printed::Path(info))?;
         }
         return Ok(Code::Fine);
     }
-    let bytes = fs::read(&args.file).map_err(IoError::at("read", &args.file))?;
+    with_threads(args.run.threads, || info_of_file(args))?
+}
+
+fn info_of_file(args: &Info) -> Outcome {
+    args.run.memory_limit().check_shadow_file(&args.file)?;
+    let bytes = read_file(&args.file, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
     let error = |source| Error::Format { path: args.file.clone(), source: Box::new(source) };
     let contents = Contents::parse(&bytes).map_err(error)?;
     let file = ShadowFile::from_bytes(&bytes).map_err(error)?;
@@ -151,7 +158,7 @@ pub(crate) fn run(args: &Info) -> Outcome {
         settings: file.settings,
         levels: levels(&contents, &file),
     };
-    if args.json {
+    if args.run.json {
         print_json(&Printed::File(info))?;
     } else {
         print(&info);

@@ -1,14 +1,14 @@
 //! `adumbra sun-hours`: how long points see the sun.
 
 use std::path::Path;
-use std::sync::Arc;
+
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{Outputs, print_json};
+use adumbra_program::say;
 use adumbra_program::threads::with_threads;
-use adumbra_program::{say, signals};
 use adumbra_scene::Scene;
 use adumbra_solar::Day;
 use adumbra_sunlight::{DayOptions, SunDay, Watch};
@@ -50,7 +50,7 @@ pub(in crate::cmd) struct SunHoursFound {
 
 pub(in crate::cmd) fn run(args: &SunHours) -> Outcome {
     let start = Instant::now();
-    let cancel = signals::install();
+    let cancel = AtomicBool::new(false);
     let accepted = if args.points.places.grid.is_some() { Format::OF_GRIDS } else { Format::OF_POINTS };
     let scenes: Vec<&Path> = [&*args.scene].into_iter().chain(args.compare.as_deref()).collect();
     let formats = outputs(&args.output, accepted, &scenes, &args.points)?;
@@ -126,7 +126,7 @@ struct Run<'a> {
     args: &'a SunHours,
     day: &'a Day,
     suns: &'a SunDay,
-    cancel: &'a Arc<AtomicBool>,
+    cancel: &'a AtomicBool,
 }
 
 impl Run<'_> {

@@ -1,11 +1,12 @@
 //! `adumbra sky`: which patches of the sky points see.
 
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::output::{Outputs, print_json};
+use adumbra_program::say;
 use adumbra_program::threads::with_threads;
-use adumbra_program::{say, signals};
 use adumbra_sunlight::{Patches, Watch, sky_views};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -36,7 +37,7 @@ pub(in crate::cmd) struct SkyFound {
 
 pub(in crate::cmd) fn run(args: &Sky) -> Outcome {
     let start = Instant::now();
-    let cancel = signals::install();
+    let cancel = AtomicBool::new(false);
     let formats = outputs(&args.output, Format::OF_SKIES, &[&args.scene], &args.points)?;
     let patches = match args.patches {
         SkyPatches::Tregenza => Patches::tregenza(),

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use adumbra::IoError;
+use adumbra_files::read_text;
 use adumbra_program::args::{RunArgs, SceneArgs};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::note_input;
@@ -13,6 +13,9 @@ use adumbra_sunlight::{Error, Grid, Progress, Receiver, read_csv, surface_points
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use crate::args::PointArgs;
+
+/// Most bytes of a table of points.
+const TABLE_BYTES: u64 = 4 << 30;
 
 /// Points, and the cells of a grid that they are in.
 pub(super) struct Points {
@@ -56,7 +59,7 @@ pub(super) fn points(
     let receivers = match (&places.points, places.surfaces) {
         (Some(table), _) => {
             note_input("the points", table);
-            let text = std::fs::read_to_string(table).map_err(IoError::at("read", table))?;
+            let text = read_text(table, TABLE_BYTES)?;
             read_csv(&text, args.lift).map_err(|error| match error {
                 Error::Range { .. } => failure(&error, "--lift"),
                 error => Failure::BadInput(format!("{}: {error}", table.display())),

@@ -166,19 +166,19 @@ fn finish(
     let document = serde_json::to_value(report).map_err(|e| Failure::BadInput(e.to_string()))?;
     output::write(&args.output, report, comparison, of_changes, &document)?;
     for t in &report.techniques {
-        t.notes.iter().for_each(|note| eprintln!("note: {}: {note}", t.name));
+        t.notes.iter().for_each(|note| adumbra_program::note!("note: {}: {note}", t.name));
     }
     let excluded = report.pixels.excluded_share();
     let code = if args.check_surfaces && excluded > MAX_EXCLUDED { Code::CheckFailed } else { Code::Fine };
     if excluded > MAX_EXCLUDED {
-        eprintln!(
+        adumbra_program::note!(
             "warning: {} of the pixels with a surface are excluded ({:.1} %): GPU and rays see different surfaces there, and no figure counts them",
             report.pixels.excluded,
             100.0 * excluded
         );
     }
     if report.pixels.compared == 0 {
-        eprintln!(
+        adumbra_program::note!(
             "warning: no pixels were compared because no surface in view faces the sun; there are no figures"
         );
     }

@@ -78,7 +78,7 @@ impl Ambient {
         }
         let radius = DEFAULT_RADIUS_SHARE * usual_diagonal_world;
         let percent = 100.0 * DEFAULT_RADIUS_SHARE;
-        eprintln!(
+        adumbra_program::note!(
             "note: --ao {}: the radius is {} world units, {percent} % of the scene's usual diagonal; set another with radius=",
             self.spec,
             three_digits(radius)

@@ -28,7 +28,7 @@ use super::{Figures, Job, output_of};
 pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<()> {
     let args = job.args;
     for note in gpu.missing_features() {
-        eprintln!("note: {}: {note}", gpu.name());
+        adumbra_program::note!("note: {}: {note}", gpu.name());
     }
     let asked = if specs.is_empty() {
         vec![job.offer.techniques.parse(&job.files.technique(&args.lookup))?]
@@ -73,10 +73,12 @@ pub(super) fn draw(job: &Job<'_>, gpu: Gpu, specs: &[TechniqueSpec]) -> Result<(
             if job.files.serves(spec) { given } else { made },
         )?)?;
         for note in technique.technique().notes() {
-            eprintln!("note: {spec}: {note}");
+            adumbra_program::note!("note: {spec}: {note}");
         }
         if !moving.movers.is_empty() && !spec.shows_movers() {
-            eprintln!("note: {spec}: movers receive its shadows but cast none; voxel+csm draws theirs too");
+            adumbra_program::note!(
+                "note: {spec}: movers receive its shadows but cast none; voxel+csm draws theirs too"
+            );
         }
         for (frame, &(seconds, number)) in (0..).zip(&job.moments) {
             moving.pose(seconds);

@@ -220,7 +220,7 @@ impl Job<'_> {
                 if device.may_fall_back() && self.ambient.is_none() =>
             {
                 let whose = if self.files.is_given() { "the file's shadows" } else { "traced shadows" };
-                eprintln!("note: {error}; drawing on the CPU with {whose}");
+                adumbra_program::note!("note: {error}; drawing on the CPU with {whose}");
                 self.on_the_cpu(&[])?;
             }
             Err(error) => return Err(error.into()),

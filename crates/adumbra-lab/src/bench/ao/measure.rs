@@ -127,7 +127,7 @@ impl Bench<'_, '_, '_> {
                 filtered: self.picture_figures(probe, &filtered)?,
                 raw: self.picture_figures(probe, &unfiltered)?,
             };
-            eprintln!(
+            adumbra_program::note!(
                 "{estimator}: {:.1} ms, {:.2} × alchemy's; RMSE {:.4}, without filter {:.4}, without occlusion {:.4}",
                 row.ms,
                 row.by_alchemy,

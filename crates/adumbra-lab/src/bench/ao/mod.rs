@@ -141,7 +141,7 @@ pub(super) fn run(args: &BenchAo) -> Result<Code> {
     let mut document = Document::new(args);
     let asked = |scene: &&OcclusionScene| args.only.is_empty() || args.only.iter().any(|n| n == scene.name);
     for scene in SCENES.iter().filter(asked) {
-        eprintln!("{}:", scene.title);
+        adumbra_program::note!("{}:", scene.title);
         one(args, scene, &mut document)?;
         write(args, &mut document)?;
     }

@@ -47,7 +47,7 @@ pub(super) fn rows(args: &BenchAo, truth: &Path) -> Result<Vec<OcclusionRow>> {
             let settings = if *filtered { settings } else { unfiltered(settings) };
             let visibility = stage.visibility(&mut OcclusionPasses::new(stage.gpu(), settings))?;
             let found = figures(&visibility, &view)?;
-            eprintln!("{scene} {}: {:.3}", row.name, found.rmse);
+            adumbra_program::note!("{scene} {}: {:.3}", row.name, found.rmse);
             row.scenes[column] = Some(found);
         }
     }

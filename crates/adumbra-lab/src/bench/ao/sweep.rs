@@ -100,9 +100,11 @@ impl Bench<'_, '_, '_> {
                 issao_rmse: self.traced_view.errors(&self.stage.visibility(issao)?)?.rmse,
                 gtao_rmse: self.traced_view.errors(&self.stage.visibility(gtao)?)?.rmse,
             };
-            eprintln!(
+            adumbra_program::note!(
                 "issao with {samples} taps, {:.2} × gtao's time: RMSE {:.4} against {:.4}",
-                found.ratio, found.issao_rmse, found.gtao_rmse
+                found.ratio,
+                found.issao_rmse,
+                found.gtao_rmse
             );
             return Ok(Some(found));
         }

@@ -119,7 +119,12 @@ impl Bench<'_, '_, '_> {
                 flicker: None,
                 settings: Some(settings),
             };
-            eprintln!("{}: {:.1} ms, RMSE {:.4}", variant.name(), variant.ms, variant.errors.rmse);
+            adumbra_program::note!(
+                "{}: {:.1} ms, RMSE {:.4}",
+                variant.name(),
+                variant.ms,
+                variant.errors.rmse
+            );
             variants.push(variant);
             if !options.is_empty() {
                 pictures.push((name(options), visibility));

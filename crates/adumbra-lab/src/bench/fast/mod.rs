@@ -156,7 +156,7 @@ fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut Document) -> Re
     options.extend(memory.iter().flat_map(|bytes| ["--max-memory", bytes.as_str()]));
     let said = child::bake_into(file, &scene, &options)?;
     let number = |key: &str| said[key].as_f64().unwrap_or(f64::NAN);
-    eprintln!("{}: {:.2} s, {} bytes", row.name(), number("seconds"), number("file_bytes"));
+    adumbra_program::note!("{}: {:.2} s, {} bytes", row.name(), number("seconds"), number("file_bytes"));
     document.threads = said["threads"].as_u64().unwrap_or(NO_THREADS);
     let verified = child::verify(file, &scene, args.samples)?;
     let share = |key: &str| verified[key].as_f64().unwrap_or(f64::NAN);

@@ -130,7 +130,7 @@ impl Bench<'_> {
     }
 
     fn leave_out(&mut self, what: &str, reason: String) {
-        eprintln!("{what}: left out: {reason}");
+        adumbra_program::note!("{what}: left out: {reason}");
         self.document.left_out.push([what.to_owned(), reason]);
     }
 }

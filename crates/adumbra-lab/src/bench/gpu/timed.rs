@@ -63,7 +63,7 @@ impl Bench<'_> {
             found.push(view(name, &times, SHADOW, FrameTimes::shadow));
         }
         let row = Row { technique: named, bytes: prepared.technique().bytes(), views: found };
-        eprintln!("{}: {}", row.technique, row.said());
+        adumbra_program::note!("{}: {}", row.technique, row.said());
         Ok(Some(row))
     }
 
@@ -86,7 +86,7 @@ impl Bench<'_> {
             found.push(view(name, &times, AMBIENT, FrameTimes::ambient));
         }
         let row = Row { technique: name.to_owned(), bytes: 0, views: found };
-        eprintln!("{name}: {}", row.said());
+        adumbra_program::note!("{name}: {}", row.said());
         Ok(Some(row))
     }
 

@@ -218,7 +218,7 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
                 continue;
             };
             let row = self.row(&mut pairs, at, beside)?;
-            eprintln!(
+            adumbra_program::note!(
                 "{}: {:.1} ms, {:.2} × the shadow map's; {:.3} % wrong",
                 row.name,
                 row.shadow_ms,

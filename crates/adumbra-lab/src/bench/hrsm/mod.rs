@@ -135,7 +135,7 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
         let largest = args.starts.iter().copied().max();
         let mut groups = Vec::new();
         for (&start, filter) in args.starts.iter().flat_map(|s| FILTERS.map(|f| (s, f))) {
-            eprintln!("{}, {start}, {filter} x {filter}:", model.title);
+            adumbra_program::note!("{}, {start}, {filter} x {filter}:", model.title);
             groups.push(measure.group(start, filter, Some(start) == largest, args.common.frames)?);
         }
         document.models.push(ModelFigures {

@@ -195,7 +195,10 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
                     let times = time(&mut renderer, shot, &mut technique, args.frames)?;
                     let counts = match voxels::count(gpu, &file, groups, Filter::try_from(filter)?) {
                         Err(Error::Render(error)) if matches!(*error, RenderError::VoxelLimit { .. }) => {
-                            eprintln!("{name}, {view}, {}, {filter}: left out: {error}", kind.name());
+                            adumbra_program::note!(
+                                "{name}, {view}, {}, {filter}: left out: {error}",
+                                kind.name()
+                            );
                             continue;
                         }
                         counts => counts?,
@@ -214,7 +217,7 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
 
 fn say(scene: &str, view: &str, what: &str, figures: &Figures) {
     let Figures { words_per_pixel, sectors_per_group, chain_per_group, milliseconds, .. } = figures;
-    eprintln!(
+    adumbra_program::note!(
         "{scene}, {view}, {what}: {words_per_pixel:.1} words, {sectors_per_group:.1} sectors, \
          chains of {chain_per_group:.1}, {milliseconds:.2} ms"
     );

@@ -21,7 +21,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Bui
     for scene in scenes {
         for &depth in &args.depths {
             let row = row(args, scene, depth)?;
-            eprintln!("{} depth {depth}: {:.3?} s", scene.name, row.seconds.list());
+            adumbra_program::note!("{} depth {depth}: {:.3?} s", scene.name, row.seconds.list());
             rows.push(row);
         }
     }

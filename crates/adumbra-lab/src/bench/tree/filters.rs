@@ -94,7 +94,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Fil
                 sheet(args, scene, &check, &baked, sun, &format!("{}{suffix}", scene.name))?;
             }
         }
-        eprintln!("{}: filters and sheets", scene.name);
+        adumbra_program::note!("{}: filters and sheets", scene.name);
     }
     Ok(rows)
 }

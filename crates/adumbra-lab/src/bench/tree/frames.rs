@@ -48,7 +48,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<FrameRo
             let path = args.output.join(format!("tree-nodes-{}-{name}.png", scene.name));
             write_png(&path, &nodes_by_size(&baked.tree, y, PICTURE.1))?;
         }
-        eprintln!("{}: frames and closed regions", scene.name);
+        adumbra_program::note!("{}: frames and closed regions", scene.name);
     }
     Ok(FrameRows { frames, closed_regions: closed })
 }

@@ -33,7 +33,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Opt
     let mut rows = Vec::new();
     for scene in scenes {
         rows.extend(scene_rows(args, scene)?);
-        eprintln!("{}: options", scene.name);
+        adumbra_program::note!("{}: options", scene.name);
     }
     Ok(rows)
 }

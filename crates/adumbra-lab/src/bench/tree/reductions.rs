@@ -21,7 +21,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Red
         for &depth in &args.depths {
             let row = row(args, scene, depth)?;
             let ByReduction { sort, hash, tree_hash } = row.seconds;
-            eprintln!("{} depth {depth}: {sort:.3}, {hash:.3}, {tree_hash:.3} s", scene.name);
+            adumbra_program::note!("{} depth {depth}: {sort:.3}, {hash:.3}, {tree_hash:.3} s", scene.name);
             rows.push(row);
         }
     }

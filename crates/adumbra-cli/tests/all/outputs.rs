@@ -1,0 +1,79 @@
+//! Where stdout and stderr lead to: what cannot be written is an error, and never a panic.
+
+use std::fs::{self, File};
+use std::process::{Command, Output, Stdio};
+
+use adumbra_testing::{Folder, adumbra, program, stderr};
+
+fn full() -> Stdio {
+    File::options().write(true).open("/dev/full").unwrap().into()
+}
+
+fn run(words: &[&str], stdout: Stdio, stderr: Stdio) -> Output {
+    Command::new(program()).args(words).stdout(stdout).stderr(stderr).output().unwrap()
+}
+
+#[test]
+fn results_that_cannot_be_printed_are_errors() {
+    let folder = Folder::new();
+    let (scene, file) = (folder.generate("primitives"), folder.path("p.adumbra"));
+    let bake = ["bake", &scene, "--resolution", "256", "-o", &file];
+    let output = run(&bake, full(), Stdio::piped());
+    assert_eq!(output.status.code(), Some(4), "{}", stderr(&output));
+    assert!(file_is_whole(&file), "the file is written all the same");
+    for words in [
+        &["info", &file, "--json"][..],
+        &["info", &file],
+        &["inspect", &scene],
+        &["schema", "bake"],
+        &["--help"],
+        &["bake", "--help"],
+        &["--version"],
+    ] {
+        let output = run(words, full(), Stdio::piped());
+        let said = stderr(&output);
+        assert_eq!(output.status.code(), Some(4), "{words:?}: {said}");
+        assert!(said.contains("cannot write") && said.contains("standard output"), "{words:?}: {said}");
+    }
+}
+
+fn file_is_whole(path: &str) -> bool {
+    adumbra(&["info", path]).0 == 0
+}
+
+#[test]
+fn errors_that_cannot_be_printed_keep_their_codes() {
+    let folder = Folder::new();
+    let (scene, file) = (folder.generate("primitives"), folder.path("p.adumbra"));
+    let missing = folder.path("none.adumbra");
+    for (words, code) in [
+        (&["info", &missing][..], 3),
+        (&["bake", &scene, "--resolution", "100"], 2),
+        (&["bake", &scene, "--no-such-option"], 2),
+        // A warning.
+        (&["bake", &scene, "--resolution", "64", "--sun", "1,0.01,0", "-o", &file], 0),
+    ] {
+        assert_eq!(run(words, Stdio::null(), full()).status.code(), Some(code), "{words:?}");
+        assert_eq!(run(words, Stdio::null(), closed()).status.code(), Some(code), "{words:?}");
+    }
+}
+
+/// A pipe that nobody reads.
+fn closed() -> Stdio {
+    std::io::pipe().unwrap().1.into()
+}
+
+/// `head` closes its end when it has what it wants.
+#[test]
+fn a_reader_that_has_enough_is_no_error() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let output = run(&["inspect", &scene, "--json"], closed(), Stdio::piped());
+    assert_eq!(
+        (output.status.code(), stderr(&output).contains("error")),
+        (Some(0), false),
+        "{}",
+        stderr(&output)
+    );
+    assert!(fs::metadata(&scene).is_ok());
+}

@@ -1,0 +1,154 @@
+//! Temporary files that programs left because they were killed. A program holds a lock on each of its own while it runs.
+
+use std::fs::{self, File, TryLockError};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
+
+use adumbra::IoError;
+
+use crate::folder_of;
+
+const PREFIX: &str = ".adumbra-";
+pub(crate) const SUFFIX: &str = ".tmp";
+/// Length of the random part of a name.
+pub(crate) const RANDOM_BYTES: usize = 6;
+/// Names have at most 255 bytes.
+const MOST_NAME_BYTES: usize = 200;
+/// After this time a file is abandoned even where locks do not tell, as on some file servers.
+const LONG: Duration = Duration::from_hours(24);
+
+/// Returns what the names of the temporary files for `target` begin with.
+pub(crate) fn prefix_of(target: &Path) -> String {
+    let name = target.file_name().unwrap_or_default().to_string_lossy();
+    format!("{PREFIX}{}-", &name[..name.floor_char_boundary(MOST_NAME_BYTES)])
+}
+
+/// Removes the temporary files for `target` that were abandoned, and those beside it that were abandoned more than a day
+/// ago.
+pub(crate) fn remove_beside(target: &Path) {
+    let prefix = prefix_of(target);
+    let is_own =
+        |name: &str| name.len() == prefix.len() + RANDOM_BYTES + SUFFIX.len() && name.starts_with(&prefix);
+    for file in Abandoned::find(&folder_of(target), |name, age| is_own(name) || age > LONG) {
+        // One that cannot be removed hinders nobody.
+        let _ = file.remove();
+    }
+}
+
+/// A temporary file of this crate whose program was killed.
+#[derive(Debug)]
+pub struct Abandoned {
+    path: PathBuf,
+    bytes: u64,
+    /// Locked until it is gone, so its name is not given to another file meanwhile.
+    _file: File,
+}
+
+impl Abandoned {
+    /// Finds those in a folder whose name and age are wanted. Where files cannot be locked, only those older than a day are
+    /// found. A folder that cannot be read has none.
+    pub fn find<F: Fn(&str, Duration) -> bool>(
+        folder: &Path,
+        is_wanted: F,
+    ) -> impl Iterator<Item = Self> + use<F> {
+        let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+        entries.filter_map(move |entry| {
+            let (name, path) = (entry.file_name().into_string().ok()?, entry.path());
+            // Neither links, which lead elsewhere, nor pipes, which may never open.
+            let found = entry.metadata().ok().filter(fs::Metadata::is_file)?;
+            let is_temporary = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
+            let age = SystemTime::now().duration_since(found.modified().ok()?).unwrap_or_default();
+            if !is_temporary || !is_wanted(&name, age) {
+                return None;
+            }
+            let file = File::open(&path).ok()?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => return None,
+                Err(TryLockError::Error(_)) if age > LONG => {}
+                Err(TryLockError::Error(_)) => return None,
+            }
+            Some(Self { path, bytes: found.len(), _file: file })
+        })
+    }
+
+    /// Returns its length in bytes.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Removes it.
+    ///
+    /// # Errors
+    /// Returns [`IoError`] if the operating system refuses to.
+    pub fn remove(self) -> Result<(), IoError> {
+        fs::remove_file(&self.path).map_err(IoError::at("remove", &self.path))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use super::*;
+    use crate::{StagedFile, replace_file};
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<String> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    fn write_aged(path: &Path, age: Duration) {
+        let file = File::create(path).unwrap();
+        file.set_modified(SystemTime::now() - age).unwrap();
+    }
+
+    #[test]
+    fn files_of_programs_that_were_killed_are_removed_and_those_in_use_are_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let hour = Duration::from_hours(1);
+        let kept = [".adumbra-file-x-abc123.tmp", ".adumbra-notes", "other.tmp"];
+        // Another program may run on another machine, whose locks are not seen here: its files are left alone for a day.
+        for name in [kept[0], kept[1], kept[2], ".adumbra-file-abc123.tmp"] {
+            write_aged(&folder.path().join(name), 23 * hour);
+        }
+        write_aged(&folder.path().join(".adumbra-other-abc123.tmp"), 25 * hour);
+        let staged = StagedFile::new(&path, |file| file.write_all(b"first").map(|()| 5)).unwrap();
+        let held = names(folder.path());
+        assert!(held.len() == 4 && kept.iter().all(|name| held.iter().any(|n| n == name)), "{held:?}");
+        replace_file(&path, |file| file.write_all(b"second").map(|()| 6)).unwrap();
+        assert_eq!(names(folder.path()).len(), 5, "the staged file is in use");
+        StagedFile::place([staged]).unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"first");
+        assert_eq!(names(folder.path()), [kept[0], kept[1], "file", kept[2]]);
+    }
+
+    #[test]
+    fn names_of_any_length_are_used() {
+        let folder = tempfile::tempdir().unwrap();
+        for name in ["a".repeat(255), "ä".repeat(127)] {
+            replace_file(&folder.path().join(&name), |file| file.write_all(b"a").map(|()| 1)).unwrap();
+        }
+        assert_eq!(names(folder.path()).len(), 2);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_pipes_are_not_taken_for_temporary_files() {
+        let folder = tempfile::tempdir().unwrap();
+        let [link, pipe, other] =
+            [".adumbra-file-abc123.tmp", ".adumbra-file-abc124.tmp", "other"].map(|n| folder.path().join(n));
+        fs::write(&other, "mine").unwrap();
+        std::os::unix::fs::symlink(&other, &link).unwrap();
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status().unwrap();
+        assert!(made.success());
+        replace_file(&folder.path().join("file"), |file| file.write_all(b"a").map(|()| 1)).unwrap();
+        assert_eq!(names(folder.path()).len(), 4);
+        assert_eq!(fs::read(&other).unwrap(), b"mine");
+    }
+}
