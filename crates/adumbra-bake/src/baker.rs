@@ -42,8 +42,6 @@ pub struct Baker {
     /// With the frame that was chosen first, and with the first decision on the ground.
     options: BakeOptions,
     objects: Arc<dyn Objects>,
-    /// The objects, if they are in memory.
-    memory: Option<Arc<MemoryObjects>>,
     plan: BakePlan,
     /// Keys whose objects are there.
     known: HashSet<ObjectKey>,
@@ -73,9 +71,7 @@ impl Baker {
     /// # Errors
     /// Returns the errors of [`BakePlan::new`].
     pub fn new(scene: Scene, options: &BakeOptions) -> Result<Self> {
-        let memory = Arc::new(MemoryObjects::default());
-        let baker = Self::with_objects(scene, options, memory.clone())?;
-        Ok(Self { memory: Some(memory), ..baker })
+        Self::with_objects(scene, options, Arc::new(MemoryObjects::default()))
     }
 
     /// Plans the bake of a scene, and keeps what is baked in `objects`. See [`Baker::new`].
@@ -88,7 +84,7 @@ impl Baker {
         let options = BakeOptions { frame, assume_ground, ..options.clone() };
         let is_unlimited = options.max_memory_bytes.is_none();
         let (prepared, recent) = (is_unlimited.then_some(prepared), is_unlimited.then(Arc::default));
-        Ok(Self { scene, options, objects, memory: None, plan, known: HashSet::new(), prepared, recent })
+        Ok(Self { scene, options, objects, plan, known: HashSet::new(), prepared, recent })
     }
 
     /// Returns the scene as it is now.
@@ -181,13 +177,20 @@ impl Baker {
         Ok(done)
     }
 
+    /// Forgets which pages are baked. If linking misses some, because their objects could not be read again, the next bake
+    /// makes them.
+    pub fn forget(&mut self) {
+        self.known.clear();
+    }
+
     /// Links the pages to a file in `out`, from its position on.
     ///
     /// # Errors
     /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of [`link`].
     pub fn write_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
         let written = link(&self.plan, &self.objects, &self.options, watch, out)?;
-        self.tidy();
+        // What only earlier scenes needed was not read.
+        self.objects.tidy();
         Ok(written)
     }
 
@@ -206,14 +209,8 @@ impl Baker {
     /// Returns the errors of [`Baker::write_to`].
     pub fn file(&self) -> Result<ShadowFile> {
         let file = link_in_memory(&self.plan, &self.objects, &self.options)?;
-        self.tidy();
+        // What only earlier scenes needed was not read.
+        self.objects.tidy();
         Ok(file)
-    }
-
-    /// Removes what only earlier scenes needed. Linking has just read everything else.
-    fn tidy(&self) {
-        if let Some(memory) = &self.memory {
-            memory.remove_unused();
-        }
     }
 }

@@ -108,8 +108,8 @@ const MIN_ROOT_LEVEL: u32 = 5;
 const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
 /// log2 of the number of root blocks that a bake aims at across the resolution.
 const TOP_GRID_LEVEL: u32 = 5;
-/// A grid that is longer than so many times the resolution has larger root blocks, so that it has at most twice as many times
-/// 2^[`TOP_GRID_LEVEL`] of them across.
+/// A grid that is longer than so many times the resolution has larger root blocks: at most 2 · `LONG_GRID` ·
+/// 2^[`TOP_GRID_LEVEL`] across.
 const LONG_GRID: u32 = 4;
 
 /// Grids begin and end at multiples of a page from the world's origin, so that texels stay where they are when a scene

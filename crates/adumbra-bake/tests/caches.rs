@@ -71,7 +71,7 @@ fn what_is_no_object_is_neither_counted_nor_removed() {
         write(cache.join("ab").join(format!("a{}", name("a"))), &object),
         write(cache.join(name("a")), &object),
         write(cache.join("ab").join(name("b")), b"mine, and not an object"),
-        write(cache.join("ab").join(name("c")), b"ADUM"),
+        write(cache.join("ab").join(name("c")), b"ADUX"),
         write(outside.join(name("a")), &object),
     ];
     fs::create_dir(cache.join("ab").join(name("d"))).unwrap();
@@ -81,15 +81,31 @@ fn what_is_no_object_is_neither_counted_nor_removed() {
         std::os::unix::fs::symlink(&outside, cache.join("cd")).unwrap();
         std::os::unix::fs::symlink(outside.join(name("a")), cache.join("ab").join(name("e"))).unwrap();
         others.extend([cache.join("cd"), cache.join("ab").join(name("e"))]);
+        // Nothing is read from behind a link, or written there.
+        let key: ObjectKey = format!("cd{}", "a".repeat(62)).parse().unwrap();
+        assert_eq!(objects.get(&key, 100).unwrap(), Fetched::Nothing);
+        let other: ObjectKey = format!("cd{}", "b".repeat(62)).parse().unwrap();
+        assert!(objects.put(&other, &object).unwrap_err().to_string().contains("link"));
+        // Nor are temporary files there removed.
+        std::os::unix::fs::symlink(&outside, cache.join("new")).unwrap();
+        let left = write(outside.join(".adumbra-a-abcdef.tmp"), b"left");
+        let long_ago = SystemTime::now() - Duration::from_hours(48);
+        File::options().append(true).open(&left).unwrap().set_modified(long_ago).unwrap();
+        others.push(left);
     }
-    let kept =
-        [write(cache.join("ab").join(name("f")), &object), write(cache.join("00").join(name("0")), b"")];
-    let found = objects.contents().unwrap();
-    assert_eq!((found.contents.objects, found.contents.bytes), (2, object.len() as u64));
+    // The last three are what a power failure may leave.
+    let removable = [
+        write(cache.join("ab").join(name("f")), &object),
+        write(cache.join("00").join(name("1")), b"ADUM"),
+        write(cache.join("00").join(name("2")), &[0; 90]),
+        write(cache.join("00").join(name("0")), b""),
+    ];
+    let found = objects.contents().unwrap().contents;
+    let bytes = object.len() as u64 + 4 + 90;
+    assert_eq!((found.objects, found.bytes, found.abandoned), (4, bytes, 0));
     let removed = objects.prune(0).unwrap();
-    // The empty one, which a power failure may leave, need not go.
-    assert_eq!(removed.contents.bytes, object.len() as u64);
-    assert!(removed.failures.is_empty() && !kept[0].exists());
+    assert_eq!((removed.contents.bytes, removed.contents.abandoned), (bytes, 0));
+    assert!(removed.failures.is_empty() && removable[..3].iter().all(|path| !path.exists()));
     for path in others {
         assert!(fs::symlink_metadata(&path).is_ok(), "{}", path.display());
     }
@@ -172,6 +188,7 @@ fn entries_that_are_no_files_or_too_long_are_made_again() {
 struct Failing {
     inner: MemoryObjects,
     reads: bool,
+    writes: bool,
     asked: AtomicU64,
 }
 
@@ -188,7 +205,7 @@ impl Objects for Failing {
     }
 
     fn put(&self, _: &ObjectKey, _: &[u8]) -> Result<(), IoError> {
-        Err(self.fail())
+        if self.writes { Ok(()) } else { Err(self.fail()) }
     }
 }
 
@@ -215,12 +232,21 @@ fn a_cache_that_fails_is_said_once_and_soon_left_alone() {
 #[test]
 fn a_baker_links_what_a_failing_cache_did_not_take() {
     let scene = scene();
-    let cached = CachedObjects::new(Arc::new(Failing::default()), |_| {}).with_memory();
-    let mut baker = Baker::with_objects(scene.clone(), &options(), Arc::new(cached)).unwrap();
-    baker.bake(None, Watch::none()).unwrap();
-    let mut out = Cursor::new(Vec::new());
-    baker.write_to(Watch::none(), &mut out).unwrap();
-    assert!(out.into_inner() == fresh(&scene));
+    for writes in [false, true] {
+        let failing = Failing { writes, ..Failing::default() };
+        let cached = CachedObjects::new(Arc::new(failing), |_| {}).with_memory();
+        let mut baker = Baker::with_objects(scene.clone(), &options(), Arc::new(cached)).unwrap();
+        let mut out = Cursor::new(Vec::new());
+        // What was taken, and cannot be read again, is baked again until nothing is asked of the cache.
+        while let Err(error) =
+            baker.bake(None, Watch::none()).and_then(|_| baker.write_to(Watch::none(), &mut out))
+        {
+            assert!(writes && matches!(error, Error::MissingParts { .. }), "{error}");
+            baker.forget();
+            out = Cursor::new(Vec::new());
+        }
+        assert!(out.into_inner() == fresh(&scene), "{writes}");
+    }
 }
 
 /// Objects that note the most bytes that they were asked for, and the longest that they gave.

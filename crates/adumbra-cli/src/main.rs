@@ -8,7 +8,7 @@ mod cmd;
 
 use std::process::ExitCode;
 
-use adumbra_program::exit::Outcome;
+use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::{signals, start};
 
 use crate::args::{Args, Verb};
@@ -19,10 +19,9 @@ impl start::Program for Args {
     }
 
     fn run(self) -> Outcome {
-        // A follower ends as soon as it is asked to, as if it had finished.
-        if !matches!(&self.verb, Verb::Bake(bake) if bake.watch) {
-            signals::end_when_interrupted();
-        }
+        // A follower has nothing else to end it.
+        let is_follower = matches!(&self.verb, Verb::Bake(bake) if bake.watch);
+        signals::end_when_interrupted(if is_follower { Code::Fine } else { Code::Interrupted });
         cmd::run(self.verb)
     }
 }

@@ -1,6 +1,6 @@
 //! Temporary files that programs left because they were killed. A program holds a lock on each of its own while it runs.
 
-use std::fs::{self, File, TryLockError};
+use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
@@ -14,22 +14,18 @@ pub(crate) const SUFFIX: &str = ".tmp";
 pub(crate) const RANDOM_BYTES: usize = 6;
 /// Names have at most 255 bytes.
 const MOST_NAME_BYTES: usize = 200;
-/// After this time a file is abandoned even where locks do not tell, as on some file servers.
-const LONG: Duration = Duration::from_hours(24);
-
 /// Returns what the names of the temporary files for `target` begin with.
 pub(crate) fn prefix_of(target: &Path) -> String {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     format!("{PREFIX}{}-", &name[..name.floor_char_boundary(MOST_NAME_BYTES)])
 }
 
-/// Removes the temporary files for `target` that were abandoned, and those beside it that were abandoned more than a day
-/// ago.
+/// Removes the temporary files for `target` that were abandoned.
 pub(crate) fn remove_beside(target: &Path) {
     let prefix = prefix_of(target);
     let is_own =
         |name: &str| name.len() == prefix.len() + RANDOM_BYTES + SUFFIX.len() && name.starts_with(&prefix);
-    for file in Abandoned::find(&folder_of(target), |name, age| is_own(name) || age > LONG) {
+    for file in Abandoned::find(&folder_of(target), |name, _| is_own(name)) {
         // One that cannot be removed hinders nobody.
         let _ = file.remove();
     }
@@ -45,8 +41,8 @@ pub struct Abandoned {
 }
 
 impl Abandoned {
-    /// Finds those in a folder whose name and age are wanted. Where files cannot be locked, only those older than a day are
-    /// found. A folder that cannot be read has none.
+    /// Finds those in a folder whose name and age are wanted. Where files cannot be locked, none is known to be abandoned. A
+    /// folder that cannot be read has none.
     pub fn find<F: Fn(&str, Duration) -> bool>(
         folder: &Path,
         is_wanted: F,
@@ -61,13 +57,9 @@ impl Abandoned {
             if !is_temporary || !is_wanted(&name, age) {
                 return None;
             }
-            let file = File::open(&path).ok()?;
-            match file.try_lock() {
-                Ok(()) => {}
-                Err(TryLockError::WouldBlock) => return None,
-                Err(TryLockError::Error(_)) if age > LONG => {}
-                Err(TryLockError::Error(_)) => return None,
-            }
+            // File servers lock only what can be written.
+            let file = File::options().write(true).open(&path).or_else(|_| File::open(&path)).ok()?;
+            file.try_lock().ok()?;
             Some(Self { path, bytes: found.len(), _file: file })
         })
     }
@@ -102,22 +94,15 @@ mod tests {
         names
     }
 
-    fn write_aged(path: &Path, age: Duration) {
-        let file = File::create(path).unwrap();
-        file.set_modified(SystemTime::now() - age).unwrap();
-    }
-
     #[test]
     fn files_of_programs_that_were_killed_are_removed_and_those_in_use_are_not() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
-        let hour = Duration::from_hours(1);
+        // Those of other outputs may be in use on another machine, whose locks are not seen here.
         let kept = [".adumbra-file-x-abc123.tmp", ".adumbra-notes", "other.tmp"];
-        // Another program may run on another machine, whose locks are not seen here: its files are left alone for a day.
         for name in [kept[0], kept[1], kept[2], ".adumbra-file-abc123.tmp"] {
-            write_aged(&folder.path().join(name), 23 * hour);
+            fs::write(folder.path().join(name), "left").unwrap();
         }
-        write_aged(&folder.path().join(".adumbra-other-abc123.tmp"), 25 * hour);
         let staged = StagedFile::new(&path, |file| file.write_all(b"first").map(|()| 5)).unwrap();
         let held = names(folder.path());
         assert!(held.len() == 4 && kept.iter().all(|name| held.iter().any(|n| n == name)), "{held:?}");

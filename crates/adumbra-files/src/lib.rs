@@ -1,5 +1,6 @@
-//! Reads files within a limit, and writes files that are either complete or absent: a temporary file next to the target is renamed to it once it is
-//! complete. Symbolic links are followed: the file that a link leads to is replaced, and the link is kept.
+//! Reads files within a limit, and writes files that are either complete or absent: a temporary file next to the target is
+//! renamed to it once it is complete. Symbolic links are followed: the file that a link leads to is replaced, and the link is
+//! kept.
 
 mod abandoned;
 mod input;
@@ -167,6 +168,20 @@ pub fn check_output(path: &Path) -> Result<(), IoError> {
     temporary_beside(&target, path).map(|_| ())
 }
 
+/// Refuses what is there and is no file. Links of the system to its own pipes, such as `/dev/stdout`, lead to no path.
+fn check_kind(path: &Path) -> io::Result<()> {
+    let say = |kind, what: &str| Err(io::Error::new(kind, what));
+    match fs::metadata(path) {
+        Ok(found) if found.is_dir() => {
+            say(ErrorKind::IsADirectory, "it is a folder; give the name of a file in it")
+        }
+        Ok(found) if !found.is_file() => {
+            say(ErrorKind::InvalidInput, "it is a device or a pipe; give the name of a file")
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Returns the path at which a file written to `path` will be: `path` itself, or the target of its symbolic links,
 /// whether that exists or not.
 ///
@@ -249,7 +264,7 @@ pub fn folder_of(path: &Path) -> PathBuf {
 /// Creates an empty temporary file beside `target`, to which `path` leads, with the permissions of the existing file.
 fn temporary_beside(target: &Path, path: &Path) -> Result<(NamedTempFile, Living), IoError> {
     let folder = folder_of(target);
-    check_target(target, &folder).map_err(IoError::at("create", path))?;
+    check_kind(path).and_then(|()| check_folder(&folder)).map_err(IoError::at("create", path))?;
     temporary_in(&folder, target, path)
 }
 
@@ -274,7 +289,7 @@ fn temporary_in(folder: &Path, target: &Path, path: &Path) -> Result<(NamedTempF
     let locked = || -> io::Result<NamedTempFile> {
         loop {
             let temporary = builder.tempfile_in(folder)?;
-            // Where files cannot be locked, none is taken for abandoned.
+            // Where files cannot be locked, none is known to be abandoned.
             let _ = temporary.as_file().lock();
             // Another program may have taken it for abandoned before it was locked.
             if temporary.path().exists() {
@@ -295,7 +310,7 @@ fn temporary_in(folder: &Path, target: &Path, path: &Path) -> Result<(NamedTempF
 }
 
 /// Detects errors before anything is written, with clearer messages than those of the operating system.
-fn check_target(path: &Path, folder: &Path) -> io::Result<()> {
+fn check_folder(folder: &Path) -> io::Result<()> {
     let say = |kind, what: String| Err(io::Error::new(kind, what));
     match fs::metadata(folder) {
         Ok(found) if found.is_dir() => {}
@@ -317,15 +332,7 @@ fn check_target(path: &Path, folder: &Path) -> io::Result<()> {
         }
         Err(e) => return Err(e),
     }
-    match fs::metadata(path) {
-        Ok(found) if found.is_dir() => {
-            say(ErrorKind::IsADirectory, "it is a folder; give the name of a file in it".to_owned())
-        }
-        Ok(found) if !found.is_file() => {
-            say(ErrorKind::InvalidInput, "it is a device or a pipe; give the name of a file".to_owned())
-        }
-        _ => Ok(()),
-    }
+    Ok(())
 }
 
 /// Adds a hint on how to fix the error to the message of the operating system. The error kind is kept.

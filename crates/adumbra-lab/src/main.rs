@@ -8,6 +8,7 @@ use std::process::ExitCode;
 use adumbra_compare::verbs::{Offer, compare, render};
 use adumbra_lab::args::Verb;
 use adumbra_lab::{TECHNIQUES, bench, dag, paper_report, programs, schemas, tree, tune_ao};
+use adumbra_program::exit::Code;
 use adumbra_program::exit::Outcome;
 use adumbra_program::{signals, start};
 use clap::Parser;
@@ -39,7 +40,7 @@ impl start::Program for Args {
     fn run(self) -> Outcome {
         // A report keeps what it has measured.
         if !matches!(self.verb, Verb::Report(_)) {
-            signals::end_when_interrupted();
+            signals::end_when_interrupted(Code::Interrupted);
         }
         Ok(match self.verb {
             Verb::Bench { what } => bench::run(&what)?,

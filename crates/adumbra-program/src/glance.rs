@@ -12,6 +12,7 @@ use serde::Serialize;
 
 use crate::args::quoted;
 use crate::exit::Failure;
+use crate::output::format_number;
 
 /// Voxels larger than this share of the box that holds nearly all triangles show little of the scene.
 const LARGEST_VOXEL: f64 = 0.01;
@@ -105,7 +106,9 @@ pub fn warn_of_large_voxels(scene: &Path, glance: &Glance, voxel_size: f64) {
     }
     let scene = scene.display();
     let large = format!(
-        "voxels of {voxel_size:.4} are larger than a hundredth of the box that holds nearly all of the scene, {side:.4}"
+        "voxels of {} are larger than a hundredth of the box that holds nearly all of the scene, {}",
+        format_number(voxel_size),
+        format_number(side)
     );
     let Bounds { min, max } = spread.bounds_to_give();
     let bounds = listed(min.iter().chain(&max));

@@ -184,6 +184,15 @@ pub fn make_folder(path: &Path) -> Result<(), Failure> {
     Ok(std::fs::create_dir_all(path).map_err(IoError::at("create", path))?)
 }
 
+/// Formats a number of any size: with four decimals, or with an exponent where they would be many digits or none.
+pub fn format_number(value: f64) -> String {
+    if value == 0.0 || (1e-3..1e9).contains(&value.abs()) {
+        format!("{value:.4}")
+    } else {
+        format!("{value:.3e}")
+    }
+}
+
 /// Formats a number of bytes, for example 12,345,678 as "11.8 MiB".
 pub fn format_bytes(bytes: u64) -> String {
     let units = ["B", "KiB", "MiB", "GiB", "TiB"];

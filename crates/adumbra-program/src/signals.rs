@@ -2,15 +2,20 @@
 //! something to finish are asked to stop first. Exceeding a file-size limit becomes an error instead of ending the program.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
-#[cfg(unix)]
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
 #[cfg(unix)]
 use signal_hook::consts::SIGHUP;
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::exit::Code;
+
+/// How long the end of the program waits until its last message is read.
+#[cfg(unix)]
+const PATIENCE: std::time::Duration = std::time::Duration::from_millis(200);
+
+/// The exit code of a program that an interrupt ends.
+static CODE: AtomicU8 = AtomicU8::new(Code::Interrupted as u8);
 
 /// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the program. For verbs
 /// that look at the flag often.
@@ -20,9 +25,10 @@ pub fn install() -> Arc<AtomicBool> {
     cancel
 }
 
-/// Makes the first interrupt end the program: files that are written appear whole or not at all, so that no verb needs to
-/// finish anything.
-pub fn end_when_interrupted() {
+/// Makes the first interrupt end the program with this code: files that are written appear whole or not at all, so that no
+/// verb needs to finish anything.
+pub fn end_when_interrupted(code: Code) {
+    CODE.store(code as u8, Ordering::Relaxed);
     listen(&Arc::new(AtomicBool::new(true)));
 }
 
@@ -50,8 +56,19 @@ fn listen(flag: &Arc<AtomicBool>) {
 
 #[cfg(unix)]
 fn end() -> ! {
-    crate::note!("error: interrupted; no file was left half written");
-    signal_hook::low_level::exit(Code::Interrupted as i32)
+    let code = CODE.load(Ordering::Relaxed);
+    if code == Code::Interrupted as u8 {
+        // Whoever should read it may have stopped to.
+        let (said, is_said) = std::sync::mpsc::channel();
+        let say = move || {
+            crate::note!("error: interrupted; no file was left half written");
+            let _ = said.send(());
+        };
+        if std::thread::Builder::new().spawn(say).is_ok() {
+            let _ = is_said.recv_timeout(PATIENCE);
+        }
+    }
+    signal_hook::low_level::exit(code.into())
 }
 
 /// Whether the program was started so that the end of its terminal does not end it. Where that is not known, the system's

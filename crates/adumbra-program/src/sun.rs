@@ -12,6 +12,9 @@ use serde::{Deserialize, Serialize};
 /// Direction towards the sun where nothing else gives one.
 pub const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
+/// From this component on, a direction is shown with a length of 1.
+const LONG: f64 = 1e6;
+
 /// Where the direction of a sun comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -84,8 +87,10 @@ impl ChosenSun {
 
 impl fmt::Display for ChosenSun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let is_long = self.towards.iter().any(|c| c.abs() >= LONG);
+        let towards = if is_long { self.sun.towards() } else { self.towards };
         // Adding 0 turns -0 into 0.
-        let [x, y, z] = self.towards.map(|c| (c * 1e4).round() / 1e4 + 0.0);
+        let [x, y, z] = towards.map(|c| (c * 1e4).round() / 1e4 + 0.0);
         write!(f, "sun {x},{y},{z} ({})", self.origin)
     }
 }

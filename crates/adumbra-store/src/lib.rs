@@ -82,7 +82,7 @@ impl StoreObjects {
         Ok(Self { name, store, below, runtime })
     }
 
-    /// Counts the objects.
+    /// Counts the objects, by their names.
     ///
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
@@ -125,8 +125,12 @@ impl StoreObjects {
     /// Removes an object. `false` if it is not one, or is gone.
     async fn remove(&self, path: &Path, size: u64) -> Result<bool, Error> {
         let length = size.min(OBJECT_MAGIC.len() as u64);
-        if length > 0 && *self.store.get_range(path, 0..length).await? != OBJECT_MAGIC[..] {
-            return Ok(false);
+        if length > 0 {
+            match self.store.get_range(path, 0..length).await {
+                Ok(magic) if *magic == OBJECT_MAGIC[..] => {}
+                Ok(_) | Err(Error::NotFound { .. }) => return Ok(false),
+                Err(error) => return Err(error),
+            }
         }
         match self.store.delete(path).await {
             Ok(()) => Ok(true),

@@ -87,10 +87,17 @@ fn found(
         |part: &PlannedPart| part.level as usize == level && !sink.has_part(part.number as usize);
     let mut missing = plan.parts.iter().enumerate().filter(|(_, part)| is_missing(part));
     if let Some((first, _)) = missing.next() {
-        if let Some((bytes, limit_bytes)) = sink.object_bytes().zip(limits.max_memory_bytes) {
-            return Err(Error::MemoryLimit { what: "reading a part", needed_bytes: 2 * bytes, limit_bytes });
+        let missing = 1 + missing.count();
+        // Where nothing else is missing, baking again would not help.
+        let (left_out, room_bytes) = sink.left_out();
+        if let Some(limit_bytes) = limits.max_memory_bytes.filter(|_| left_out == missing) {
+            return Err(Error::MemoryLimit {
+                what: "reading a part",
+                needed_bytes: 2 * room_bytes,
+                limit_bytes,
+            });
         }
-        return Err(Error::MissingParts { missing: 1 + missing.count(), level, first });
+        return Err(Error::MissingParts { missing, level, first });
     }
     let held_bytes = sink.memory_bytes() + sink.finish_bytes();
     if let Some(limit_bytes) = limits.max_memory_bytes {

@@ -8,14 +8,14 @@ use adumbra::IoError;
 
 use super::{Fetched, MemoryObjects, ObjectKey, Objects};
 
-/// After so many failures without a success between them, no more is asked of a cache: a server that is away takes minutes
-/// to say so.
+/// After so many failures without a success between them, no more is read from a cache, or written to it: a server that is
+/// away takes minutes to say so.
 const MOST_FAILURES: u32 = 3;
 
 /// Objects whose failures are no errors of the bake.
 pub struct CachedObjects {
     objects: Arc<dyn Objects>,
-    /// Has what could not be put, for users that read what they have put.
+    /// Has what could not be put, or could not be read again, for users that read what they have put.
     memory: Option<MemoryObjects>,
     on_failure: Box<dyn Fn(&IoError) + Send + Sync>,
     has_failed: AtomicBool,
@@ -36,7 +36,8 @@ impl CachedObjects {
         }
     }
 
-    /// Keeps in memory what cannot be put. A [`Baker`](crate::Baker) links what it has put.
+    /// Keeps in memory what cannot be put, and what is put while nothing can be read. A [`Baker`](crate::Baker) links what it
+    /// has put.
     #[must_use]
     pub fn with_memory(self) -> Self {
         Self { memory: Some(MemoryObjects::default()), ..self }
@@ -84,9 +85,16 @@ impl Objects for CachedObjects {
     }
 
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
-        match (self.attempt(&self.writing, |objects| objects.put(key, bytes)), &self.memory) {
-            (None, Some(memory)) => memory.put(key, bytes),
+        let is_there = self.attempt(&self.writing, |objects| objects.put(key, bytes)).is_some();
+        match &self.memory {
+            Some(memory) if !is_there || self.reading.are_too_many() => memory.put(key, bytes),
             _ => Ok(()),
+        }
+    }
+
+    fn tidy(&self) {
+        if let Some(memory) = &self.memory {
+            memory.tidy();
         }
     }
 }

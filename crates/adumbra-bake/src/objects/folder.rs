@@ -115,14 +115,16 @@ impl FolderObjects {
     }
 
     fn abandoned(&self) -> impl Iterator<Item = Abandoned> + use<> {
-        Abandoned::find(&self.folder.join(NEW), |_, age| age > ABANDONED_AFTER)
+        let new = self.folder.join(NEW);
+        let all = is_folder(&new).then(|| Abandoned::find(&new, |_, age| age > ABANDONED_AFTER));
+        all.into_iter().flatten()
     }
 
     /// Returns the objects, and what could not be read.
     fn list(&self) -> Result<(Vec<Found>, Vec<IoError>), IoError> {
         let (mut list, mut failures) = (Vec::new(), Vec::new());
         for (first, folder) in entries(&self.folder)? {
-            if !is_name(&first, 2) || !fs::symlink_metadata(&folder).is_ok_and(|found| found.is_dir()) {
+            if !is_name(&first, 2) || !is_folder(&folder) {
                 continue;
             }
             let within = entries(&folder).unwrap_or_else(|error| {
@@ -182,12 +184,18 @@ fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, IoError> {
     Ok(all.map_err(IoError::at("read", folder))?.into_iter().filter_map(named).collect())
 }
 
+/// Whether there is a folder, and no link to one.
+fn is_folder(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|found| found.is_dir())
+}
+
 /// Whether a name has so many lower-case hexadecimal digits, and nothing else.
 fn is_name(name: &str, digits: usize) -> bool {
     name.len() == digits && name.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Returns what is known of the object at a path. A power failure may leave an empty one. `None` if it is something else.
+/// Returns what is known of the object at a path. A power failure may leave one that is cut off or full of zeros. `None` if
+/// it is something else.
 fn object_at(path: &Path) -> std::io::Result<Option<Metadata>> {
     let found = fs::symlink_metadata(path)?;
     if !found.is_file() {
@@ -195,7 +203,8 @@ fn object_at(path: &Path) -> std::io::Result<Option<Metadata>> {
     }
     let mut magic = Vec::new();
     File::open(path)?.take(OBJECT_MAGIC.len() as u64).read_to_end(&mut magic)?;
-    Ok((magic.is_empty() || magic == OBJECT_MAGIC).then_some(found))
+    let is_object = OBJECT_MAGIC.starts_with(&magic) || magic.iter().all(|&byte| byte == 0);
+    Ok(is_object.then_some(found))
 }
 
 impl Objects for FolderObjects {
@@ -203,7 +212,7 @@ impl Objects for FolderObjects {
         let path = self.path(key);
         let read = || -> std::io::Result<Fetched> {
             let found = fs::symlink_metadata(&path)?;
-            if !found.is_file() {
+            if !found.is_file() || !path.parent().is_some_and(is_folder) {
                 return Ok(Fetched::Nothing);
             }
             if found.len() > most_bytes {
@@ -227,6 +236,10 @@ impl Objects for FolderObjects {
         let new = self.folder.join(NEW);
         for folder in [path.parent().unwrap_or(&self.folder), &new] {
             fs::create_dir_all(folder).map_err(IoError::at("create", folder))?;
+            if !is_folder(folder) {
+                let linked = std::io::Error::other("it is a link, and a cache follows none");
+                return Err(IoError::at("write to", folder)(linked));
+            }
         }
         // Not synced: what a power failure damages does not have its checksum, and is made again.
         replace_unsynced(&path, &new, |file| file.write_all(bytes))

@@ -1,6 +1,6 @@
 //! Finds the objects of a bake, and writes those that are missing as soon as their parts are done.
 
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
 use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
@@ -104,7 +104,8 @@ pub(crate) struct Keeper {
     room_bytes: Option<u64>,
     /// Held by whoever reads an object that takes more than its thread's share of the room.
     large: Mutex<()>,
-    /// Bytes of the longest object that does not fit the room.
+    /// Number of objects that do not fit the room, and bytes of the longest.
+    left_out: AtomicUsize,
     left_out_bytes: AtomicU64,
     failure: Mutex<Option<Error>>,
 }
@@ -126,6 +127,7 @@ impl Keeper {
             found,
             room_bytes: None,
             large: Mutex::default(),
+            left_out: AtomicUsize::new(0),
             left_out_bytes: AtomicU64::new(0),
             failure: Mutex::default(),
         }
@@ -152,6 +154,7 @@ impl Keeper {
             match self.read(part, key, most_bytes.min(small_bytes), take) {
                 Some(bytes) if bytes > most_bytes => {}
                 Some(bytes) if bytes > large_bytes => {
+                    self.left_out.fetch_add(1, Ordering::Relaxed);
                     self.left_out_bytes.fetch_max(bytes, Ordering::Relaxed);
                 }
                 Some(_) => {
@@ -163,9 +166,10 @@ impl Keeper {
         });
     }
 
-    /// Returns the room that the longest object that did not fit would have needed, if there was one.
-    pub(crate) fn needed_bytes(&self) -> Option<u64> {
-        Some(2 * COPIES * self.left_out_bytes.load(Ordering::Relaxed)).filter(|&bytes| bytes > 0)
+    /// Returns the number of objects that did not fit the room, and the room that the longest of them would have needed.
+    pub(crate) fn left_out(&self) -> (usize, u64) {
+        let bytes = 2 * COPIES * self.left_out_bytes.load(Ordering::Relaxed);
+        (self.left_out.load(Ordering::Relaxed), bytes)
     }
 
     /// Reads the object of a part, and passes its pages to `take`. Returns the length of one that is longer than

@@ -69,6 +69,10 @@ impl Objects for MemoryObjects {
         Ok(())
     }
 
+    fn tidy(&self) {
+        self.remove_unused();
+    }
+
     fn are_own(&self) -> bool {
         true
     }

@@ -62,6 +62,10 @@ pub trait Objects: fmt::Debug + Send + Sync {
     /// Returns [`IoError`] if it cannot be written.
     fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError>;
 
+    /// Removes what was neither read nor put since the last call, where that is only in memory. Called once everything that is
+    /// still needed has been read.
+    fn tidy(&self) {}
+
     /// Whether every object is one that this process has put there, so that none needs a check.
     fn are_own(&self) -> bool {
         false

@@ -221,9 +221,9 @@ impl DepthsSink {
         self.keeper.as_ref().is_some_and(|keeper| keeper.has(part))
     }
 
-    /// Returns the room that the longest object that did not fit would have needed, if there was one.
-    pub(crate) fn object_bytes(&self) -> Option<u64> {
-        self.keeper.as_ref().and_then(Keeper::needed_bytes)
+    /// Returns the number of objects that were left out, and the room that the longest of them would have needed.
+    pub(crate) fn left_out(&self) -> (usize, u64) {
+        self.keeper.as_ref().map_or((0, 0), Keeper::left_out)
     }
 
     /// Returns the number of root blocks whose objects were there.

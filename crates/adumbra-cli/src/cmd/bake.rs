@@ -2,6 +2,7 @@
 
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::Frame;
@@ -13,7 +14,7 @@ use adumbra_program::output::{format_bytes, print_json, refuse_read};
 use adumbra_program::scene::{Omitted, load_scene_within, omitted};
 use adumbra_program::sun::{ChosenSun, SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
-use adumbra_program::{bounds, memory, mirrors, say, signals};
+use adumbra_program::{bounds, memory, mirrors, say};
 use adumbra_scene::{Scene, write_shadow_name};
 use schemars::JsonSchema;
 use serde::Serialize;
@@ -122,7 +123,7 @@ pub(super) struct Forecast {
 }
 
 pub(crate) fn run(args: &Bake) -> Outcome {
-    let cancel = if args.watch { signals::install() } else { Arc::default() };
+    let cancel = AtomicBool::new(false);
     if let Some(texels) = args.regions {
         let baked = bake_regions::run(args, texels, &cancel)?;
         if args.run.json {
@@ -150,7 +151,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     }
     let cache = cache(args.cache.as_deref())?;
     if args.watch {
-        return bake_watch::run(args, &output, cache, cancel);
+        return bake_watch::run(args, &output, cache);
     }
     let cache = cache.map(|cache| Arc::new(cache) as Arc<dyn Objects>);
     with_threads(args.run.threads, || {

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use adumbra_bake::{BakeOptions, BakedParts, Baker, CachedObjects, Error, Watch};
 use adumbra_files::{self as files, FileWatch, StagedFile};
-use adumbra_program::exit::{Code, Failure, Outcome};
+use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json_line};
 use adumbra_program::progress::{Reporter, Units};
 use adumbra_program::say;
@@ -23,7 +23,7 @@ use crate::args::Bake;
 use crate::cmd::ground::DecidedGround;
 use crate::cmd::staged::staged;
 
-/// How often a program that waits looks for a signal.
+/// How often a program that waits looks for a change.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// What is printed with `--json` after each bake, in one line.
@@ -51,23 +51,16 @@ pub(super) struct BakedAgain {
 struct Follower<'a> {
     args: &'a Bake,
     output: &'a Path,
-    /// Set when a signal asks the program to end.
-    ends: Arc<AtomicBool>,
     /// Set when the scene has changed.
     changed: Arc<AtomicBool>,
-    /// Stops a bake, for either reason.
+    /// Stops a bake, because there is something newer.
     stop: Arc<AtomicBool>,
 }
 
-pub(super) fn run(
-    args: &Bake,
-    output: &Path,
-    cache: Option<CachedObjects>,
-    ends: Arc<AtomicBool>,
-) -> Outcome {
+pub(super) fn run(args: &Bake, output: &Path, cache: Option<CachedObjects>) -> Outcome {
     with_threads(args.run.threads, || {
         let (changed, stop) = Default::default();
-        Follower { args, output, ends, changed, stop }.follow(cache)
+        Follower { args, output, changed, stop }.follow(cache)
     })?
 }
 
@@ -99,10 +92,15 @@ impl Follower<'_> {
             match self.bake(&mut baker, times) {
                 // There is something newer to bake.
                 Err(Failure::Bake(Error::Interrupted)) if self.changed.load(Ordering::Relaxed) => {}
+                // The cache gave them before, and cannot any more.
+                Err(Failure::Bake(Error::MissingParts { .. })) => {
+                    baker.forget();
+                    continue;
+                }
                 done => done?,
             }
             loop {
-                let Some((scene, load_seconds)) = self.next_scene() else { return Ok(Code::Fine) };
+                let (scene, load_seconds) = self.next_scene();
                 if followed.0 != self.files_of(&scene) {
                     followed = self.follow_files(&scene)?;
                 }
@@ -122,20 +120,16 @@ impl Follower<'_> {
         load_scene_within(self.args.run.memory_limit(), &self.args.scene, &self.args.load.load_options()?)
     }
 
-    /// Waits until the scene has changed and can be loaded; returns it with the seconds of loading. `None` if a signal ends
-    /// the program.
-    fn next_scene(&self) -> Option<(Scene, f64)> {
+    /// Waits until the scene has changed and can be loaded; returns it with the seconds of loading.
+    fn next_scene(&self) -> (Scene, f64) {
         loop {
             while !self.changed.swap(false, Ordering::Relaxed) {
-                if self.ends.load(Ordering::Relaxed) {
-                    return None;
-                }
                 thread::sleep(LOOK);
             }
             self.stop.store(false, Ordering::Relaxed);
             let start = Instant::now();
             match self.load() {
-                Ok(scene) => return Some((scene, start.elapsed().as_secs_f64())),
+                Ok(scene) => return (scene, start.elapsed().as_secs_f64()),
                 Err(error) => adumbra_program::note!("warning: {error}; the shadow file is as before"),
             }
         }
@@ -166,25 +160,19 @@ impl Follower<'_> {
         if baker.grids().len() == 1 || self.output.exists() {
             return Ok(());
         }
-        let progress = |_| self.look();
-        let watch = Watch::new(&progress, &self.ends);
-        baker.bake_coarser(self.args.focus, watch)?;
-        let (staged, _) = staged(self.output, |out| baker.write_coarser_to(watch, out))?;
+        baker.bake_coarser(self.args.focus, Watch::none())?;
+        let (staged, _) = staged(self.output, |out| baker.write_coarser_to(Watch::none(), out))?;
         Ok(StagedFile::place([staged])?)
     }
 
     fn bake(&self, baker: &mut Baker, [load_seconds, plan_seconds]: [f64; 2]) -> Result<(), Failure> {
         let start = Instant::now();
         let reporter = Reporter::new(self.args.progress, Units::TEXELS);
-        let progress = |p| {
-            self.look();
-            reporter.update(p);
-        };
+        let progress = |p| reporter.update(p);
         let BakedParts { baked, .. } = baker.bake(self.args.focus, Watch::new(&progress, &self.stop))?;
         let bake_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let progress = |_| self.look();
-        let watch = Watch::new(&progress, &self.stop);
+        let watch = Watch::new(&|_| {}, &self.stop);
         let (staged, written) = staged(self.output, |out| baker.write_to(watch, out))?;
         StagedFile::place([staged])?;
         let link_seconds = start.elapsed().as_secs_f64();
@@ -208,12 +196,5 @@ impl Follower<'_> {
             );
         }
         Ok(())
-    }
-
-    /// Stops the bake if a signal asks for it.
-    fn look(&self) {
-        if self.ends.load(Ordering::Relaxed) {
-            self.stop.store(true, Ordering::Relaxed);
-        }
     }
 }

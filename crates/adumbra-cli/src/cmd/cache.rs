@@ -50,7 +50,7 @@ pub(crate) fn run(args: &Cache) -> Outcome {
 
 fn info(args: &CacheInfo) -> Outcome {
     let FolderReport { contents, failures } = Store::open(&args.place)?.contents()?;
-    warn(&args.place, &failures);
+    warn(&args.place, &failures, "");
     if args.json {
         print_json(&CacheContents::from(contents))?;
     } else {
@@ -62,7 +62,7 @@ fn info(args: &CacheInfo) -> Outcome {
 fn prune(args: &CachePrune) -> Outcome {
     let store = Store::open(&args.place)?;
     let FolderReport { contents: removed, failures } = store.prune(args.keep)?;
-    warn(&args.place, &failures);
+    warn(&args.place, &failures, "; it stays");
     let left = store.contents()?.contents;
     if args.json {
         print_json(&Pruned { removed: removed.into(), left: left.into() })?;
@@ -87,8 +87,8 @@ fn said(FolderContents { objects, bytes, abandoned, abandoned_bytes }: FolderCon
     )
 }
 
-fn warn(place: &Path, failures: &[IoError]) {
+fn warn(place: &Path, failures: &[IoError], consequence: &str) {
     for failure in failures {
-        adumbra_program::note!("warning: {}: {failure}; it stays as it is", place.display());
+        adumbra_program::note!("warning: {}: {failure}{consequence}", place.display());
     }
 }

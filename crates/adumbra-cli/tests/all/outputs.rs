@@ -77,3 +77,36 @@ fn a_reader_that_has_enough_is_no_error() {
     );
     assert!(fs::metadata(&scene).is_ok());
 }
+
+/// A number such as 1e300 has 301 digits when it is written in full.
+#[test]
+fn messages_have_no_numbers_of_hundreds_of_digits() {
+    let folder = Folder::new();
+    let (scene, file) = (folder.generate("primitives"), folder.path("p.adumbra"));
+    let bake = ["bake", &scene, "-o", &file];
+    for more in [
+        &["--resolution", "64", "--thickness", "-1e300"][..],
+        &["--resolution", "64", "--azimuth", "1e300", "--elevation", "1e300"],
+        &["--resolution", "64", "--frame", "oblique", "--yaw", "1e300"],
+        &["--resolution", "64", "--sun", "1e300,1e299,0"],
+        &["--resolution", "64", "--bounds", "0,0,0,1e300,1,1"],
+        &["--voxel-size", "1e300"],
+        &["--voxel-size", "1e-300"],
+    ] {
+        let output = run(&[&bake[..], more].concat(), Stdio::piped(), Stdio::piped());
+        let said = String::from_utf8_lossy(&output.stdout).into_owned() + &stderr(&output);
+        assert!(said.split_whitespace().all(|word| word.len() < 100), "{more:?}: {said}");
+    }
+}
+
+/// The system's own links to a pipe lead to no path.
+#[test]
+fn stdout_is_no_output() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let output =
+        run(&["bake", &scene, "--resolution", "64", "-o", "/dev/stdout"], Stdio::piped(), Stdio::piped());
+    let said = stderr(&output);
+    assert!(output.status.code() == Some(3) && said.contains("a device or a pipe"), "{said}");
+    assert!(output.stdout.is_empty());
+}

@@ -156,12 +156,12 @@ fn axis_towards(sun: Sun) -> [f64; 3] {
     let largest = towards.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
     let axis = towards.map(|c| c / largest);
     let near = |c: f64| {
-        let is_exact = c == 0.0 || c.abs() == 1.0;
         let all = [c, c.next_up(), c.next_down(), c.next_up().next_up(), c.next_down().next_down()];
-        all.into_iter().take(if is_exact { 1 } else { all.len() })
+        all.into_iter().take(if c == 0.0 { 1 } else { all.len() }).filter(|c| c.abs() <= 1.0)
     };
-    let all =
-        near(axis[0]).flat_map(|x| near(axis[1]).flat_map(move |y| near(axis[2]).map(move |z| [x, y, z])));
+    let all = near(axis[0])
+        .flat_map(|x| near(axis[1]).flat_map(move |y| near(axis[2]).map(move |z| [x, y, z])))
+        .filter(|axis| axis.iter().any(|c| c.abs() == 1.0));
     let found = all.into_iter().find(|&axis| Sun::from_direction(axis).is_ok_and(|found| found == sun));
     found.unwrap_or(axis)
 }

@@ -72,8 +72,30 @@ pub struct RangeError {
 impl RangeError {
     /// Returns the error for `field` having the value `value`, which is not within `range`.
     pub fn new(field: RangeField, value: impl Display, range: &'static str) -> Self {
-        Self { field, value: value.to_string(), range }
+        Self { field, value: shortened(&value.to_string()), range }
     }
+}
+
+/// Longest number in an error, in digits. A greater one, such as 1e300 in full, is written with an exponent.
+const MOST_DIGITS: usize = 24;
+
+/// Returns a text with short numbers.
+fn shortened(text: &str) -> String {
+    let is_of_number = |c: char| c.is_ascii_digit() || c == '.';
+    let mut rest = text;
+    let mut all = String::new();
+    while let Some(start) = rest.find(is_of_number) {
+        let (before, from_number) = rest.split_at(start);
+        let end = from_number.find(|c| !is_of_number(c)).unwrap_or(from_number.len());
+        let (number, after) = from_number.split_at(end);
+        all.push_str(before);
+        match number.parse::<f64>() {
+            Ok(value) if number.len() > MOST_DIGITS => all.push_str(&format!("{value:e}")),
+            _ => all.push_str(number),
+        }
+        rest = after;
+    }
+    all + rest
 }
 
 /// The operating system failed to read or write a file or folder.
@@ -110,4 +132,17 @@ fn with_reading_hint(error: std::io::Error) -> std::io::Error {
         _ => return error,
     };
     std::io::Error::new(error.kind(), format!("{error}; {hint}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_numbers_have_an_exponent() {
+        let text = format!("{} (azimuth -{}), 1.5 and 200000", 1e300, 2.5e40);
+        assert_eq!(shortened(&text), "1e300 (azimuth -2.5e40), 1.5 and 200000");
+        assert_eq!(shortened(&format!("{}", 1e-300)), "1e-300");
+        assert_eq!(shortened("no numbers"), "no numbers");
+    }
 }

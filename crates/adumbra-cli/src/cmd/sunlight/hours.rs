@@ -1,7 +1,6 @@
 //! `adumbra sun-hours`: how long points see the sun.
 
 use std::path::Path;
-
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
