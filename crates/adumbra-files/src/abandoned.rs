@@ -26,7 +26,7 @@ pub(crate) fn remove_beside(target: &Path) {
     let is_own =
         |name: &str| name.len() == prefix.len() + RANDOM_BYTES + SUFFIX.len() && name.starts_with(&prefix);
     for file in Abandoned::find(&folder_of(target), |name, _| is_own(name)) {
-        // One that cannot be removed hinders nobody.
+        // One that cannot be removed does no harm.
         let _ = file.remove();
     }
 }

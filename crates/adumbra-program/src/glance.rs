@@ -2,7 +2,6 @@
 
 use std::fmt;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use adumbra::{Bounds, Sun};
 use adumbra_scene::{Scene, pattern_of};
@@ -11,30 +10,18 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use crate::args::quoted;
-use crate::exit::Failure;
 use crate::output::format_number;
 
 /// Voxels larger than this share of the box that holds nearly all triangles show little of the scene.
 const LARGEST_VOXEL: f64 = 0.01;
 /// More of the places where people stand is seldom in shadow.
 const MOSTLY_DARK: f64 = 0.95;
+
 /// Looks at a scene, and warns on stderr of what is out of the ordinary in it under a sun. `path` is the scene's.
-///
-/// # Errors
-///
-/// Returns [`Failure::Bake`] if `cancel` was set meanwhile.
-pub fn look(
-    scene: &Scene,
-    path: &Path,
-    sun: Sun,
-    ignore_alpha: bool,
-    cancel: &AtomicBool,
-) -> Result<Glance, Failure> {
-    let goes_on = || !cancel.load(Ordering::Relaxed);
-    let glance =
-        Glance::of(scene, sun.towards(), ignore_alpha, &goes_on).ok_or(adumbra_bake::Error::Interrupted)?;
+pub fn look(scene: &Scene, path: &Path, sun: Sun, ignore_alpha: bool) -> Glance {
+    let glance = Glance::of(scene, sun.towards(), ignore_alpha);
     warn_of_darkness(path, &glance);
-    Ok(glance)
+    glance
 }
 
 /// What a person would see of a scene at a glance.

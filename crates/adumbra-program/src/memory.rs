@@ -142,16 +142,21 @@ impl Share {
 }
 
 /// Ends a long step once the process takes more memory than allowed.
-pub struct Guard<'a> {
+pub struct Guard {
     limit: MemoryLimit,
-    cancel: &'a AtomicBool,
+    cancel: AtomicBool,
     exceeded_bytes: AtomicU64,
 }
 
-impl<'a> Guard<'a> {
-    /// Creates a guard of a step that ends soon after `cancel` is set.
-    pub fn new(limit: MemoryLimit, cancel: &'a AtomicBool) -> Self {
-        Self { limit, cancel, exceeded_bytes: AtomicU64::new(0) }
+impl Guard {
+    /// Creates a guard of a step that ends soon after [`Guard::cancel`] is set.
+    pub fn new(limit: MemoryLimit) -> Self {
+        Self { limit, cancel: AtomicBool::new(false), exceeded_bytes: AtomicU64::new(0) }
+    }
+
+    /// Returns the flag that ends the step.
+    pub fn cancel(&self) -> &AtomicBool {
+        &self.cancel
     }
 
     /// Cancels the step if the process is beyond the limit. To be called now and then. Free memory goes back to the system as

@@ -1,7 +1,6 @@
 //! The verb `verify`: compares a file's answers with rays.
 
 use std::path::PathBuf;
-use std::sync::atomic::AtomicBool;
 
 use adumbra::Sun;
 use adumbra_bake::Ground;
@@ -105,7 +104,7 @@ impl Verify {
                 let scene = self.load_scene(&load)?;
                 let casters = [file.casters.unwrap_or(scene.casters()), scene.casters()];
                 warn_of_other_casters(casters[0], casters[1]);
-                let glance = look(&scene, &self.scene, sun, load.ignore_alpha, &AtomicBool::new(false))?;
+                let glance = look(&scene, &self.scene, sun, load.ignore_alpha);
                 if file.is_finest {
                     warn_of_large_voxels(&self.scene, &glance, voxel_size);
                 }

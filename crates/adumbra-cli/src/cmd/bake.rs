@@ -2,7 +2,6 @@
 
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::Frame;
@@ -123,15 +122,14 @@ pub(super) struct Forecast {
 }
 
 pub(crate) fn run(args: &Bake) -> Outcome {
-    let cancel = AtomicBool::new(false);
     if let Some(texels) = args.regions {
-        let baked = bake_regions::run(args, texels, &cancel)?;
+        let baked = bake_regions::run(args, texels)?;
         if args.run.json {
             print_json(&Printed::Regions(baked))?;
         }
         return Ok(Code::Fine);
     }
-    if let Some(baked) = bake_path::run(args, &cancel) {
+    if let Some(baked) = bake_path::run(args) {
         let baked = baked?;
         if args.run.json {
             print_json(&Printed::SunPath(baked))?;
@@ -173,7 +171,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         }
         let empty_bounds = bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
         let ground = DecidedGround::of(&scene, &mut options);
-        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha, &cancel)?;
+        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha);
         if args.dry_run {
             let forecast = estimate(&scene, &options).map_err(|error| share.whole(error.into()))?;
             return dry_run(
@@ -185,7 +183,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 AtAGlance::of(&glance),
             );
         }
-        let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel: &cancel };
+        let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share };
         let (staged, written) = baking.file(&options, &output)?;
         StagedFile::place([staged])?;
         let Written { grid, settings, levels, bytes: file_bytes, report } = written;

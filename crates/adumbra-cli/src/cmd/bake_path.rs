@@ -1,6 +1,5 @@
 //! `adumbra bake --sun-path` and `--suns`: bakes the path of a sun.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::{IoError, Sun, SunPath, SunStep};
@@ -71,13 +70,13 @@ struct Suns {
 }
 
 /// Bakes a path if one was asked for.
-pub(super) fn run(args: &Bake, cancel: &AtomicBool) -> Option<Result<BakedSunPath, Failure>> {
+pub(super) fn run(args: &Bake) -> Option<Result<BakedSunPath, Failure>> {
     let suns = match (&args.path.sun_path, &args.path.suns) {
         (Some(day), _) => of_day(day),
         (None, Some(path)) => of_list(path),
         (None, None) => return None,
     };
-    Some(suns.and_then(|suns| bake(args, suns, cancel)))
+    Some(suns.and_then(|suns| bake(args, suns)))
 }
 
 fn of_day(day: &Day) -> Result<Suns, Failure> {
@@ -94,7 +93,7 @@ fn of_list(path: &std::path::Path) -> Result<Suns, Failure> {
     Ok(Suns { steps, utc_offset_seconds: 0, place_degrees: None })
 }
 
-fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Failure> {
+fn bake(args: &Bake, suns: Suns) -> Result<BakedSunPath, Failure> {
     let start = Instant::now();
     let range = |option: &str, value: f64, expected: &str| {
         Err(Failure::Usage(format!("{option} {value}: give {expected}")))
@@ -120,16 +119,15 @@ fn bake(args: &Bake, suns: Suns, cancel: &AtomicBool) -> Result<BakedSunPath, Fa
         let height = |step: &&SunStep| step.towards_sun[1];
         if let Some(highest) = suns.steps.iter().max_by(|a, b| height(a).total_cmp(&height(b))) {
             let sun = Sun::from_direction(highest.towards_sun).unwrap_or(sun);
-            look(&scene, &args.scene, sun, bake.ignore_alpha, cancel)?;
+            look(&scene, &args.scene, sun, bake.ignore_alpha);
         }
         let options = PathOptions { error_percent, lowest_degrees, ..PathOptions::new(bake) };
-        let watch = Watch::new(&|_| {}, cancel);
         let on_key = |key: &BakedKey| {
             if !args.run.json {
                 say!("{}", line(&suns, key));
             }
         };
-        let baked = bake_path(&scene, &suns.steps, &options, watch, on_key);
+        let baked = bake_path(&scene, &suns.steps, &options, Watch::none(), on_key);
         Ok((ground, baked.map_err(|error| failure(error, &output))?))
     })??;
     let BakedPath { keys, voxel_size, dark_after_voxels } = baked;

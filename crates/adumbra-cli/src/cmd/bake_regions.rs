@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra::regions::Regions;
@@ -80,7 +79,7 @@ pub(super) struct BakedRegion {
 }
 
 /// Bakes regions of `texels` texels a side, and says what it did unless the result is to be printed as JSON.
-pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<BakedRegions, Failure> {
+pub(super) fn run(args: &Bake, texels: u32) -> Result<BakedRegions, Failure> {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let manifest = args.output.clone().unwrap_or_else(|| args.scene.with_extension("regions.json"));
@@ -104,13 +103,13 @@ pub(super) fn run(args: &Bake, texels: u32, cancel: &AtomicBool) -> Result<Baked
             ..args.settings.options(sun.sun, args.load.ignore_alpha)
         };
         let ground = DecidedGround::of(&scene, &mut options);
-        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha, cancel)?;
+        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha);
         let plan = RegionPlan::new(&scene, &options, texels).map_err(|error| share.whole(error.into()))?;
         warn_of_large_voxels(&args.scene, &glance, plan.voxel_size());
         make_folder(&names.folder)?;
         let Shard { index, count } = args.shard.unwrap_or(Shard { index: 0, count: 1 });
         let due = plan.shard(index, count);
-        let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share, cancel };
+        let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share };
         let mut done = Vec::with_capacity(due.len());
         for (number, &region) in due.iter().enumerate() {
             let path = names.folder.join(names.file_of(region));

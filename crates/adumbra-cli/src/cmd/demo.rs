@@ -1,7 +1,6 @@
 //! `adumbra demo`: the whole workflow on a generated city.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use adumbra::{AtRest, Filter, IoError, ShadowFile, Sun};
@@ -67,10 +66,10 @@ pub(super) struct Shown {
 }
 
 pub(crate) fn run(args: &Demo) -> Outcome {
-    with_threads(args.run.threads, || demo(args, &AtomicBool::new(false)))?
+    with_threads(args.run.threads, || demo(args))?
 }
 
-fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
+fn demo(args: &Demo) -> Outcome {
     // With --json everything is printed once, at the end.
     macro_rules! tell {
         ($($words:tt)*) => { if !args.run.json { say!($($words)*) } };
@@ -96,19 +95,17 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
         ..BakeOptions::new(sun, Size::Resolution(args.resolution))
     };
     let reporter = Reporter::new(if args.run.json { Style::None } else { Style::Auto }, Units::TEXELS);
-    let guard = Guard::new(limit, cancel);
+    let guard = Guard::new(limit);
     let progress = |p| {
         guard.look();
         reporter.update(p);
     };
-    let file = guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, cancel)))?.file;
+    let file =
+        guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, guard.cancel())))?.file;
     let file_bytes = replace_file(&file_path, |out| file.write_to(out, AtRest::default()))?;
     let bake_seconds = start.elapsed().as_secs_f64();
     tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(file_bytes));
 
-    let go_on =
-        || if cancel.load(Ordering::Relaxed) { Err(adumbra_bake::Error::Interrupted) } else { Ok(()) };
-    go_on()?;
     let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
     let held = scene.memory_bytes() + tracer.memory_bytes() + BaseColors::bytes_of(&scene);
     args.run.check_memory("the scene, its acceleration structure and its mip levels", held, held)?;
@@ -124,7 +121,6 @@ fn demo(args: &Demo, cancel: &AtomicBool) -> Outcome {
     let street = Camera { eye: [-150.0, 38.0, 175.0], target: [-75.0, 4.0, 75.0], ..whole };
     for (camera, paths) in [whole, street].into_iter().zip(&pictures) {
         for (suffix, path) in LAYERS.into_iter().zip(paths) {
-            go_on()?;
             let filtered = file.sampler(Filter::Box5);
             let shadows = match suffix {
                 "" => Shadows::File(&filtered),

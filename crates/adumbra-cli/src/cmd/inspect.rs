@@ -1,7 +1,5 @@
 //! `adumbra inspect`: what a scene contains.
 
-use std::sync::atomic::AtomicBool;
-
 use adumbra::{Bounds, LightExtent, Sun};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
@@ -115,7 +113,7 @@ fn inspect(args: &Inspect) -> Outcome {
     let triangles = scene.stored_triangles();
     let instanced = scene.instanced_triangles();
     let sun = sun_of_scene_with_warnings(&scene, &args.scene)?;
-    let glance = look(&scene, &args.scene, sun.sun, args.load.ignore_alpha, &AtomicBool::new(false))?;
+    let glance = look(&scene, &args.scene, sun.sun, args.load.ignore_alpha);
     let suggested = suggested_resolution(&scene, &sun.sun);
     let mut extent = LightExtent::empty(&sun.sun);
     extent.add_box(&bounds);

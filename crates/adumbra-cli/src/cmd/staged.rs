@@ -4,7 +4,6 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
 use adumbra_bake::{BakeOptions, Error, Objects, Watch, Written, bake_to, bake_with_objects};
 use adumbra_files::StagedFile;
@@ -21,7 +20,6 @@ pub(super) struct Baking<'a> {
     pub(super) scene: &'a Scene,
     pub(super) cache: Option<&'a Arc<dyn Objects>>,
     pub(super) share: &'a Share,
-    pub(super) cancel: &'a AtomicBool,
 }
 
 impl Baking<'_> {
@@ -31,14 +29,14 @@ impl Baking<'_> {
         options: &BakeOptions,
         output: &Path,
     ) -> Result<(StagedFile, Written), Failure> {
-        let guard = Guard::new(self.args.run.memory_limit(), self.cancel);
+        let guard = Guard::new(self.args.run.memory_limit());
         let reporter = Reporter::new(self.args.progress, Units::TEXELS);
         let progress = |p| {
             guard.look();
             reporter.update(p);
         };
         let baked = staged(output, |out| {
-            let watch = Watch::new(&progress, self.cancel);
+            let watch = Watch::new(&progress, guard.cancel());
             match self.cache {
                 Some(cache) => bake_with_objects(self.scene, options, cache, watch, out),
                 None => bake_to(self.scene, options, watch, out),

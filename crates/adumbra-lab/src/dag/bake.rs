@@ -1,6 +1,5 @@
 //! `adumbra-lab dag bake`: bakes a scene into a graph.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_bake::Watch;
@@ -46,7 +45,6 @@ pub(crate) struct DagBaked {
 }
 
 pub(super) fn run(args: &DagBake) -> Outcome {
-    let cancel = AtomicBool::new(false);
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumdag"));
@@ -63,13 +61,13 @@ pub(super) fn run(args: &DagBake) -> Outcome {
         let options = args.options(sun.sun, share.bytes());
         refuse_read("--output", &output).map_err(bad_input)?;
         bounds::warn_if_empty(options.bake.bounds.as_ref(), &scene, &args.scene);
-        let guard = Guard::new(limit, &cancel);
+        let guard = Guard::new(limit);
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| {
             guard.look();
             reporter.update(p);
         };
-        let baked = bake(&scene, &options, Watch::new(&progress, &cancel));
+        let baked = bake(&scene, &options, Watch::new(&progress, guard.cancel()));
         let baked = guard.end("the bake", &share, baked)?;
         let file_bytes = replace_file(&output, |out| baked.file.write_to(out))?;
         let seconds = start.elapsed().as_secs_f64();

@@ -1,7 +1,6 @@
 //! `adumbra-lab tree bake`: bakes a scene into a world-aligned tree.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use adumbra_bake::{Progress, Watch};
@@ -107,7 +106,6 @@ struct Extras {
 
 /// Bakes and writes the tree.
 pub(super) fn run(args: &TreeBake) -> Outcome {
-    let cancel = AtomicBool::new(false);
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumtree"));
@@ -124,9 +122,9 @@ pub(super) fn run(args: &TreeBake) -> Outcome {
         let options = args.options(sun.sun, share.bytes());
         refuse_read("--output", &output).map_err(bad_input)?;
         let empty_bounds = bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
-        let guard = Guard::new(limit, &cancel);
+        let guard = Guard::new(limit);
         let job = Job { args, scene: &scene, sun: &sun, empty_bounds, output: &output, start };
-        job.run(&options, &guard, &share, &cancel)
+        job.run(&options, &guard, &share)
     })?
 }
 
@@ -143,18 +141,19 @@ struct Job<'a> {
 }
 
 impl Job<'_> {
-    fn run(&self, options: &TreeOptions, guard: &Guard<'_>, share: &Share, cancel: &AtomicBool) -> Outcome {
+    fn run(&self, options: &TreeOptions, guard: &Guard, share: &Share) -> Outcome {
         let Self { args, scene, .. } = *self;
-        let prepared = PreparedTree::new(scene, options, cancel);
+        let prepared = PreparedTree::new(scene, options, guard.cancel());
         let prepared = guard.end("the light's depth images", share, prepared)?;
         let reporter = Reporter::new(args.progress, Units::VOXELS);
         let progress = |p| {
             guard.look();
             reporter.update(cubes(p));
         };
-        let baked = guard.end("the tree", share, prepared.build(options, Watch::new(&progress, cancel)))?;
+        let baked =
+            guard.end("the tree", share, prepared.build(options, Watch::new(&progress, guard.cancel())))?;
         let report = baked.report;
-        let finished = finish(args, prepared, baked, cancel);
+        let finished = finish(args, prepared, baked);
         let (file, extras) = guard.end("the finished tree", share, finished)?;
         self.write(options, report, &file, extras)
     }
@@ -218,14 +217,7 @@ fn cubes(p: TreeProgress) -> Progress {
 }
 
 /// Builds the file, with what `--lossy`, `--symmetry` and `--attribute` ask for.
-fn finish(
-    args: &TreeBake,
-    prepared: PreparedTree,
-    baked: BakedTree,
-    cancel: &AtomicBool,
-) -> Result<(TreeFile, Extras), Failure> {
-    let go_on =
-        || if cancel.load(Ordering::Relaxed) { Err(adumbra_bake::Error::Interrupted) } else { Ok(()) };
+fn finish(args: &TreeBake, prepared: PreparedTree, baked: BakedTree) -> Result<(TreeFile, Extras), Failure> {
     let wants_attribute = args.attribute.is_some();
     // The depth images may be large. They are dropped here unless the attribute needs them.
     let prepared = wants_attribute.then_some(prepared);
@@ -243,7 +235,6 @@ fn finish(
             .push(format!("tree hash: {collisions} comparisons of different subtrees with the same hash"));
     }
     if let Some(share) = args.lossy {
-        go_on()?;
         // About what a round holds besides the tree: its blocks twice, and lists of similar ones.
         args.run.check_memory("merging similar subtrees", 0, 6 * tree.bytes())?;
         let merged = lossy::merge_similar(&tree, share)?;
@@ -264,7 +255,6 @@ fn finish(
     }
     let (mut attribute, mut attribute_kind) = (Vec::new(), None);
     if let Some(prepared) = prepared {
-        go_on()?;
         args.run.check_memory("the penumbra's widths", 0, 2 * tree.bytes() + leaf_voxels(&tree))?;
         attribute = prepared.penumbra(&tree)?;
         attribute_kind = (!attribute.is_empty()).then_some(AttributeKind::Penumbra);
@@ -274,7 +264,6 @@ fn finish(
             .push(format!("penumbra: {} in addition to the tree", format_bytes(attribute.len() as u64)));
     }
     let body = if args.symmetry {
-        go_on()?;
         args.run.check_memory("the symmetric trees", 0, 4 * tree.bytes())?;
         // Mirrors share more nodes but need wider pointers. Which one is smaller depends on the scene.
         let [narrow, mirrored] = [SymmetricTree::of(&tree, false)?, SymmetricTree::of(&tree, true)?];

@@ -71,19 +71,12 @@ struct OnSurface {
 
 impl Hider {
     /// Looks from points on surfaces to the sun. Cost: a visit of all triangles.
-    pub(super) fn of(
-        scene: &Scene,
-        towards_sun: [f64; 3],
-        ignore_alpha: bool,
-        lift: f64,
-        goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
+    pub(super) fn of(scene: &Scene, towards_sun: [f64; 3], ignore_alpha: bool, lift: f64) -> Option<Self> {
         let points = points(scene);
         let places: Vec<[f64; 3]> = points.iter().map(|point| point.p_world).collect();
         // The pairs of a point and a thing that hides the sun from it: an instance, and one of its materials.
         let hiding = Pencil::new(&places, towards_sun).fold(
             scene,
-            goes_on,
             BTreeSet::new,
             |pairs: &mut BTreeSet<(usize, u32, u32)>, crossing| {
                 if crossing.distance > lift && crossing.casts(scene) {

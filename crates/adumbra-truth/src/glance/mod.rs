@@ -56,25 +56,19 @@ pub fn shadowed_share(points: &[Seen]) -> Option<f64> {
 
 impl Glance {
     /// Looks at a scene under a sun in the direction `towards_sun`, of length 1. Points inside of something are not
-    /// among those of the ground: no one stands in a wall. Ends early, with `None`, once `goes_on` is false.
+    /// among those of the ground: no one stands in a wall.
     ///
     /// Cost: seven visits of all triangles, instances counted, on the current rayon pool; a few bytes per instance.
-    pub fn of(
-        scene: &Scene,
-        towards_sun: [f64; 3],
-        ignore_alpha: bool,
-        goes_on: &(dyn Fn() -> bool + Sync),
-    ) -> Option<Self> {
+    pub fn of(scene: &Scene, towards_sun: [f64; 3], ignore_alpha: bool) -> Self {
         let spread = Spread::of(scene);
         let lift = LIFT * spread.side_world().max(f64::MIN_POSITIVE);
-        let feet = feet(scene, &spread.most, lift, goes_on);
+        let feet = feet(scene, &spread.most, lift);
         let eyes: Vec<[f64; 3]> = feet.iter().map(|&[x, y, z]| [x, y + EYE_HEIGHT_WORLD, z]).collect();
-        let outside = are_outside(scene, [&feet, &eyes], goes_on);
+        let outside = are_outside(scene, [&feet, &eyes]);
         let points: Vec<[f64; 3]> = feet.iter().chain(&eyes).copied().collect();
         let rays = Pencil::new(&points, towards_sun);
         let stopped = rays.fold(
             scene,
-            goes_on,
             || vec![false; points.len()],
             |stopped, crossing| {
                 if crossing.distance > 0.0
@@ -87,20 +81,20 @@ impl Glance {
             },
             either,
         );
-        let hider = Hider::of(scene, towards_sun, ignore_alpha, lift, goes_on);
+        let hider = Hider::of(scene, towards_sun, ignore_alpha, lift);
         let seen = |first: usize, points: &[[f64; 3]]| {
             let all = points.iter().zip(&stopped[first..]).zip(&outside[first..]);
             let outside = all.filter(|(_, outside)| **outside);
             outside.map(|((&p_world, stopped), _)| Seen { p_world, is_lit: !stopped }).collect()
         };
         let (ground, standing) = (seen(0, &feet), seen(feet.len(), &eyes));
-        goes_on().then_some(Self { ground, standing, hider, spread })
+        Self { ground, standing, hider, spread }
     }
 }
 
 /// Returns where people stand: the lowest surface that faces up on each line, lifted. One that casts goes first, then any that
 /// faces up, then any at all, then the scene's lowest height.
-fn feet(scene: &Scene, within: &Bounds, lift: f64, goes_on: &(dyn Fn() -> bool + Sync)) -> Vec<[f64; 3]> {
+fn feet(scene: &Scene, within: &Bounds, lift: f64) -> Vec<[f64; 3]> {
     // At random within its cell, so that no regular town is seen at the same place of each block.
     let mut random = Random::new(SEED, 0);
     let mut across = |axis: usize, i: usize| {
@@ -111,7 +105,6 @@ fn feet(scene: &Scene, within: &Bounds, lift: f64, goes_on: &(dyn Fn() -> bool +
         (0..LINES * LINES).map(|i| [across(0, i % LINES), 0.0, across(2, i / LINES)]).collect();
     let lowest = Pencil::new(&lines, UP).fold(
         scene,
-        goes_on,
         || vec![[f64::INFINITY; 3]; lines.len()],
         |lowest, crossing| {
             let faces_up = crossing.is_from_behind;
@@ -133,12 +126,11 @@ fn feet(scene: &Scene, within: &Bounds, lift: f64, goes_on: &(dyn Fn() -> bool +
 /// Returns which points are not inside of a solid. From inside, a ray leaves more solids than it enters, however they overlap:
 /// it crosses more backs than fronts, here above a point and to two of its sides. A decal, an awning or a bridge has its back
 /// above alone. Masked surfaces bound no solids.
-fn are_outside(scene: &Scene, points: [&[[f64; 3]]; 2], goes_on: &(dyn Fn() -> bool + Sync)) -> Vec<bool> {
+fn are_outside(scene: &Scene, points: [&[[f64; 3]]; 2]) -> Vec<bool> {
     let points = points.concat();
     let is_free = |along: [f64; 3]| {
         let left = Pencil::new(&points, along).fold(
             scene,
-            goes_on,
             || vec![0_i32; points.len()],
             |left, crossing| {
                 let is_opaque = scene.materials[crossing.material(scene) as usize].alpha == AlphaMode::Opaque;

@@ -123,11 +123,10 @@ impl Pencil {
     }
 
     /// Visits all triangles of a scene, and folds the crossings of each with the rays. Runs on the current rayon pool; the
-    /// order of the crossings depends on its threads. Ends early once `goes_on` is false.
+    /// order of the crossings depends on its threads.
     pub(super) fn fold<T: Send>(
         &self,
         scene: &Scene,
-        goes_on: &(dyn Fn() -> bool + Sync),
         empty: impl Fn() -> T + Sync + Send,
         visit: impl Fn(&mut T, &Crossing) + Sync + Send,
         join: impl Fn(T, T) -> T + Sync + Send,
@@ -141,21 +140,19 @@ impl Pencil {
             })
             .collect();
         let folded = tasks.par_iter().fold(&empty, |mut all, (number, triangles)| {
-            if goes_on() {
-                let instance = &scene.instances[*number as usize];
-                // The faces of mirrored instances are wound the other way.
-                let is_mirrored = instance.determinant() < 0.0;
-                for triangle in triangles.clone() {
-                    let corners = corners(scene, instance, triangle as u32);
-                    self.cross(&corners, |point, distance, is_wound_along, weights| {
-                        let (instance, triangle) = (*number, triangle as u32);
-                        let is_from_behind = is_wound_along != is_mirrored;
-                        visit(
-                            &mut all,
-                            &Crossing { point, instance, triangle, distance, is_from_behind, weights },
-                        );
-                    });
-                }
+            let instance = &scene.instances[*number as usize];
+            // The faces of mirrored instances are wound the other way.
+            let is_mirrored = instance.determinant() < 0.0;
+            for triangle in triangles.clone() {
+                let corners = corners(scene, instance, triangle as u32);
+                self.cross(&corners, |point, distance, is_wound_along, weights| {
+                    let (instance, triangle) = (*number, triangle as u32);
+                    let is_from_behind = is_wound_along != is_mirrored;
+                    visit(
+                        &mut all,
+                        &Crossing { point, instance, triangle, distance, is_from_behind, weights },
+                    );
+                });
             }
             all
         });

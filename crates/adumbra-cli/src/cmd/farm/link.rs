@@ -1,6 +1,5 @@
 //! `adumbra link`: makes the file of a plan of its objects.
 
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_bake::{BakeOptions, Watch, Written, link};
@@ -36,7 +35,6 @@ pub(crate) struct Linked {
 }
 
 pub(crate) fn run(args: &Link) -> Outcome {
-    let cancel = AtomicBool::new(false);
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let cache = cache_of(args.cache.as_ref(), &args.plan);
@@ -58,10 +56,10 @@ pub(crate) fn run(args: &Link) -> Outcome {
             )),
             ..plan.options()
         };
-        let guard = Guard::new(limit, &cancel);
+        let guard = Guard::new(limit);
         let progress = |_| guard.look();
         let linked =
-            staged(output, |out| link(&plan, &objects, &limits, Watch::new(&progress, &cancel), out));
+            staged(output, |out| link(&plan, &objects, &limits, Watch::new(&progress, guard.cancel()), out));
         let (staged, written) = guard.end("linking", &share, linked)?;
         StagedFile::place([staged])?;
         let Written { levels, bytes: file_bytes, report, .. } = written;

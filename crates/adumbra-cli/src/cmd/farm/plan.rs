@@ -23,7 +23,6 @@ use super::plan_file::{PlanFile, cache_of};
 use crate::args::{ExportFormat, Plan};
 use crate::cmd::ground::DecidedGround;
 use crate::cmd::store::url_of;
-use std::sync::atomic::AtomicBool;
 
 /// What is printed with `--json`.
 #[derive(Serialize, JsonSchema)]
@@ -77,7 +76,7 @@ pub(crate) fn run(args: &Plan) -> Outcome {
         refuse_read("--output", &output).map_err(bad_input)?;
         bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
         let ground = DecidedGround::of(&scene, &mut options);
-        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha, &AtomicBool::new(false))?;
+        let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha);
         let plan = BakePlan::new(&scene, &options).map_err(|error| share.whole(error.into()))?;
         if let Some(grid) = plan.grids().first() {
             warn_of_large_voxels(&args.scene, &glance, grid.voxel_size);

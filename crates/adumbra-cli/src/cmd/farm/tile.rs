@@ -1,7 +1,5 @@
 //! `adumbra tile`: bakes parts of a plan.
 
-use std::sync::atomic::AtomicBool;
-
 use adumbra_bake::{BakeOptions, PartBaker, Watch};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::memory::Guard;
@@ -33,7 +31,6 @@ pub(crate) struct Tiled {
 }
 
 pub(crate) fn run(args: &Tile) -> Outcome {
-    let cancel = AtomicBool::new(false);
     let cache = cache_of(args.cache.as_ref(), &args.plan);
     let PlanFile { scene: path, load, plan } = PlanFile::read(&args.plan)?;
     let path = args.scene.as_ref().unwrap_or(&path);
@@ -52,14 +49,14 @@ pub(crate) fn run(args: &Tile) -> Outcome {
             spill_folder: url_of(&cache).is_none().then(|| cache.clone()),
             ..plan.options()
         };
-        let guard = Guard::new(limit, &cancel);
+        let guard = Guard::new(limit);
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| {
             guard.look();
             reporter.update(p);
         };
         let baker = PartBaker::new(&scene, &plan, &limits)?;
-        let done = baker.bake(&ids, &objects, Watch::new(&progress, &cancel));
+        let done = baker.bake(&ids, &objects, Watch::new(&progress, guard.cancel()));
         let done = guard.end("the bake of parts", &share, done)?;
         let peak_bytes = memory::peak_bytes().unwrap_or(done.accounted_bytes);
         if args.run.json {

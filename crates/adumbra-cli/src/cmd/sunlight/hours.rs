@@ -49,7 +49,6 @@ pub(in crate::cmd) struct SunHoursFound {
 
 pub(in crate::cmd) fn run(args: &SunHours) -> Outcome {
     let start = Instant::now();
-    let cancel = AtomicBool::new(false);
     let accepted = if args.points.places.grid.is_some() { Format::OF_GRIDS } else { Format::OF_POINTS };
     let scenes: Vec<&Path> = [&*args.scene].into_iter().chain(args.compare.as_deref()).collect();
     let formats = outputs(&args.output, accepted, &scenes, &args.points)?;
@@ -59,7 +58,7 @@ pub(in crate::cmd) fn run(args: &SunHours) -> Outcome {
     let day = args.day.day()?;
     let suns = suns(&day, args.every_step)?;
     with_threads(args.run.threads, || {
-        let run = Run { args, day: &day, suns: &suns, cancel: &cancel };
+        let run = Run { args, day: &day, suns: &suns };
         let scene = study::load(&args.scene, &args.load, &args.run)?;
         let other = args.compare.as_ref().map(|path| study::load(path, &args.load, &args.run)).transpose()?;
         let both: Vec<&Scene> = [&scene].into_iter().chain(&other).collect();
@@ -125,7 +124,6 @@ struct Run<'a> {
     args: &'a SunHours,
     day: &'a Day,
     suns: &'a SunDay,
-    cancel: &'a AtomicBool,
 }
 
 impl Run<'_> {
@@ -137,7 +135,8 @@ impl Run<'_> {
         args.run.memory_limit().check_peak("the points")?;
         let begun = Instant::now();
         let progress = study::reporter(args.progress);
-        let watch = Watch::new(&progress, self.cancel);
+        let cancel = AtomicBool::new(false);
+        let watch = Watch::new(&progress, &cancel);
         let hours = self.suns.hours(&tracer, &points.receivers, watch);
         let hours = hours.map_err(|error| study::failure(&error, "--step"))?;
         let traced = Traced {
