@@ -10,8 +10,10 @@ use adumbra::AtRest;
 use adumbra::file::{CommonSection, Contents};
 use libfuzzer_sys::fuzz_target;
 
-/// Largest ratio of raw to stored bytes in a file.
-const LARGEST_RATIO: u32 = 4096;
+/// Largest ratio of the bytes of a part's shapes to its stored bytes in a file.
+const LARGEST_RATIO: u32 = 16;
+/// Bytes of a bundle before its shapes.
+const HEAD_BYTES: u32 = 192;
 
 const FILE: &[u8] = include_bytes!("../../test_vectors/valid/many_pages_coded_depths.adumbra");
 
@@ -32,7 +34,7 @@ fn common_of_vector() -> CommonSection {
 
 fuzz_target!(|input: &[u8]| {
     let Some((&[kind, a, b, c, d], stored)) = input.split_first_chunk() else { return };
-    let most = LARGEST_RATIO.saturating_mul(stored.len() as u32);
+    let most = LARGEST_RATIO.saturating_mul(stored.len() as u32) + (kind & 1) as u32 * HEAD_BYTES;
     let raw_bytes = u32::from_le_bytes([a, b, c, d]) % most.saturating_add(1) / 4 * 4;
     let length = |words: usize| assert_eq!(4 * words, raw_bytes as usize);
     if kind & 1 == 1 {

@@ -1,10 +1,10 @@
 //! `adumbra-lab tune-ao`: runs the same parameter search for every ambient-occlusion estimator on the eight scenes, and
 //! records the results.
 
-use adumbra::IoError;
 use std::path::Path;
 use std::time::Instant;
 
+use adumbra_files::{TEXT_BYTES, read_whole};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::write_whole;
 use adumbra_program::say;
@@ -57,7 +57,7 @@ pub fn run(args: &TuneAo) -> Result<Code> {
 
 /// Returns the record of an earlier run.
 fn earlier(path: &Path) -> Result<Record> {
-    let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
+    let bytes = read_whole(path, TEXT_BYTES)?;
     let other = |e| Failure::BadInput(format!("{}: not a tuning record ({e})", path.display()));
     Ok(serde_json::from_slice(&bytes).map_err(other)?)
 }

@@ -56,6 +56,20 @@ pub enum Failure {
     /// An error of a bake.
     #[error("{0}{options}", options = shown(options_of_bake(.0)))]
     Bake(#[from] adumbra_bake::Error),
+    /// A file that takes more memory than the limit allows.
+    #[error(
+        "{what} would take at least {} MiB, but {} MiB are allowed; allow more (--max-memory)",
+        needed_bytes.div_ceil(1 << 20),
+        limit_bytes >> 20
+    )]
+    FileMemory {
+        /// The file, or what is read of it.
+        what: &'static str,
+        /// What it needs at least.
+        needed_bytes: u64,
+        /// The limit.
+        limit_bytes: u64,
+    },
     /// An error of a library that this crate does not depend on, with the exit code that the caller assigns to it.
     #[error("{message}")]
     Other {
@@ -103,6 +117,7 @@ impl Failure {
             Self::Reader(error) => code_of_reader(error),
             Self::Scene(error) => code_of_scene(error),
             Self::Bake(error) => code_of_bake(error),
+            Self::FileMemory { .. } => Code::OutOfRoom,
             Self::Other { code, .. } => *code,
         }
     }

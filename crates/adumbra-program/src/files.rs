@@ -83,7 +83,7 @@ impl MemoryLimit {
     /// Returns [`Failure`] if it does not, or cannot be found.
     pub fn check_plain_file(&self, path: &Path) -> Result<(), Failure> {
         let bytes = std::fs::metadata(path).map_err(IoError::at("read", path))?.len();
-        self.share(0).check("the file", 2 * bytes)
+        self.check_files("the file", || Ok(2 * bytes))
     }
 
     /// Nothing is read twice without a limit, so a pipe can be a file too.
@@ -95,7 +95,10 @@ impl MemoryLimit {
         if !self.is_given() {
             return Ok(());
         }
-        self.share(0).check(what, needed_bytes()?)
+        match self.share(0).excess(needed_bytes()?) {
+            Some([needed_bytes, limit_bytes]) => Err(Failure::FileMemory { what, needed_bytes, limit_bytes }),
+            None => Ok(()),
+        }
     }
 }
 
@@ -110,9 +113,7 @@ mod tests {
         assert!(MemoryLimit::new(None).read_shadow_file(&path).unwrap() == file);
         assert!(MemoryLimit::new(Some(1 << 40)).read_shadow_file(&path).unwrap() == file);
         let refused = MemoryLimit::new(Some(1)).read_shadow_file(&path);
-        let Err(Failure::Bake(adumbra_bake::Error::MemoryLimit { what, needed_bytes, .. })) = refused else {
-            panic!("{refused:?}");
-        };
+        let Err(Failure::FileMemory { what, needed_bytes, .. }) = refused else { panic!("{refused:?}") };
         let least = ShadowFile::memory(&path).unwrap().peak_bytes;
         assert!(what == "the shadow file" && needed_bytes > least, "{what}: {needed_bytes}, not {least}");
     }

@@ -106,13 +106,16 @@ impl Share {
     ///
     /// Returns [`Failure::Bake`] if they do not.
     pub fn check(&self, what: &'static str, counted_bytes: u64) -> Result<(), Failure> {
-        let needed_bytes = counted_bytes.saturating_add(self.beside_bytes);
-        match self.limit_bytes {
-            Some(limit_bytes) if needed_bytes > limit_bytes => {
-                Err(Failure::memory(what, needed_bytes, limit_bytes))
-            }
-            _ => Ok(()),
+        match self.excess(counted_bytes) {
+            Some([needed_bytes, limit_bytes]) => Err(Failure::memory(what, needed_bytes, limit_bytes)),
+            None => Ok(()),
         }
+    }
+
+    /// Returns what the whole process would need and the limit, if this many bytes do not fit into the share.
+    pub(crate) fn excess(&self, counted_bytes: u64) -> Option<[u64; 2]> {
+        let needed_bytes = counted_bytes.saturating_add(self.beside_bytes);
+        self.limit_bytes.filter(|&limit_bytes| needed_bytes > limit_bytes).map(|limit| [needed_bytes, limit])
     }
 
     /// Returns a library's error in the terms of the whole process: what it needs and what is allowed include what it

@@ -53,6 +53,44 @@ fn memory_is_known_before_any_page_is_read() {
 }
 
 #[test]
+fn file_beyond_the_limit_is_refused_before_it_is_decoded() {
+    let folder = Folder::new();
+    let bytes = std::fs::read(vectors("valid/many_pages_coded_depths.adumbra")).unwrap();
+    let path = folder.write("whole.adumbra", &bytes);
+    let most = ShadowFile::memory(&path).unwrap().peak_bytes;
+    assert_eq!(ShadowFile::read_within(&path, most).unwrap(), ShadowFile::read(&path).unwrap());
+    let refused = |error: Error| {
+        let Error::Format { source, .. } = error else { panic!("{error}") };
+        let FormatError::TooLarge { needed_bytes, limit_bytes } = *source else { panic!("{source}") };
+        (needed_bytes, limit_bytes)
+    };
+    let error = ShadowFile::read_within(&path, most - 1).unwrap_err();
+    assert!(error.to_string().contains("allow more, or stream the file"), "{error}");
+    assert_eq!(refused(error), (most, most - 1));
+    assert!(matches!(ShadowFile::from_bytes_within(&bytes, most - 1), Err(FormatError::TooLarge { .. })));
+
+    // A damaged bundle is not seen, because it is not decoded.
+    let mut damaged = bytes.clone();
+    *damaged.last_mut().unwrap() ^= 1;
+    let damaged = folder.write("damaged.adumbra", &damaged);
+    assert_eq!(refused(ShadowFile::read_within(&damaged, most - 1).unwrap_err()), (most, most - 1));
+    // A file that is longer than the limit is not read.
+    let header = folder.write("header.adumbra", &bytes[..256]);
+    let length = bytes.len() as u64;
+    assert_eq!(refused(ShadowFile::read_within(&header, length - 1).unwrap_err()), (length, length - 1));
+}
+
+#[test]
+fn no_file_takes_more_than_300_times_its_bytes() {
+    for entry in std::fs::read_dir(vectors("valid")).unwrap() {
+        let path = entry.unwrap().path();
+        let Ok(memory) = ShadowFile::memory(&path) else { continue };
+        let bytes = std::fs::metadata(&path).unwrap().len();
+        assert!(memory.peak_bytes < 300 * bytes, "{}: {memory:?} of {bytes} bytes", path.display());
+    }
+}
+
+#[test]
 fn files_that_are_read_one_after_the_other_hold_both() {
     let memory = |held_bytes, peak_bytes, writing_bytes| FileMemory { held_bytes, peak_bytes, writing_bytes };
     let [first, second] = [memory(10, 100, 40), memory(20, 50, 60)];

@@ -4,7 +4,7 @@
 /**
  * What is wrong with a file.
  *
- * `Io`: it could not be fetched. `TooLarge`: it is valid, but does not fit the GPU or the budget. `Changed`: it is another than
+ * `Io`: it could not be fetched. `TooLarge`: it may be valid, but does not fit the GPU, the budget or the limit. `Changed`: it is another than
  * when it was opened. All others are those of the specification: the file is not valid.
  */
 export type ShadowFileErrorKind =
@@ -25,7 +25,7 @@ export type ShadowFileErrorKind =
   | 'Io';
 
 /** A fault in the voxels, for the kind `Depths`. */
-export type ShadowFileFault = 'TooLong' | 'Root' | 'Order' | 'End' | 'Bits' | 'Ranks';
+export type ShadowFileFault = 'TooLong' | 'Root' | 'Order' | 'End' | 'Bits' | 'Ranks' | 'Overlap';
 
 /** The values that an error found, by name. */
 export type ShadowFileErrorDetails = Readonly<Record<string, number | string>>;

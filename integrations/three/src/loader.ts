@@ -4,7 +4,6 @@ import { FileLoader, Loader } from 'three';
 
 import { ShadowFileError } from './error.js';
 import { BakedShadowFile } from './file/shadow-file.js';
-import type { ParseOptions } from './file/shadow-file.js';
 
 /**
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.
@@ -16,6 +15,8 @@ import type { ParseOptions } from './file/shadow-file.js';
 export class ShadowFileLoader extends Loader<BakedShadowFile> {
   /** What is checked: everything by default; `'header'` for files that you trust. */
   verify: true | 'header' = true;
+  /** Most bytes of memory that a file may take while it is parsed, see `limitBytes` of `ParseOptions`. */
+  limitBytes = Infinity;
   /** Ends the loads that begin while it is set, once it aborts. */
   signal: AbortSignal | null = null;
   /** What ends the loads that are under way. */
@@ -104,8 +105,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
    * @throws ShadowFileError if the bytes are not exactly one valid file.
    */
   parse(buffer: ArrayBufferLike | Uint8Array): BakedShadowFile {
-    const options: ParseOptions = { verify: this.verify };
-    return new BakedShadowFile(buffer, options);
+    return new BakedShadowFile(buffer, this);
   }
 
   /**
@@ -116,7 +116,8 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
    * @throws the reason of `signal`, once it aborts.
    */
   parseAsync(buffer: ArrayBufferLike | Uint8Array, signal?: AbortSignal): Promise<BakedShadowFile> {
-    return BakedShadowFile.parseAsync(buffer, { verify: this.verify, ...(signal && { signal }) });
+    const { verify, limitBytes } = this;
+    return BakedShadowFile.parseAsync(buffer, { verify, limitBytes, signal });
   }
 
   /** Aborts all requests that are under way. The loader can be used again afterwards. */

@@ -20,6 +20,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
+use adumbra_files::{TEXT_BYTES, read_whole};
 use adumbra_program::exit::{Code, Failure};
 use adumbra_program::output::{format_bytes, make_folder, print_json, refuse_same, write_whole};
 use adumbra_program::{say, signals};
@@ -226,7 +227,7 @@ fn collect(root: &Path, folder: &str, figures: &mut Map<String, Value>) -> Resul
         if path.is_dir() && name != CACHE {
             collect(root, &below, figures)?;
         } else if name.ends_with(".json") {
-            let bytes = std::fs::read(&path).map_err(IoError::at("read", &path))?;
+            let bytes = read_whole(&path, TEXT_BYTES)?;
             // A file that is not valid JSON was not written by a benchmark.
             if let Ok(value) = serde_json::from_slice(&bytes) {
                 figures.insert(below, value);

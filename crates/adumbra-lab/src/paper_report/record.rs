@@ -1,9 +1,9 @@
 //! `report.json`: the commands that were run, their outcome, and all results.
 
-use adumbra::IoError;
 use std::io::ErrorKind;
 use std::path::Path;
 
+use adumbra_files::{TEXT_BYTES, read_whole};
 use adumbra_program::exit::Failure;
 use adumbra_program::output::write_whole;
 use schemars::JsonSchema;
@@ -104,10 +104,10 @@ impl Record {
     /// Returns an error if a file of that name is something else.
     pub(super) fn earlier(folder: &Path) -> Result<Option<Self>> {
         let path = folder.join(NAME);
-        let bytes = match std::fs::read(&path) {
+        let bytes = match read_whole(&path, TEXT_BYTES) {
             Ok(bytes) => bytes,
-            Err(e) if e.kind() == ErrorKind::NotFound => return Ok(None),
-            Err(e) => return Err(IoError::at("read", &path)(e).into()),
+            Err(e) if e.source.kind() == ErrorKind::NotFound => return Ok(None),
+            Err(e) => return Err(e.into()),
         };
         let other = |e| {
             Failure::BadInput(format!(

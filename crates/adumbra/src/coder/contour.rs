@@ -37,13 +37,7 @@ impl Leaf {
     /// Returns 1 for one depth, 2 for one and never, 3 for two, 4 for three or four, and 5 for more.
     #[inline(always)]
     pub(super) fn kind(&self) -> u8 {
-        match (self.last, self.never) {
-            (0, _) => 1,
-            (1, true) => 2,
-            (1, false) => 3,
-            (2..=3, _) => 4,
-            _ => 5,
-        }
+        kind_of(self.last, self.never)
     }
 
     /// Reads the half-words of a valid leaf. `None` unless [`Leaf::halves`] gives the same.
@@ -55,11 +49,7 @@ impl Leaf {
         }
         let stored = &halves[head.differences_at() as usize..];
         for (i, difference) in leaf.differences[..head.differences() as usize].iter_mut().enumerate() {
-            *difference = match head.width {
-                0 => u32::from(stored[i / 2]) >> (8 * (i & 1)) & 0xff,
-                1 => stored[i].into(),
-                _ => u32::from(stored[2 * i]) | u32::from(stored[2 * i + 1]) << 16,
-            };
+            *difference = difference_at(stored, head.width, i);
             if *difference == 0 {
                 return None;
             }
@@ -120,6 +110,28 @@ impl Leaf {
     }
 }
 
+/// Returns the kind of a leaf, see [`Leaf::kind`].
+#[inline(always)]
+fn kind_of(last: u32, never: bool) -> u8 {
+    match (last, never) {
+        (0, _) => 1,
+        (1, true) => 2,
+        (1, false) => 3,
+        (2..=3, _) => 4,
+        _ => 5,
+    }
+}
+
+/// Returns a difference of those that begin with the half-words `stored`, of 8 << `width` bits each.
+#[inline(always)]
+fn difference_at(stored: &[u16], width: u32, index: usize) -> u32 {
+    match width {
+        0 => u32::from(stored[index / 2]) >> (8 * (index & 1)) & 0xff,
+        1 => stored[index].into(),
+        _ => u32::from(stored[2 * index]) | u32::from(stored[2 * index + 1]) << 16,
+    }
+}
+
 /// Returns a gradient's quarters of a voxel per column along x and y.
 #[inline(always)]
 pub(super) fn gradient(slant: u32) -> [i32; 2] {
@@ -170,29 +182,36 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Returns the outline of a leaf.
+    /// Returns the outline of a valid leaf from its half-words.
     #[inline]
-    pub(super) fn new(leaf: &Leaf) -> Self {
+    pub(super) fn of(halves: &[u16]) -> Self {
+        let head = LeafHead::new(halves[0].into());
+        let slant = if head.slanted { halves[1] } else { 0 };
         let mut depths = [NEVER_CELL; 64];
         depths[0] = 0;
-        let stored = leaf.stored();
+        let stored = &halves[head.differences_at() as usize..];
         let mut depth = 0_u32;
-        for (slot, difference) in depths[1..=stored].iter_mut().zip(leaf.differences) {
-            depth = depth.wrapping_add(difference);
+        for (i, slot) in depths[1..=head.differences() as usize].iter_mut().enumerate() {
+            depth = depth.wrapping_add(difference_at(stored, head.width, i));
             *slot = depth;
         }
-        let mut cells: [u32; 16] = std::array::from_fn(|i| {
-            depths[leaf.ranks[if i < 8 { 56 + i } else { 8 * (i - 8) + 7 }] as usize & 63]
-        });
-        if leaf.slant != 0 {
+        let mut ranks = [0_u8; 16];
+        for (plane, words) in halves[head.planes_at() as usize..].as_chunks::<4>().0.iter().enumerate() {
+            for i in 0..8 {
+                ranks[i] |= ((words[3] >> (8 + i) & 1) << plane) as u8;
+                ranks[8 + i] |= ((words[i / 2] >> (8 * (i & 1) + 7) & 1) << plane) as u8;
+            }
+        }
+        let mut cells = ranks.map(|rank| depths[rank as usize & 63]);
+        if slant != 0 {
             for (i, cell) in cells.iter_mut().enumerate() {
                 let [x, y] = if i < 8 { [i as i32, 7] } else { [7, i as i32 - 8] };
-                let risen = cell.wrapping_sub(rise(leaf.slant, x, y));
+                let risen = cell.wrapping_sub(rise(slant.into(), x, y));
                 *cell = if *cell == NEVER_CELL { NEVER_CELL } else { risen };
             }
         }
         let classes = [class_of(&cells[..8]), class_of(&cells[8..])];
-        Self { cells, classes, kind: leaf.kind(), slant: leaf.slant as u16 }
+        Self { cells, classes, kind: kind_of(head.last, head.never), slant }
     }
 }
 

@@ -105,15 +105,15 @@ impl Edges {
 
     /// Notes a shape that was coded before.
     pub(super) fn shape(&mut self, [x, y]: [usize; 2], level: u32, base: u32, shape: u32, pool: Pool<'_>) {
-        let children = match pool.get(shape) {
-            Shape::Leaf(_, outline) => return self.leaf([x, y], base, shape, outline),
-            Shape::Node(children) => children,
+        let node = match pool.get(shape) {
+            Shape::Leaf(halves) => return self.leaf([x, y], base, shape, &Outline::of(halves)),
+            Shape::Node(node) => node,
         };
         let level = level - NODE_LEVELS;
         // The last row and the last column.
         for c in [3, 7, 11, 12, 13, 14, 15] {
             let at = [x + ((c & 3) << level), y + ((c >> 2) << level)];
-            let child = children[c];
+            let child = node.child(c);
             match child.shape {
                 NEVER_CHILD => self.uniform(at, level, NEVER),
                 UNIFORM => self.uniform(at, level, base.wrapping_add(child.delta)),

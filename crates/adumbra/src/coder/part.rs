@@ -3,22 +3,22 @@
 use super::rans::{Decoder, Encoder};
 use super::shapes::{Child, Coded, Common, Layout, NEVER_CHILD, Pool, Reader, Shapes};
 use super::walk::Walk;
-use super::{Fault, LARGEST_RATIO};
+use super::{Fault, least_bytes};
 use crate::layout::depths::NEVER;
 use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 
 /// Number of words of a bundle before those of its pages.
 const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
 
-/// Codes a common section.
+/// Codes a common section of so many words.
 ///
 /// # Errors
-/// Returns [`Fault`] if the coded bytes would be shorter than readers accept.
-pub(crate) fn encode_common(common: &Common, words: &[u32]) -> Result<Vec<u8>, Fault> {
+/// Returns [`Fault`] if a shape leads to one that is not before it.
+pub(crate) fn encode_common(common: &Common, words: usize) -> Result<Vec<u8>, Fault> {
     let none = Shapes::default();
     let mut walk = Walk::of_section(Encoder::default(), &none, &common.shapes);
     walk.section(common.shapes.len())?;
-    checked(walk.coder.finish(), words.len())
+    Ok(walk.coder.finish(least_bytes(words)))
 }
 
 /// Decodes a common section of so many words. Returns its shapes and its words.
@@ -30,7 +30,7 @@ pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u
     let source = Pool { common: &none, own: &none };
     let mut walk = Walk::new(Decoder::new(bytes), &none, source, 2 * words);
     walk.section(0)?;
-    walk.coder.finish()?;
+    walk.coder.finish(least_bytes(words))?;
     let Coded::SoFar(shapes) = walk.own else { return Err(Fault) };
     let (common, found) = Common::lay_out(shapes, 2 * words)?;
     if found.len() == words { Ok((common, found)) } else { Err(Fault) }
@@ -39,8 +39,7 @@ pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u
 /// Codes the pages of a bundle. They must be valid.
 ///
 /// # Errors
-/// Returns [`Fault`] if a page is not what a writer makes of its shapes, or if the coded bytes would be shorter than
-/// readers accept.
+/// Returns [`Fault`] if a page is not what a writer makes of its shapes.
 pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -> Result<Vec<u8>, Fault> {
     let mut reader = Reader::of_pages(common);
     let mut roots = [Child::NEVER; BUNDLE_PAGES];
@@ -58,7 +57,7 @@ pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -
     let mut walk = Walk::new(Encoder::default(), &common.shapes, source, usize::MAX);
     walk.pages(roots)?;
     let words = pages.iter().map(|page| page.words.len()).sum::<usize>();
-    checked(walk.coder.finish(), HEAD_WORDS + words)
+    Ok(walk.coder.finish(least_bytes(words)))
 }
 
 /// Decodes a bundle of so many words, which it returns: the heads of its pages, and the pages.
@@ -69,11 +68,12 @@ pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -
 /// Returns [`Fault`] if an encoder would not have written these bytes.
 pub(crate) fn decode_bundle(bytes: &[u8], words: usize, common: &Common) -> Result<Vec<u32>, Fault> {
     let none = Shapes::default();
-    let most_halves = 2 * words.checked_sub(HEAD_WORDS).ok_or(Fault)?;
+    let page_words = words.checked_sub(HEAD_WORDS).ok_or(Fault)?;
+    let most_halves = 2 * page_words;
     let source = Pool { common: &none, own: &none };
     let mut walk = Walk::new(Decoder::new(bytes), &common.shapes, source, most_halves);
     let roots = walk.pages([Child::NEVER; BUNDLE_PAGES])?;
-    walk.coder.finish()?;
+    walk.coder.finish(least_bytes(page_words))?;
     let mut layout = Layout::of_pages(common, walk.own.shapes(), most_halves);
     let mut found = vec![0; HEAD_WORDS];
     for (page, root) in roots.into_iter().enumerate() {
@@ -84,8 +84,4 @@ pub(crate) fn decode_bundle(bytes: &[u8], words: usize, common: &Common) -> Resu
     }
     found.shrink_to_fit();
     if found.len() == words { Ok(found) } else { Err(Fault) }
-}
-
-fn checked(bytes: Vec<u8>, words: usize) -> Result<Vec<u8>, Fault> {
-    if 4 * words as u64 <= LARGEST_RATIO * bytes.len() as u64 { Ok(bytes) } else { Err(Fault) }
 }

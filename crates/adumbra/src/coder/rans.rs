@@ -158,9 +158,11 @@ impl<'b> Decoder<'b> {
         decoder
     }
 
-    /// Checks that the bytes end here.
-    pub(super) fn finish(self) -> Result<(), Fault> {
-        if self.at == self.bytes.len() && self.states == [LEAST_STATE; 2] { Ok(()) } else { Err(Fault) }
+    /// Checks that the bytes end here, or after zeros that make them `least_bytes` long.
+    pub(super) fn finish(self, least_bytes: usize) -> Result<(), Fault> {
+        let rest = self.bytes.get(self.at..).ok_or(Fault)?;
+        let is_end = self.bytes.len() == self.at.max(least_bytes) && rest.iter().all(|&byte| byte == 0);
+        if is_end && self.states == [LEAST_STATE; 2] { Ok(()) } else { Err(Fault) }
     }
 
     /// Returns the next half-word, or 0 after the last.
@@ -265,8 +267,8 @@ pub(super) struct Encoder {
 }
 
 impl Encoder {
-    /// Returns the coded bytes.
-    pub(super) fn finish(self) -> Vec<u8> {
+    /// Returns the coded bytes, with zeros behind them if they were fewer than `least_bytes`.
+    pub(super) fn finish(self, least_bytes: usize) -> Vec<u8> {
         let mut halves: Vec<u16> = Vec::new();
         let mut states = [LEAST_STATE; 2];
         for (i, step) in self.steps.iter().enumerate().rev() {
@@ -279,7 +281,10 @@ impl Encoder {
             *state = ((*state / frequency) << scale) + *state % frequency + start;
         }
         let initial = states.map(|state| [state as u16, (state >> 16) as u16]);
-        initial.iter().flatten().chain(halves.iter().rev()).flat_map(|half| half.to_le_bytes()).collect()
+        let halves = initial.iter().flatten().chain(halves.iter().rev());
+        let mut bytes: Vec<u8> = halves.flat_map(|half| half.to_le_bytes()).collect();
+        bytes.resize(bytes.len().max(least_bytes), 0);
+        bytes
     }
 }
 

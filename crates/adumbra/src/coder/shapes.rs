@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 
 use super::Fault;
-use super::contour::{Leaf, Outline};
+use super::contour::Leaf;
 pub(super) use crate::layout::depths::UNIFORM;
 use crate::layout::depths::code::{self, Code, LeafHead};
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
@@ -30,23 +30,37 @@ pub(super) struct Child {
 impl Child {
     /// No column switches.
     pub(super) const NEVER: Self = Self { shape: NEVER_CHILD, delta: 0 };
+    /// All columns switch at the base.
+    const AT_BASE: Self = Self { shape: UNIFORM, delta: 0 };
 }
 
-/// A shape's level, and its number among the leaves or the nodes of its list.
+/// A shape of a list.
 #[derive(Clone, Copy, Debug)]
 struct Entry {
-    level: u32,
-    number: u32,
+    /// Where a leaf's half-words begin, or a node's listed children.
+    first: u32,
+    /// Children of a node, a bit each.
+    ///
+    /// | bits | meaning |
+    /// |---|---|
+    /// | 0 to 15 | child 0 to 15 is listed |
+    /// | 16 to 31 | child 0 to 15 never switches |
+    ///
+    /// A child with neither bit switches at the node's base. `0xfffc_0001`: child 0 is listed, child 1 switches at the base,
+    /// and the others never switch.
+    children: u32,
+    level: u8,
 }
 
 /// A list of shapes. Each comes after those that it leads to.
+///
+/// It takes memory in proportion to the half-words of its shapes, whatever they are: a child is listed if it takes a
+/// half-word at least.
 #[derive(Debug, Default)]
 pub(super) struct Shapes {
     entries: Vec<Entry>,
     leaf_halves: Vec<u16>,
-    /// First half-word of each leaf, and its outline.
-    leaves: Vec<(u32, Outline)>,
-    nodes: Vec<[Child; 16]>,
+    children: Vec<Child>,
     /// Indices of the shapes of each level.
     levels: [Vec<u32>; LEVELS],
 }
@@ -60,9 +74,18 @@ impl Shapes {
     fn shrink_to_fit(&mut self) {
         self.entries.shrink_to_fit();
         self.leaf_halves.shrink_to_fit();
-        self.leaves.shrink_to_fit();
-        self.nodes.shrink_to_fit();
+        self.children.shrink_to_fit();
         self.levels.iter_mut().for_each(Vec::shrink_to_fit);
+    }
+
+    /// Returns the bytes that the lists take.
+    #[cfg(test)]
+    pub(super) fn bytes(&self) -> usize {
+        let indices: usize = self.levels.iter().map(Vec::capacity).sum();
+        size_of::<Entry>() * self.entries.capacity()
+            + size_of::<u16>() * self.leaf_halves.capacity()
+            + size_of::<Child>() * self.children.capacity()
+            + size_of::<u32>() * indices
     }
 
     /// Returns the number of shapes.
@@ -77,21 +100,33 @@ impl Shapes {
 
     /// Adds a leaf and returns its index. `before` is the number of shapes in lists before this one.
     #[inline]
-    pub(super) fn push_leaf(&mut self, halves: &[u16], outline: Outline, before: u32) -> u32 {
-        let index = before + self.len();
-        self.entries.push(Entry { level: LEAF_LEVEL, number: self.leaves.len() as u32 });
-        self.leaves.push((self.leaf_halves.len() as u32, outline));
+    pub(super) fn push_leaf(&mut self, halves: &[u16], before: u32) -> u32 {
+        let first = self.leaf_halves.len() as u32;
         self.leaf_halves.extend_from_slice(halves);
-        self.levels[0].push(index);
-        index
+        self.push(Entry { first, children: 0, level: LEAF_LEVEL as u8 }, before)
     }
 
     /// Adds a node and returns its index. `before` is the number of shapes in lists before this one.
-    pub(super) fn push_node(&mut self, level: u32, children: [Child; 16], before: u32) -> u32 {
+    pub(super) fn push_node(&mut self, level: u32, children: &[Child; 16], before: u32) -> u32 {
+        let mut entry = Entry { first: self.children.len() as u32, children: 0, level: level as u8 };
+        for (c, &child) in children.iter().enumerate() {
+            match child {
+                Child::NEVER => entry.children |= 1 << (16 + c),
+                Child::AT_BASE => (),
+                _ => {
+                    entry.children |= 1 << c;
+                    self.children.push(child);
+                }
+            }
+        }
+        self.push(entry, before)
+    }
+
+    #[inline]
+    fn push(&mut self, entry: Entry, before: u32) -> u32 {
         let index = before + self.len();
-        self.entries.push(Entry { level, number: self.nodes.len() as u32 });
-        self.nodes.push(children);
-        self.levels[rank_of_level(level)].push(index);
+        self.entries.push(entry);
+        self.levels[rank_of_level(entry.level.into())].push(index);
         index
     }
 }
@@ -134,10 +169,39 @@ pub(super) struct Pool<'s> {
 
 /// A shape.
 pub(super) enum Shape<'s> {
-    /// A leaf's half-words, and what its neighbours see of it.
-    Leaf(&'s [u16], &'s Outline),
-    /// A node's children.
-    Node(&'s [Child; 16]),
+    /// A leaf's half-words.
+    Leaf(&'s [u16]),
+    /// A node.
+    Node(Node<'s>),
+}
+
+/// The children of a node.
+#[derive(Clone, Copy)]
+pub(super) struct Node<'s> {
+    /// As in an [`Entry`].
+    children: u32,
+    /// Those that are listed, and others behind them.
+    listed: &'s [Child],
+}
+
+impl Node<'_> {
+    /// Returns child 0 to 15.
+    #[inline(always)]
+    pub(super) fn child(self, c: usize) -> Child {
+        if self.children >> c & 1 == 1 {
+            let before = self.children & 0xffff & ((1 << c) - 1);
+            self.listed[before.count_ones() as usize]
+        } else if self.children >> (16 + c) & 1 == 1 {
+            Child::NEVER
+        } else {
+            Child::AT_BASE
+        }
+    }
+
+    /// Returns all children.
+    pub(super) fn all(self) -> [Child; 16] {
+        std::array::from_fn(|c| self.child(c))
+    }
 }
 
 impl<'s> Pool<'s> {
@@ -152,19 +216,19 @@ impl<'s> Pool<'s> {
 
     /// Returns the level of a shape.
     pub(super) fn level(self, shape: u32) -> u32 {
-        self.find(shape).1.level
+        self.find(shape).1.level.into()
     }
 
     /// Returns a shape.
     #[inline(always)]
     pub(super) fn get(self, shape: u32) -> Shape<'s> {
-        let (list, Entry { level, number }) = self.find(shape);
-        if level == LEAF_LEVEL {
-            let (first, outline) = &list.leaves[number as usize];
-            let halves = &list.leaf_halves[*first as usize..];
-            Shape::Leaf(&halves[..LeafHead::new(halves[0].into()).length() as usize], outline)
+        let (list, entry) = self.find(shape);
+        if u32::from(entry.level) == LEAF_LEVEL {
+            let halves = &list.leaf_halves[entry.first as usize..];
+            Shape::Leaf(&halves[..LeafHead::new(halves[0].into()).length() as usize])
         } else {
-            Shape::Node(&list.nodes[number as usize])
+            let listed = &list.children[entry.first as usize..];
+            Shape::Node(Node { children: entry.children, listed })
         }
     }
 }
@@ -276,11 +340,11 @@ impl<'s> Layout<'s> {
             return Ok(place);
         }
         let at = match self.pool.get(shape) {
-            Shape::Leaf(halves, _) => self.writer.leaf(halves),
-            Shape::Node(children) => {
+            Shape::Leaf(halves) => self.writer.leaf(halves),
+            Shape::Node(node) => {
                 let mut placed = [PlacedChild::Never; 16];
-                for (placed, child) in placed.iter_mut().zip(children) {
-                    *placed = match *child {
+                for (placed, child) in placed.iter_mut().zip(node.all()) {
+                    *placed = match child {
                         Child::NEVER => PlacedChild::Never,
                         Child { shape: UNIFORM, delta } => PlacedChild::Uniform(delta),
                         Child { shape, delta } => PlacedChild::Shape { delta, place: self.emit(shape)? },
@@ -367,8 +431,8 @@ impl<'c> Reader<'c> {
         if let Some(&known) = self.leaves.get(&halves) {
             return Ok(known);
         }
-        let outline = Outline::new(&Leaf::read(&halves).ok_or(Fault)?);
-        let index = self.shapes.push_leaf(&halves, outline, self.common.shapes.len());
+        Leaf::read(&halves).ok_or(Fault)?;
+        let index = self.shapes.push_leaf(&halves, self.common.shapes.len());
         if !self.is_common {
             self.leaves.insert(halves, index);
         }
@@ -391,12 +455,12 @@ impl<'c> Reader<'c> {
         }
         let before = self.common.shapes.len();
         if self.is_common {
-            return Ok(self.shapes.push_node(level, children, before));
+            return Ok(self.shapes.push_node(level, &children, before));
         }
         let next = before + self.shapes.len();
         let index = *self.nodes.entry((level, children)).or_insert(next);
         if index == next {
-            self.shapes.push_node(level, children, before);
+            self.shapes.push_node(level, &children, before);
         }
         Ok(index)
     }

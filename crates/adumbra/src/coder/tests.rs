@@ -1,9 +1,11 @@
 //! Round trips of random shapes, and garbage.
 
-use super::contour::{Leaf, MOST_HALVES, Outline};
+use super::contour::{Leaf, MOST_HALVES};
 use super::rans::{Bit, Coder, Decoder, Encoder, Symbol};
 use super::shapes::{Child, Layout, Shapes, UNIFORM};
-use super::{Common, Fault, decode_bundle, decode_common, encode_bundle, encode_common};
+use super::{
+    Common, DECODING_RATIO, Fault, decode_bundle, decode_common, encode_bundle, encode_common, least_bytes,
+};
 use crate::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page};
 use crate::layout::depths::{NEVER, ShapePlace};
 
@@ -63,11 +65,11 @@ impl<'c> Builder<'c> {
             *rank = if r.below(3) > 0 { c / 8 % (last + 1) } else { r.below(last + 1) } as u8;
         }
         let mut buffer = [0; MOST_HALVES];
-        self.own.push_leaf(leaf.halves(&mut buffer), Outline::new(&leaf), self.common.shapes.len())
+        self.own.push_leaf(leaf.halves(&mut buffer), self.common.shapes.len())
     }
 
     fn node(&mut self, level: u32, children: [Child; 16]) -> u32 {
-        self.own.push_node(level, children, self.common.shapes.len())
+        self.own.push_node(level, &children, self.common.shapes.len())
     }
 
     /// Adds a node of random children. `known` are shapes of the level below.
@@ -165,10 +167,10 @@ fn bits_symbols_and_numbers_come_back() {
     }
     let mut encoder = Encoder::default();
     code(&mut encoder, |_, _| ());
-    let bytes = encoder.finish();
+    let bytes = encoder.finish(0);
     let mut decoder = Decoder::new(&bytes);
     code(&mut decoder, |expected, found| assert_eq!(expected, found));
-    assert_eq!(decoder.finish(), Ok(()));
+    assert_eq!(decoder.finish(0), Ok(()));
 }
 
 #[test]
@@ -196,7 +198,7 @@ fn references_to_the_common_section_are_restored() {
     let (common, words) = common_of(5, 3000);
     assert!(words.len() > 1 << 15, "{}", words.len());
     let list = |level| common.shapes.of_level(level).to_vec();
-    let bytes = encode_common(&common, &words).unwrap();
+    let bytes = encode_common(&common, words.len()).unwrap();
     let (decoded, found) = decode_common(&bytes, words.len()).unwrap();
     assert_eq!(found, words);
     // A root in the common section, and nodes of its leaves far and near, with small and large differences.
@@ -286,7 +288,7 @@ fn garbage_is_refused_and_bounded() {
     for other in [0, 1, 47, 48, words - 1, words + 1, 2 * words] {
         assert_eq!(decode(&bytes, other), Err(Fault), "{other}");
     }
-    let coded_common = encode_common(&common, &common_words).unwrap();
+    let coded_common = encode_common(&common, common_words.len()).unwrap();
     for length in (0..coded_common.len()).step_by(37) {
         assert!(decode_common(&coded_common[..length], common_words.len()).is_err(), "{length}");
     }
@@ -304,6 +306,75 @@ fn garbage_is_refused_and_bounded() {
         assert!(decode_common(&noise, 1 << 15).is_err());
         assert!(decode_common(&flipped, words).is_err());
     }
+}
+
+#[test]
+fn part_that_would_be_too_short_ends_with_zeros() {
+    let none = Common::default();
+    let mut b = Builder::new(&none, 1);
+    let mut leaf = Leaf { last: 1, ..Leaf::EMPTY };
+    leaf.differences[0] = 5;
+    leaf.ranks[32..].fill(1);
+    let mut buffer = [0; MOST_HALVES];
+    let halves = leaf.halves(&mut buffer);
+    for _ in 0..2000 {
+        b.own.push_leaf(halves, 0);
+    }
+    let (common, words) = Common::lay_out(b.own, usize::MAX).unwrap();
+    assert_eq!(words.len(), 6000);
+    let bytes = encode_common(&common, words.len()).unwrap();
+    assert_eq!(bytes.len(), least_bytes(words.len()));
+    assert_eq!(bytes.len(), 1500);
+    let coded = bytes.iter().rposition(|&byte| byte != 0).unwrap();
+    assert!((100..1400).contains(&coded), "{coded}");
+    let decode = |bytes: &[u8]| decode_common(bytes, words.len()).map(|(_, words)| words);
+    assert_eq!(decode(&bytes).as_ref(), Ok(&words));
+    let (but_two, last) = bytes.split_at(1498);
+    assert_eq!(last, [0; 2]);
+    for end in [&[][..], &[0], &[0, 1], &[1, 0], &[0, 0, 0], &[0, 0, 0, 0]] {
+        assert_eq!(decode(&[but_two, end].concat()), Err(Fault), "{end:?}");
+    }
+
+    // Pages that are equal.
+    let mut b = Builder::new(&none, 5);
+    let root = b.random_node(9, &mut Vec::new(), false);
+    let pages = b.pages(&[(0, root); BUNDLE_PAGES]);
+    let bytes = check(&pages, &none);
+    assert_eq!(bytes.len(), least_bytes(word_count(&pages) - 48));
+}
+
+#[test]
+fn lists_of_shapes_take_little_more_than_their_half_words() {
+    let far = Child { shape: 0, delta: 1 << 17 };
+    let nodes = [
+        [Child::NEVER; 16],
+        [Child { shape: UNIFORM, delta: 0 }; 16],
+        [Child { shape: UNIFORM, delta: 3 }; 16],
+        [Child { shape: 0, delta: 0 }; 16],
+        [far; 16],
+        std::array::from_fn(|c| if c == 5 { Child { shape: 0, delta: 0 } } else { Child::NEVER }),
+    ];
+    let mut buffer = [0; MOST_HALVES];
+    let mut all_taken = Vec::new();
+    for kind in 0..=nodes.len() {
+        let mut shapes = Shapes::default();
+        let smallest = Leaf { slant: 1, ..Leaf::EMPTY };
+        shapes.push_leaf(smallest.halves(&mut buffer), 0);
+        // A little more than a power of two, so the lists are half empty.
+        for _ in 0..4200 {
+            match kind.checked_sub(1) {
+                None => shapes.push_leaf(smallest.halves(&mut buffer), 0),
+                Some(kind) => shapes.push_node(5, &nodes[kind], 0),
+            };
+        }
+        let taken = shapes.bytes();
+        let (_, words) = Common::lay_out(shapes, usize::MAX).unwrap();
+        all_taken.push(taken as f64 / (4 * words.len()) as f64);
+    }
+    // The writer's half-words, their words and addresses come to this.
+    let rest = 2.0 + 1.0 + 2.0;
+    let most = all_taken.iter().copied().fold(0.0, f64::max);
+    assert!(most + rest <= DECODING_RATIO as f64 && most > 1.0, "{all_taken:?}");
 }
 
 #[test]

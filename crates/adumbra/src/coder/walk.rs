@@ -214,12 +214,13 @@ impl<'s, C: Coder> Walk<'s, C> {
     /// Codes the base of a known shape. Returns both.
     fn seen(&mut self, level: u32, at: [usize; 2], base: u32, shape: u32, target: u32) -> (u32, u32) {
         let pool = Pool { common: self.common, own: self.own.shapes() };
-        let depth = if let Shape::Leaf(_, outline) = pool.get(shape) {
-            let (slant, kind) = (outline.slant.into(), outline.kind);
-            self.leaf_depth(at, base, slant, kind, target)
-        } else {
-            self.plain_depth(level, at, base, false, target)
-        };
+        if let Shape::Leaf(halves) = pool.get(shape) {
+            let outline = Outline::of(halves);
+            let depth = self.leaf_depth(at, base, outline.slant.into(), outline.kind, target);
+            self.edges.leaf(at, depth, shape, &outline);
+            return (shape, depth);
+        }
+        let depth = self.plain_depth(level, at, base, false, target);
         self.edges.shape(at, level, depth, shape, Pool { common: self.common, own: self.own.shapes() });
         (shape, depth)
     }
@@ -229,9 +230,9 @@ impl<'s, C: Coder> Walk<'s, C> {
         self.spend(3)?;
         let mut children = [Child::NEVER; 16];
         if !C::DECODES
-            && let Shape::Node(sources) = self.source.get(source)
+            && let Shape::Node(node) = self.source.get(source)
         {
-            children = *sources;
+            children = node.all();
         }
         let below = level - NODE_LEVELS;
         for (c, child) in children.iter_mut().enumerate() {
@@ -239,7 +240,7 @@ impl<'s, C: Coder> Walk<'s, C> {
             *child = self.child(below, at, base, *child)?;
         }
         let before = self.common.len();
-        let index = self.own.note(source, |own| own.push_node(level, children, before));
+        let index = self.own.note(source, |own| own.push_node(level, &children, before));
         self.note(source, index);
         Ok(index)
     }
@@ -249,7 +250,7 @@ impl<'s, C: Coder> Walk<'s, C> {
         let mut leaf = self.scratch.take().unwrap_or_else(|| Box::new(Leaf::EMPTY));
         leaf.slant = 0;
         if !C::DECODES
-            && let Shape::Leaf(halves, _) = self.source.get(source.shape)
+            && let Shape::Leaf(halves) = self.source.get(source.shape)
         {
             *leaf = Leaf::read(halves).ok_or(Fault)?;
         }
@@ -260,9 +261,9 @@ impl<'s, C: Coder> Walk<'s, C> {
         let mut buffer = [0; MOST_HALVES];
         let halves = leaf.halves(&mut buffer);
         self.spend(halves.len())?;
-        let outline = Outline::new(&leaf);
+        let outline = Outline::of(halves);
         let before = self.common.len();
-        let index = self.own.note(source.shape, |own| own.push_leaf(halves, outline, before));
+        let index = self.own.note(source.shape, |own| own.push_leaf(halves, before));
         self.edges.leaf(at, depth, index, &outline);
         self.note(source.shape, index);
         self.scratch = Some(leaf);

@@ -133,6 +133,17 @@ pub enum FormatError {
         /// The common section or the bundle.
         section: String,
     },
+    /// The file may be valid, but takes more memory than is allowed.
+    #[error(
+        "it takes {needed_bytes} bytes in memory while it is read, and {limit_bytes} are allowed; allow more, or stream the file"
+    )]
+    TooLarge {
+        /// The file's length if that alone is too much, else what [`ShadowFile::read_within`](crate::ShadowFile::read_within)
+        /// would hold at most.
+        needed_bytes: u64,
+        /// What is allowed.
+        limit_bytes: u64,
+    },
     /// The quadtree of depths cannot be looked up in.
     #[error("the quadtree of depths of level {level} is not valid: {fault}; bake it again")]
     Depths {
@@ -160,6 +171,7 @@ impl FormatError {
             Self::Bundle { .. } => "Bundle",
             Self::Coded { .. } => "Coded",
             Self::Uncodable { .. } => "Uncodable",
+            Self::TooLarge { .. } => "TooLarge",
             Self::Depths { .. } => "Depths",
         }
     }

@@ -12,10 +12,9 @@ use crate::settings::AtRest;
 /// Number of words of a bundle before those of its pages.
 pub const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
 
-/// Whether a coded part of so many bytes may have so many raw bytes.
-pub(super) fn is_plausible(stored_bytes: u64, raw_bytes: u64) -> bool {
-    let most = stored_bytes.saturating_mul(coder::LARGEST_RATIO);
-    raw_bytes.is_multiple_of(4) && (stored_bytes == 0) == (raw_bytes == 0) && raw_bytes <= most
+/// Whether a coded part of so many bytes may have shapes of so many raw bytes.
+pub(super) fn is_plausible(stored_bytes: u64, shapes_bytes: u64) -> bool {
+    shapes_bytes.is_multiple_of(4) && shapes_bytes <= stored_bytes.saturating_mul(coder::LARGEST_RATIO)
 }
 
 /// A common section. Bundles of the same grid are read and written with it.
@@ -88,7 +87,7 @@ impl CommonSection {
         match &self.shapes {
             _ if self.words.is_empty() => Ok(Vec::new()),
             None => Ok(u32_chunks(&self.words).flatten().collect()),
-            Some(shapes) => coder::encode_common(shapes, &self.words).map_err(|_| uncodable(NAME)),
+            Some(shapes) => coder::encode_common(shapes, self.words.len()).map_err(|_| uncodable(NAME)),
         }
     }
 

@@ -163,7 +163,9 @@ fn required_raw_bytes(entry: &GridEntry, at_rest: AtRest) -> Option<String> {
     let GridEntry { common: Section { length, .. }, common_raw_bytes, .. } = *entry;
     match at_rest {
         AtRest::Raw => (common_raw_bytes != length).then(|| length.to_string()),
-        AtRest::Coded => (!is_plausible(length, common_raw_bytes))
-            .then(|| format!("whole words, and at most {LARGEST_RATIO} times its length")),
+        AtRest::Coded => {
+            let fits = is_plausible(length, common_raw_bytes) && (length == 0) == (common_raw_bytes == 0);
+            (!fits).then(|| format!("whole words, and at most {LARGEST_RATIO} times its length"))
+        }
     }
 }

@@ -4,17 +4,18 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
 
+use crate::coder::DECODING_RATIO;
 use crate::error::{Error, FormatError, IoError, Result};
-use crate::file::read::{BATCH_BUNDLES, directory_end, tables_end};
+use crate::file::contents::{directory_end, tables_end};
 use crate::file::{BundleEntry, Contents, GridEntry, HEAD_WORDS, HEADER_BYTES, ShadowFile, threads};
 use crate::layout::depths::{PLACED_PAGE_BYTES, page, top};
 
-/// What decoding a part takes beside its words, as a multiple of them: its shapes, as a list. A node of 30 bytes takes
-/// some 150 in lists that may be half empty.
-const DECODING_RATIO: u64 = 12;
 /// What coding a part takes beside its words, as a multiple of them: its shapes, and tables of them that find equal ones.
 /// `docs/figures.md` has the measurement.
 pub const CODING_RATIO: u64 = 24;
+
+/// Number of bundles that are decoded at a time. Their words are in memory twice until they are in the tree.
+pub(super) const BATCH_BUNDLES: usize = 64;
 
 /// Lengths are counted up to here. What a file says of them is not yet known to be true, and is multiplied.
 const MOST_BYTES: u64 = 1 << 50;
@@ -56,6 +57,18 @@ impl FileMemory {
         memory.writing_bytes = memory.held_bytes + coding;
         memory.peak_bytes += header.file_bytes.min(MOST_BYTES) + tables_bytes;
         memory
+    }
+
+    /// Checks that a file can be read within a limit.
+    ///
+    /// # Errors
+    /// Returns [`FormatError::TooLarge`] if it cannot.
+    pub(super) fn check(contents: &Contents, limit_bytes: u64) -> Result<(), FormatError> {
+        let needed_bytes = Self::of_contents(contents).peak_bytes;
+        if needed_bytes > limit_bytes {
+            return Err(FormatError::TooLarge { needed_bytes, limit_bytes });
+        }
+        Ok(())
     }
 
     /// Returns the memory of this file and of another that is read after it.

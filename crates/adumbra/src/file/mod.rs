@@ -14,6 +14,7 @@
 //! contents, and one coded file. In a coded file common sections and bundles are stored in fewer bytes (`common.rs`).
 
 mod common;
+mod contents;
 mod directory;
 pub mod fields;
 mod header;
@@ -25,10 +26,10 @@ mod table;
 mod write;
 
 pub use common::{CommonSection, HEAD_WORDS};
+pub use contents::{beginning_bytes, name_of_bundle};
 pub use directory::{GridEntry, LEVEL_STEP};
 pub use header::{GRID_BYTES, HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};
 pub use memory::{CODING_RATIO, FileMemory};
-pub use read::{beginning_bytes, name_of_bundle};
 pub use table::{BUNDLE_ENTRY_BYTES, Bundle, BundleEntry, StoredBundle};
 pub use write::FileWriter;
 

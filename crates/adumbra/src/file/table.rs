@@ -55,11 +55,12 @@ impl BundleEntry {
         reserved("bundle's reserved bits", flags & !HAS_NEVER)?;
         let range = Range { nearest, farthest, has_never: flags & HAS_NEVER != 0 };
         let entry = Self { stored_bytes, raw_bytes, checksum, range };
-        let is_long = raw_bytes as usize >= 4 * HEAD_WORDS && raw_bytes.is_multiple_of(4);
+        let shapes_bytes = u64::from(raw_bytes).checked_sub(4 * HEAD_WORDS as u64);
+        let is_long = shapes_bytes.is_some_and(|bytes| bytes.is_multiple_of(4));
         let fits = match at_rest {
             _ if stored_bytes == 0 => raw_bytes == 0 && checksum == 0 && range == Range::uniform(nearest),
             AtRest::Raw => is_long && raw_bytes == stored_bytes,
-            AtRest::Coded => is_long && is_plausible(stored_bytes.into(), raw_bytes.into()),
+            AtRest::Coded => shapes_bytes.is_some_and(|bytes| is_plausible(stored_bytes.into(), bytes)),
         };
         if fits {
             return Ok(entry);
@@ -69,7 +70,7 @@ impl BundleEntry {
                 "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on"
             }
             AtRest::Coded => {
-                "no bytes and one depth, or whole words of raw bytes, from 192 to 4096 times the stored ones"
+                "no bytes and one depth, or whole words of raw bytes, from 192 to 192 and 16 times the stored ones"
             }
         };
         Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })

@@ -154,4 +154,14 @@ mod tests {
             assert!(Regions::from_json(&text.as_bytes()[..end]).is_err(), "{end}");
         }
     }
+
+    #[test]
+    fn a_file_that_is_too_long_is_no_manifest() {
+        let folder = adumbra_testing::Folder::new();
+        let path = folder.write("world.json", world().to_json().as_bytes());
+        assert_eq!(Regions::read(&path).unwrap(), world());
+        std::fs::File::options().write(true).open(&path).unwrap().set_len((64 << 20) + 1).unwrap();
+        let error = Regions::read(&path).unwrap_err().to_string();
+        assert!(error.contains("more than 67108864 bytes"), "{error}");
+    }
 }

@@ -7,12 +7,17 @@ mod sampler;
 pub use sampler::RegionSampler;
 
 use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, IoError, Result};
 use crate::file::{FileMemory, ShadowFile};
 use crate::grid::{Frame, LightGrid, Region, Sun};
 use crate::query::Filter;
+
+/// Most bytes of a manifest. A region takes a hundred.
+const MOST_BYTES: u64 = 64 << 20;
 
 /// A manifest: where the regions of a world are, and in which files.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,11 +61,19 @@ impl Regions {
     /// Reads the manifest at `path`.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the file cannot be read, and [`Error::Manifest`] if it is not a manifest.
+    /// Returns [`Error::Io`] if the file cannot be read, and [`Error::Manifest`] if it is not a manifest, or has more than
+    /// 64 MiB.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
-        Self::from_json(&bytes).map_err(|what| Error::Manifest { path: path.to_owned(), what })
+        let mut bytes = Vec::new();
+        File::open(path)
+            .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+            .map_err(IoError::at("read", path))?;
+        let regions = match bytes.len() as u64 {
+            0..=MOST_BYTES => Self::from_json(&bytes),
+            _ => Err(format!("it has more than {MOST_BYTES} bytes")),
+        };
+        regions.map_err(|what| Error::Manifest { path: path.to_owned(), what })
     }
 
     /// Returns the sun.

@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use crate::error::FormatError;
 use crate::file::{Bundle, BundleEntry, CommonSection, GridEntry, name_of_bundle};
-use crate::layout::depths::PageValidator;
 use crate::layout::depths::page::{Page, page_dims, pages_of};
 use crate::layout::depths::top::{block_level, page_blocks};
+use crate::layout::depths::{PageValidator, Proved};
 use crate::settings::AtRest;
 use crate::stream::retry::StreamError;
 
@@ -29,7 +29,7 @@ pub(super) struct LevelContext {
     pub(super) page_dims: [u32; 2],
     pub(super) block_level: u32,
     /// What threads have validated of the common section.
-    idle: Mutex<Vec<Vec<u8>>>,
+    idle: Mutex<Vec<Proved>>,
 }
 
 /// A bundle that has been decoded and validated.

@@ -4,17 +4,18 @@
 // What a block of 8 × 8 columns sees of the one above it or to its left is a *facing*: bits 2..0: its class, bits 5..3: its
 // kind, 0 where it is uniform, bits 21..6: its gradient, or 0.
 
+import { rise } from '../quadtree/leaf.js';
 import { BUNDLE_SIDE, PAGE_LEVEL } from '../quadtree/pages.js';
 import { LEAF_LEVEL, NODE_LEVELS } from '../quadtree/quadtree.js';
 import { NEVER } from './model.js';
-import { FLAT, NEVER_CELL, NEVER_CLASS, UNKNOWN, gradientX, gradientY } from './outline.js';
-import { LEVELS, NEVER_CHILD, NODE, OUTLINE, UNIFORM_CHILD } from './shapes.js';
+import { FLAT, NEVER_CELL, NEVER_CLASS, OUTLINE, UNKNOWN, readOutline } from './outline.js';
+import { UNIFORM_CHILD } from './shapes.js';
 import type { Shapes } from './shapes.js';
 
 /** Number of columns along each side of a bundle. */
 const SIDE = BUNDLE_SIDE << PAGE_LEVEL;
-/** The children of a node in its last row and its last column. */
-const LAST_CHILDREN = [3, 7, 11, 12, 13, 14, 15];
+/** The children of a node in its last row and its last column, one bit each. */
+const LAST_CHILDREN = 0xf888;
 
 /** Returns the class of a facing. */
 export const classOfFacing = (facing: number): number => facing & 7;
@@ -38,6 +39,8 @@ export class Edges {
   readonly shapeLeft = new Int32Array(SIDE >> LEAF_LEVEL);
   /** The depths that {@link Edges.faceLeaf} found: those above, then those to the left. */
   readonly cells = new Int32Array(16);
+  /** The outline of the leaf that is noted next, relative to its base. */
+  readonly outline = new Int32Array(OUTLINE);
 
   /** Begins where nothing was decoded. */
   clear(): void {
@@ -73,12 +76,12 @@ export class Edges {
     this.#set(x, y, level, depth, depth === NEVER ? NEVER_CLASS : FLAT);
   }
 
-  /** Notes a leaf. `facing` is as in `Shapes`, and its outline begins at `from`. */
-  leaf(x: number, y: number, base: number, shape: number, facing: number, outlines: Int32Array, from: number): void {
-    const { bottom, right } = this;
+  /** Notes the leaf that has the outline. `facing` is as in `Shapes`. */
+  leaf(x: number, y: number, base: number, shape: number, facing: number): void {
+    const { bottom, right, outline } = this;
     for (let i = 0; i < 8; i++) {
-      const below = outlines[from + i];
-      const beside = outlines[from + 8 + i];
+      const below = outline[i];
+      const beside = outline[8 + i];
       bottom[x + i] = below === NEVER_CELL ? NEVER : base + below;
       right[y + i] = beside === NEVER_CELL ? NEVER : base + beside;
     }
@@ -93,46 +96,42 @@ export class Edges {
   shape(x: number, y: number, base: number, shape: number, lists: readonly [common: Shapes, own: Shapes]): void {
     const before = lists[0].length;
     const list = lists[shape < before ? 0 : 1];
-    const entry = list.entries[shape < before ? shape : shape - before];
-    const rank = entry & (LEVELS - 1);
-    const number = entry >> 2;
+    const entry = 3 * (shape < before ? shape : shape - before);
+    const rank = list.entries[entry];
+    let at = list.entries[entry + 1];
+    const head = list.entries[entry + 2];
     if (rank === 0) {
-      this.leaf(x, y, base, shape, list.facings[number], list.outlines, OUTLINE * number);
+      readOutline(list.halves, at, this.outline);
+      this.leaf(x, y, base, shape, head);
       return;
     }
     const level = LEAF_LEVEL + NODE_LEVELS * (rank - 1);
-    for (const c of LAST_CHILDREN) {
+    for (let c = 0; c < 16; c++) {
+      let child = UNIFORM_CHILD;
+      let depth = (head >>> (16 + c)) & 1 ? NEVER : base;
+      if ((head >>> c) & 1) {
+        child = list.children[at++];
+        depth = (base + list.children[at++]) | 0;
+      }
+      if (!((LAST_CHILDREN >>> c) & 1)) continue;
       const childX = x + ((c & 3) << level);
       const childY = y + ((c >> 2) << level);
-      const child = list.nodes[NODE * number + 2 * c];
-      const depth = (base + list.nodes[NODE * number + 2 * c + 1]) | 0;
-      if (child === NEVER_CHILD) this.uniform(childX, childY, level, NEVER);
-      else if (child === UNIFORM_CHILD) this.uniform(childX, childY, level, depth);
+      if (child === UNIFORM_CHILD) this.uniform(childX, childY, level, depth);
       else this.shape(childX, childY, depth, child, lists);
     }
   }
 
-  /**
-   * Finds the depths of the columns above and to the left of a leaf, deeper by what the leaf's slant would rise there.
-   * "Never" stays as it is.
-   */
+  /** Finds the depths of the columns above and to the left of a leaf, deeper by what the leaf's slant would rise there. */
   faceLeaf(x: number, y: number, slant: number): void {
     const { bottom, right, cells } = this;
     for (let i = 0; i < 8; i++) {
-      cells[i] = bottom[x + i];
-      cells[8 + i] = right[y + i];
-    }
-    if (slant === 0) return;
-    const gx = gradientX(slant);
-    const gy = gradientY(slant);
-    // Quarters of the rise at (0, −1) and (−1, 0), with 3 more to round up.
-    let along = 3 + (gx > 0 ? 7 * gx : 0) + (gy > 0 ? 8 * gy : gy);
-    let down = 3 + (gx > 0 ? 8 * gx : gx) + (gy > 0 ? 7 * gy : 0);
-    for (let i = 0; i < 8; i++) {
-      if (cells[i] !== NEVER) cells[i] += along >> 2;
-      if (cells[8 + i] !== NEVER) cells[8 + i] += down >> 2;
-      along -= gx;
-      down -= gy;
+      cells[i] = risen(bottom[x + i], slant, i, -1);
+      cells[8 + i] = risen(right[y + i], slant, -1, i);
     }
   }
+}
+
+/** Returns a column's depth, deeper by what a slant would rise there. "Never" stays as it is. */
+export function risen(depth: number, slant: number, x: number, y: number): number {
+  return depth === NEVER || slant === 0 ? depth : depth + rise(slant, x, y);
 }

@@ -1,10 +1,11 @@
 // Writes shapes as half-words, each after what it points to, in the shortest form that holds it. Counterpart of
 // `crates/adumbra/src/layout/depths/write.rs`, and of `Layout` in `crates/adumbra/src/coder/shapes.rs`.
 
-import { UNIFORM } from '../quadtree/leaf.js';
+import { popCount } from '../quadtree/bits.js';
+import { UNIFORM, leafHead } from '../quadtree/leaf.js';
 import { IN_PAGE } from '../quadtree/pages.js';
 import { grown } from './growing.js';
-import { LEVELS, NEVER_CHILD, NODE, UNIFORM_CHILD } from './shapes.js';
+import { UNIFORM_CHILD } from './shapes.js';
 import type { Shapes } from './shapes.js';
 
 /** Pointers of one half-word reach to this, and have this bit if they are relative. */
@@ -83,37 +84,39 @@ export class Layout {
     const index = shape - this.#common.length;
     if (index < 0 || this.addresses[index] >= this.#begin) return;
     const own = this.#own;
-    const entry = own.entries[index];
-    const number = entry >> 2;
-    if ((entry & (LEVELS - 1)) === 0) {
-      const from = own.beginOf(number);
-      const count = own.ends[number] - from;
+    const first = own.entries[3 * index + 1];
+    if (own.entries[3 * index] === 0) {
+      const [, , , , , planesAt, planes] = leafHead(own.halves[first]);
+      const count = planesAt + 4 * planes;
       this.#reserve(count);
       this.addresses[index] = this.#length;
-      for (let i = 0; i < count; i++) this.#put(own.halves[from + i]);
+      for (let i = 0; i < count; i++) this.#put(own.halves[first + i]);
     } else {
-      for (let c = 0; c < NODE; c += 2) {
-        const child = own.nodes[NODE * number + c];
-        if (child >= 0) this.writeShape(child);
-      }
+      const head = own.entries[3 * index + 2];
+      const end = first + 2 * popCount(head & 0xffff);
+      for (let at = first; at < end; at += 2) if (own.children[at] >= 0) this.writeShape(own.children[at]);
       this.addresses[index] = this.#length;
-      this.#writeNode(NODE * number);
+      this.#writeNode(head, first);
     }
     if (this.#length > this.#most) this.#fail();
   }
 
-  #writeNode(first: number): void {
-    const { nodes } = this.#own;
+  #writeNode(head: number, first: number): void {
+    const { children } = this.#own;
     const at = this.#length;
+    let child = first;
     let low = 0;
     let high = 0;
     let kind = 0;
     this.#reserve(3 + 3 * 16);
     this.#length += 3;
     for (let c = 0; c < 16; c++) {
-      const shape = nodes[first + 2 * c];
-      const delta = nodes[first + 2 * c + 1];
-      const form = shape === NEVER_CHILD ? 1 : shape === UNIFORM_CHILD ? this.#writeUniform(delta) : this.#writePointer(at, shape, delta);
+      let form = (head >>> (16 + c)) & 1;
+      if (((head >>> c) & 1) === 1) {
+        const shape = children[child++];
+        const delta = children[child++];
+        form = shape === UNIFORM_CHILD ? this.#writeUniform(delta) : this.#writePointer(at, shape, delta);
+      }
       high |= (form >> 2) << c;
       low |= ((form >> 1) & 1) << c;
       kind |= (form & 1) << c;
@@ -123,9 +126,8 @@ export class Layout {
     this.#halves[at + 2] = kind;
   }
 
-  /** Writes the difference of a uniform child. Returns its bits as 4 · high + 2 · low + kind. */
+  /** Writes the difference of a uniform child, which is not 0. Returns its bits as 4 · high + 2 · low + kind. */
   #writeUniform(delta: number): number {
-    if (delta === 0) return 0;
     if (!fits(delta, 16)) return this.#writeFar(delta, FAR);
     this.#put(delta);
     return 3;

@@ -1,5 +1,9 @@
 // What neighbours see of a leaf. Counterpart of `crates/adumbra/src/coder/contour.rs`.
 
+import { depthOf, leafHead, rankOf, rise } from '../quadtree/leaf.js';
+
+/** Number of depths of a leaf's outline: those of row 7, then of column 7. */
+export const OUTLINE = 16;
 /** Stands for "never" among depths that are relative to a base. */
 export const NEVER_CELL = -(2 ** 31);
 
@@ -30,19 +34,16 @@ export function classOf(cells: Int32Array, from: number): number {
   return (most - least) >>> 0 <= 16 ? SMOOTH : MIXED;
 }
 
-/** Returns a gradient's quarters of a voxel per column along x. */
-export function gradientX(slant: number): number {
-  return (slant << 24) >> 24;
-}
-
-/** Returns a gradient's quarters of a voxel per column along y. */
-export function gradientY(slant: number): number {
-  return (slant << 16) >> 24;
-}
-
-/** Returns by how much a plane is nearer to the sun than at its deepest corner, in a column that may be a neighbour's. */
-export function riseAt(slant: number, x: number, y: number): number {
-  const gx = gradientX(slant);
-  const gy = gradientY(slant);
-  return (3 - gx * (gx > 0 ? x - 7 : x) - gy * (gy > 0 ? y - 7 : y)) >> 2;
+/** Finds the outline of the valid leaf whose half-words begin at `from`, relative to its base. */
+export function readOutline(halves: Uint16Array, from: number, outline: Int32Array): void {
+  const head = leafHead(halves[from]);
+  const [, differences, , isSlanted] = head;
+  const cell = (x: number, y: number): number => {
+    const rank = rankOf(halves, from, head, x, y);
+    return rank > differences ? NEVER_CELL : depthOf(halves, from, head, rank) - (isSlanted ? rise(halves[from + 1], x, y) : 0);
+  };
+  for (let i = 0; i < 8; i++) {
+    outline[i] = cell(i, 7);
+    outline[8 + i] = cell(7, i);
+  }
 }

@@ -6,8 +6,6 @@ import { Layout } from './layout.js';
 import { NEVER_CHILD, Shapes } from './shapes.js';
 import { Walk } from './walk.js';
 
-/** Largest ratio of raw bytes to coded bytes. */
-export const LARGEST_RATIO = 4096;
 /** Number of words of a bundle before those of its pages. */
 const HEAD_WORDS = 3 * BUNDLE_PAGES;
 
@@ -29,7 +27,7 @@ export class PartDecoder {
       walk.shape();
       yield;
     }
-    if (!walk.reader.isAtEnd) fail();
+    if (!walk.reader.isAtEnd(words)) fail();
     const layout = new Layout(walk.own, new Shapes(), undefined, 0, 2 * words, fail);
     for (let shape = 0; shape < walk.own.length; shape++) {
       layout.writeShape(shape);
@@ -54,7 +52,7 @@ export class PartDecoder {
       heads[3 * page + 1] = shape === NEVER_CHILD ? NEVER : base;
       yield;
     }
-    if (!walk.reader.isAtEnd) fail();
+    if (!walk.reader.isAtEnd(words - HEAD_WORDS)) fail();
     const layout = new Layout(walk.own, walk.common, this.#addresses, 2 * HEAD_WORDS, 2 * words, fail);
     for (let page = 0; page < BUNDLE_PAGES; page++) {
       layout.beginPage();

@@ -12,6 +12,8 @@ const SYMBOL_SCALE = 15;
 const SYMBOL_MASK = 2 ** SYMBOL_SCALE - 1;
 /** Shift by which the probability of a bit moves towards what was read. */
 const BIT_SHIFT = 4;
+/** Largest ratio of the bytes of a part's shapes to its coded bytes. Zeros follow those of a part that has more. */
+export const LARGEST_RATIO = 16;
 /** Both states are this at the end. */
 const LAST_STATE = 2 ** 16;
 /** 2^15 in both halves of a word. */
@@ -67,9 +69,9 @@ export class RansReader {
     for (let symbol = 0; symbol < 16; symbol++) this.#start[symbol] = symbol << (SYMBOL_SCALE - 4);
     for (let done = 8; done < this.#starts.length; done *= 2) this.#starts.copyWithin(done, 0, done);
     this.#halves = halves;
-    const half = (at: number): number => (at < halves.length ? halves[at] : 0);
-    this.#states[0] = half(0) | (half(1) << 16);
-    this.#states[1] = half(2) | (half(3) << 16);
+    // What is not there counts as 0.
+    this.#states[0] = halves[0] | (halves[1] << 16);
+    this.#states[1] = halves[2] | (halves[3] << 16);
     this.#at = 4;
   }
 
@@ -78,9 +80,14 @@ export class RansReader {
     return this.#at > this.#halves.length;
   }
 
-  /** Whether what was read so far is all that was written. */
-  get isAtEnd(): boolean {
-    return this.#at === this.#halves.length && this.#states[0] === LAST_STATE && this.#states[1] === LAST_STATE;
+  /** Whether what was read so far is all that was written of shapes of so many words, but for zeros. */
+  isAtEnd(words: number): boolean {
+    const halves = this.#halves;
+    return (
+      halves.length === Math.max(this.#at, Math.ceil(words / (LARGEST_RATIO / 2))) &&
+      !halves.subarray(this.#at).some(Boolean) &&
+      this.#states.every((state) => state === LAST_STATE)
+    );
   }
 
   /** Sets the state of the step that ends. Without branches on the state, which would often be mispredicted. */

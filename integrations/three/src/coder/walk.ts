@@ -7,7 +7,7 @@
 import { BUNDLE_SIDE, PAGE_LEVEL } from '../quadtree/pages.js';
 import { LEAF_LEVEL, NODE_LEVELS } from '../quadtree/quadtree.js';
 import { Leaf, readColumns } from './columns.js';
-import { Edges, classOfFacing, kindOfFacing, slantOfFacing } from './edges.js';
+import { Edges, classOfFacing, kindOfFacing, risen, slantOfFacing } from './edges.js';
 import {
   COUNT,
   DIFFERENCE,
@@ -28,8 +28,8 @@ import {
   STATE,
   UNIFORM_DEPTH,
 } from './model.js';
-import { MIXED, NEVER_CELL, NEVER_CLASS, classOf, riseAt } from './outline.js';
-import { LEVELS, NEVER_CHILD, NODE, OUTLINE, Shapes, UNIFORM_CHILD, rankOf } from './shapes.js';
+import { MIXED, NEVER_CLASS, classOf, readOutline } from './outline.js';
+import { LEVELS, NEVER_CHILD, NODE, Shapes, UNIFORM_CHILD, rankOf } from './shapes.js';
 
 /** Number of shapes of a level, and of gradients, that are remembered in order of their last use. */
 const RECENT = 10;
@@ -64,8 +64,6 @@ export class Walk {
   readonly #recentSlants = new Int32Array(RECENT_SLANTS);
   /** Children of the nodes that are being decoded, by rank; last is a root. */
   readonly #children = new Int32Array(LEVELS * NODE + 2);
-  /** Depths of a leaf, relative to its base. */
-  readonly #depths = new Int32Array(64);
   #lists: readonly [common: Shapes, own: Shapes] = [this.common, this.own];
   #halvesLeft = 0;
   #fail: () => never = () => {
@@ -174,7 +172,7 @@ export class Walk {
     if (level === LEAF_LEVEL) {
       const before = this.common.length;
       const list = shape < before ? this.common : this.own;
-      const facing = list.facings[list.entries[shape < before ? shape : shape - before] >> 2];
+      const facing = list.entries[3 * (shape < before ? shape : shape - before) + 2];
       depth = this.#leafDepth(x, y, base, facing >>> 9, (facing >>> 6) & 7);
     } else depth = this.#plainDepth(NODE_DEPTH, level, x, y, base);
     this.#edges.shape(x, y, depth, shape, this.#lists);
@@ -201,31 +199,16 @@ export class Walk {
     this.#differences(depth);
     readColumns(this.reader, this.#edges, x, y, depth, leaf);
     const { own } = this;
-    const number = own.nextLeaf();
-    const begin = own.beginOf(number);
-    own.ends[number] = writeLeaf(leaf, own.halves, begin);
-    this.#spend(own.ends[number] - begin);
-    const outline = OUTLINE * number;
-    this.#outline(own.outlines, outline);
-    own.facings[number] = classOf(own.outlines, outline) | (classOf(own.outlines, outline + 8) << 3) | (kind << 6) | (slant << 9);
-    const shape = own.pushLeaf(this.common.length);
-    this.#edges.leaf(x, y, depth, shape, own.facings[number], own.outlines, outline);
+    own.reserveLeaf();
+    const begin = own.halvesLength;
+    const end = writeLeaf(leaf, own.halves, begin);
+    this.#spend(end - begin);
+    const { outline } = this.#edges;
+    readOutline(own.halves, begin, outline);
+    const facing = classOf(outline, 0) | (classOf(outline, 8) << 3) | (kind << 6) | (slant << 9);
+    const shape = own.pushLeaf(end, facing, this.common.length);
+    this.#edges.leaf(x, y, depth, shape, facing);
     return depth;
-  }
-
-  /** Finds the depths of row 7 and of column 7 of the leaf, relative to its base. */
-  #outline(outlines: Int32Array, from: number): void {
-    const { last, never, stored, differences, ranks, slant } = this.#leaf;
-    const depths = this.#depths;
-    depths[0] = 0;
-    for (let i = 0; i < stored; i++) depths[i + 1] = depths[i] + differences[i];
-    if (never) depths[last] = NEVER_CELL;
-    for (let i = 0; i < 8; i++) {
-      const below = depths[ranks[8 + 56 + i]];
-      const beside = depths[ranks[8 + 8 * i + 7]];
-      outlines[from + i] = below === NEVER_CELL || slant === 0 ? below : below - riseAt(slant, i, 7);
-      outlines[from + 8 + i] = beside === NEVER_CELL || slant === 0 ? beside : beside - riseAt(slant, 7, i);
-    }
   }
 
   /** Decodes the depth of a uniform child, or the base of a node. */
@@ -323,11 +306,6 @@ export class Walk {
       depth = (depth + difference) | 0;
     }
   }
-}
-
-/** Returns a column's depth, deeper by what a slant would rise there. */
-function risen(depth: number, slant: number, x: number, y: number): number {
-  return depth === NEVER || slant === 0 ? depth : depth + riseAt(slant, x, y);
 }
 
 /** Returns what is common to the facings of the blocks along a square of a level. */

@@ -4,7 +4,7 @@
 // Offsets and lengths have 64 bits and come from outside. Above 2^53 they are rounded here, but no file is that long: such
 // a part has another place than it must have, or is cut off.
 
-import { LARGEST_RATIO } from '../coder/part.js';
+import { LARGEST_RATIO } from '../coder/rans.js';
 import { ShadowFileError } from '../error.js';
 import { obliqueAxes, obliqueEdges } from '../grid/light-grid.js';
 import type { LightGrid } from '../grid/light-grid.js';
@@ -142,7 +142,7 @@ function checkPlaces(entries: readonly GridEntry[], fileBytes: number, isCoded: 
       checkPlace(section, 'length', section.length, tableBytes.get(section) ?? section.length);
     }
     if (!isCoded) checkPlace(common, 'raw length', commonRawBytes, common.length);
-    else if (!isPlausible(common.length, commonRawBytes)) {
+    else if (!isPlausible(common.length, commonRawBytes) || (common.length === 0) !== (commonRawBytes === 0)) {
       throw boundsError(common, 'raw length', commonRawBytes, `whole words, and at most ${LARGEST_RATIO} times its length`);
     }
   }

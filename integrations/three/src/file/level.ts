@@ -12,7 +12,7 @@ import type { GridEntry } from './directory.js';
 import { checkBundle, checkChecksum } from './faults.js';
 import type { Steps } from './steps.js';
 import { HEAD_WORDS, codedUnpacker, rawUnpacker, unpackBundle } from './table.js';
-import type { BundleEntry } from './table.js';
+import type { BundleEntry, Unpacker } from './table.js';
 
 /** A bundle of a level. */
 interface Bundle {
@@ -45,7 +45,7 @@ export function* readLevel(
     if (isVerified) checkChecksum(part, checksum, name);
     return part;
   };
-  const unpacker = isCoded ? codedUnpacker() : rawUnpacker();
+  let unpacker: Unpacker | undefined = isCoded ? codedUnpacker() : rawUnpacker();
   const commonBytes = stored(common.offset, common.length, common.checksum, common.name);
   const shared = yield* unpacker.common(commonBytes, commonRawBytes, common.name);
   const unpacked: Uint32Array[] = [];
@@ -84,6 +84,9 @@ export function* readLevel(
     all.push(bundle);
     yield;
   }
+  // Checking takes as much memory as they do.
+  unpacker = undefined;
+  unpacked.length = 0;
   if (isVerified) {
     const ranges = yield* validate(code, shared.length, pages, across, level);
     for (const bundle of all) checkPages(bundle, ranges);

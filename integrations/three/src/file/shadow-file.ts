@@ -10,6 +10,7 @@ import { trailing, truncated } from './faults.js';
 import { parseEntries, parseTables } from './front.js';
 import { parseHeader } from './header.js';
 import { readLevel } from './level.js';
+import { checkMemory } from './memory.js';
 import { run, runInSlices } from './steps.js';
 import type { Steps } from './steps.js';
 
@@ -21,6 +22,12 @@ export interface ParseOptions {
    * files that you trust: one that is damaged elsewhere is refused or gives wrong answers, but every look-up still ends.
    */
   readonly verify?: true | 'header';
+  /**
+   * Most bytes of memory that a file may take while it is parsed, its own with them; no limit by default. For files from
+   * others: a file of a few megabytes is often five times as large in memory, and a forged one can be 600 times as large.
+   * Header, directory and tables say how large it can be, so one that is too large is refused before it is decoded.
+   */
+  readonly limitBytes?: number;
 }
 
 /**
@@ -50,7 +57,7 @@ export class BakedShadowFile implements Quadtree {
   /**
    * Parses and checks a whole file. Cost: one pass over the bytes, and memory for the words.
    *
-   * @throws ShadowFileError if `bytes` are not exactly one valid file.
+   * @throws ShadowFileError if `bytes` are not exactly one valid file, or one that takes more memory than is allowed.
    */
   constructor(bytes: ArrayBufferLike | Uint8Array, options: ParseOptions = {}) {
     fill(this, run(readContents(bytes, options)));
@@ -63,7 +70,7 @@ export class BakedShadowFile implements Quadtree {
    * @throws ShadowFileError if `bytes` are not exactly one valid file.
    * @throws the reason of `signal`, once it aborts.
    */
-  static async parseAsync(bytes: ArrayBufferLike | Uint8Array, { signal, ...options }: ParseOptions & { readonly signal?: AbortSignal } = {}): Promise<BakedShadowFile> {
+  static async parseAsync(bytes: ArrayBufferLike | Uint8Array, { signal, ...options }: ParseOptions & { readonly signal?: AbortSignal | undefined } = {}): Promise<BakedShadowFile> {
     return fill(Object.create(BakedShadowFile.prototype), await runInSlices(readContents(bytes, options), signal));
   }
 
@@ -93,7 +100,7 @@ interface Contents {
 }
 
 /** Reads and checks a whole file. */
-function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = true }: ParseOptions): Steps<Contents> {
+function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = true, limitBytes = Infinity }: ParseOptions): Steps<Contents> {
   const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
   const header = parseHeader(whole);
   const { version, settings, isCoded, fileBytes: byteLength } = header;
@@ -103,6 +110,7 @@ function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = true }: P
   if (cut !== undefined) throw truncated(cut.name, cut.offset + cut.length, have);
   if (have > byteLength) throw trailing(byteLength);
   const tables = parseTables(whole, entries, isCoded);
+  checkMemory(byteLength, entries, tables, limitBytes);
   const trees: Quadtree[] = [];
   for (const [level, entry] of entries.entries()) {
     trees.push(yield* readLevel(whole, level, entry, tables[level], isCoded, verify === true));

@@ -1,7 +1,8 @@
 // The table of a level, with an entry per bundle, and what is stored as words. Counterpart of
 // `crates/adumbra/src/file/table.rs` and `common.rs`.
 
-import { LARGEST_RATIO, PartDecoder } from '../coder/part.js';
+import { PartDecoder } from '../coder/part.js';
+import { LARGEST_RATIO } from '../coder/rans.js';
 import { hex } from '../error.js';
 import { NEVER, UNIFORM } from '../quadtree/leaf.js';
 import { BUNDLE_PAGES } from '../quadtree/pages.js';
@@ -29,9 +30,9 @@ export interface BundleEntry {
   readonly range: DepthRange;
 }
 
-/** Whether a coded part of so many bytes may have so many raw bytes. */
-export function isPlausible(storedBytes: number, rawBytes: number): boolean {
-  return rawBytes % 4 === 0 && (storedBytes === 0) === (rawBytes === 0) && rawBytes <= LARGEST_RATIO * storedBytes;
+/** Whether a coded part of so many bytes may have shapes of so many raw bytes. */
+export function isPlausible(storedBytes: number, shapesBytes: number): boolean {
+  return shapesBytes % 4 === 0 && shapesBytes <= LARGEST_RATIO * storedBytes;
 }
 
 /** Reads and checks a table. `name` names it, and its bundles are `bundlesBytes` long together. */
@@ -57,14 +58,12 @@ function parseEntry(bytes: Uint8Array, name: string, isCoded: boolean): BundleEn
   const fits =
     storedBytes === 0
       ? rawBytes === 0 && checksum === 0 && farthest === nearest && range[2] === (nearest === NEVER)
-      : isLong && (isCoded ? isPlausible(storedBytes, rawBytes) : rawBytes === storedBytes);
+      : isLong && (isCoded ? isPlausible(storedBytes, rawBytes - 4 * HEAD_WORDS) : rawBytes === storedBytes);
   checkBundle(
     fits,
     name,
     `${storedBytes} stored and ${rawBytes} raw bytes, checksum ${checksum} and depths ${range}`,
-    isCoded
-      ? `no bytes and one depth, or whole words of raw bytes, from 192 to ${LARGEST_RATIO} times the stored ones`
-      : 'no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on',
+    'no bytes and one depth, or whole words that fit them',
   );
   return { name, storedBytes, pageWords: Math.max(rawBytes / 4 - HEAD_WORDS, 0), checksum, range };
 }
@@ -113,7 +112,7 @@ export function* unpackBundle(unpacker: Unpacker, stored: Uint8Array, entry: Bun
   const words = yield* unpacker.bundle(stored, entry);
   let sum = 0;
   for (let head = 0; head < HEAD_WORDS; head += 3) sum += words[head + 2];
-  checkBundle(sum === pageWords, name, `${sum} words of pages`, 'as many words of pages as the bundle has after its head');
+  checkBundle(sum === pageWords, name, `${sum} words of pages`, 'as many as it has');
   return words;
 }
 

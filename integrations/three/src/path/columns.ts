@@ -1,7 +1,7 @@
 // The columns of a quadtree by blocks: what a march reads of it. `spec/adumbra-file.md` has the fields.
 
 import { halvesOf } from '../quadtree/bits.js';
-import { NEVER, UNIFORM, differenceAt, largestRise, leafHead, rise } from '../quadtree/leaf.js';
+import { NEVER, UNIFORM, depthOf, largestRise, leafHead, rankOf, rise } from '../quadtree/leaf.js';
 import { childrenOf } from '../quadtree/node.js';
 import { LEAF_LEVEL, NODE_LEVELS } from '../quadtree/quadtree.js';
 import type { Quadtree } from '../quadtree/quadtree.js';
@@ -34,18 +34,17 @@ export function columnsOf({ top, code: words, rootLevel, topDims }: Quadtree): C
   let at = UNIFORM;
   let base = NEVER;
 
-  /** Returns the leaf's base with some of its differences added. */
-  const deepened = (differencesAt: number, width: number, count: number): number => {
-    let depth = base;
-    for (let i = 0; i < count; i++) depth += differenceAt(code, at + differencesAt, width, i);
-    return Math.min(depth, NEVER);
-  };
+  let head = leafHead(0);
+
+  /** Returns the depth of a rank of the leaf, without its slant. */
+  const flatDepth = (rank: number): number => Math.min(base + depthOf(code, at, head, rank), NEVER);
 
   /** Sets the bounds of the leaf. */
   const setBounds = (): void => {
-    const [last, differences, width, isSlanted, differencesAt] = leafHead(code[at]);
+    head = leafHead(code[at]);
+    const [last, differences, , isSlanted] = head;
     if (isSlanted) block.nearest = Math.max(base - largestRise(code[at + 1]), 0);
-    block.farthest = differences < last ? NEVER : deepened(differencesAt, width, differences);
+    block.farthest = differences < last ? NEVER : flatDepth(differences);
   };
 
   return {
@@ -67,14 +66,10 @@ export function columnsOf({ top, code: words, rootLevel, topDims }: Quadtree): C
       return block;
     },
     depthAt(x, y) {
-      const [, differences, width, isSlanted, differencesAt, planesAt, planes] = leafHead(code[at]);
-      const column = 8 * (y & 7) + (x & 7);
-      const plane = at + planesAt + (column >>> 4);
-      let rank = 0;
-      for (let p = 0; p < planes; p++) rank |= ((code[plane + 4 * p] >>> (column & 15)) & 1) << p;
+      const rank = rankOf(code, at, head, x & 7, y & 7);
+      const [, differences, , isSlanted] = head;
       if (rank > differences) return NEVER;
-      const depth = deepened(differencesAt, width, rank);
-      return isSlanted ? Math.max(depth - rise(code[at + 1], x & 7, y & 7), 0) : depth;
+      return isSlanted ? Math.max(flatDepth(rank) - rise(code[at + 1], x & 7, y & 7), 0) : flatDepth(rank);
     },
   };
 }

@@ -36,10 +36,24 @@ export function leafHead(half: number): LeafHead {
   return [last, differences, width, isSlanted, differencesAt, planesAt, digits(last)];
 }
 
-/** Returns a difference of a leaf, whose differences begin at `first`. */
-export function differenceAt(code: Uint16Array, first: number, width: number, index: number): number {
-  if (width === 0) return (code[first + (index >>> 1)] >>> (8 * (index & 1))) & 0xff;
-  return width === 1 ? code[first + index] : twoHalves(code, first + 2 * index);
+/** Returns the rank of column (x, y), from 0 to 7 each, of the leaf at an address. */
+export function rankOf(code: Uint16Array, at: number, head: LeafHead, x: number, y: number): number {
+  const plane = at + head[5] + (y >>> 1);
+  let rank = 0;
+  for (let p = 0; p < head[6]; p++) rank |= ((code[plane + 4 * p] >>> (8 * (y & 1) + x)) & 1) << p;
+  return rank;
+}
+
+/** Returns by how much the depth of a rank of the leaf at an address is beyond its base: the sum of that many differences. */
+export function depthOf(code: Uint16Array, at: number, head: LeafHead, rank: number): number {
+  const width = head[2];
+  const first = at + head[4];
+  let depth = 0;
+  for (let i = 0; i < rank; i++) {
+    if (width === 0) depth += (code[first + (i >>> 1)] >>> (8 * (i & 1))) & 0xff;
+    else depth += width === 1 ? code[first + i] : twoHalves(code, first + 2 * i);
+  }
+  return depth;
 }
 
 /** Returns by how much a column switches nearer to the sun than the deepest corner of its plane, voxels. */

@@ -2,12 +2,13 @@
 // the same page or to one of the common section, and every column of a leaf has one of its depths. The same walk finds the
 // depths at which columns switch. Counterpart of `crates/adumbra/src/layout/depths/validate.rs` and `ranges.rs`.
 //
-// What was found at an address is remembered, so the walk takes time linear in the half-words.
+// What was found at an address is remembered, and shapes that overlap are refused, so the walk takes time and memory linear in
+// the half-words.
 
 import { ShadowFileError, hex } from '../error.js';
 import type { ShadowFileFault } from '../error.js';
 import { halvesOf, lowestBit } from './bits.js';
-import { NEVER, UNIFORM, differenceAt, largestRise, leafHead } from './leaf.js';
+import { NEVER, UNIFORM, depthOf, largestRise, leafHead } from './leaf.js';
 import { childrenOf, fieldsLength } from './node.js';
 import { IN_PAGE, PAGE_LEVEL } from './pages.js';
 import type { Page } from './pages.js';
@@ -58,21 +59,30 @@ export function* validate(
 
   /** Returns the walk in a part of the code. `common` is that of the common section, unless the part is. */
   const walkIn = (part: string, start: number, end: number, common?: Walk): Walk => {
-    /** Ranges of shapes by address and level. */
+    /** Ranges of nodes by address and level. */
     const known = new Map<number, DepthRange>();
+    /** For each half-word, whether a leaf that begins there has been checked. */
+    const checked = new Uint8Array(end - start);
+    /** Number of half-words that further shapes may have. */
+    let left = end - start;
     const named = (at: number): string => `the shape at half-word ${at - start} of ${part}`;
     const badBits = (at: number, half: number): never => fail('Bits', `${named(at)} has invalid bits: ${hex(half)}`);
     const checkEnd = (at: number, length: number): void => {
       if (length > end - at) fail('End', `${named(at)} extends past its end`);
     };
+    const spend = (at: number, length: number): void => {
+      checkEnd(at, length);
+      left -= length;
+      if (left < 0) fail('Overlap', `${named(at)} overlaps others`);
+    };
 
-    const leaf = (at: number): DepthRange => {
+    const checkLeaf = (at: number): void => {
       const half = code[at];
-      const [last, differences, width, isSlanted, differencesAt, planesAt, planes] = leafHead(half);
+      const [last, differences, width, isSlanted, , planesAt, planes] = leafHead(half);
       if (half >>> 10 !== 0 || width > 2 || (last === 0 && (differences !== 0 || !isSlanted))) {
         badBits(at, half);
       }
-      checkEnd(at, planesAt + 4 * planes);
+      spend(at, planesAt + 4 * planes);
       const padded = code[at + planesAt - 1];
       if (width === 0 && (differences & 1) === 1 && padded >>> 8 !== 0) badBits(at, padded);
       // A rank above the last can be written only where the last is not all ones.
@@ -83,16 +93,23 @@ export function* validate(
           fail('Ranks', `${named(at)} gives column ${column} a rank above its last, ${last}`);
         }
       }
-      let deepest = 0;
-      for (let i = 0; i < differences; i++) deepest += differenceAt(code, at + differencesAt, width, i);
-      return [isSlanted ? -largestRise(code[at + 1]) : 0, deepest, differences < last];
+    };
+
+    const leaf = (at: number): DepthRange => {
+      if (checked[at - start] === 0) {
+        checkLeaf(at);
+        checked[at - start] = 1;
+      }
+      const head = leafHead(code[at]);
+      const [last, differences, , isSlanted] = head;
+      return [isSlanted ? -largestRise(code[at + 1]) : 0, depthOf(code, at, head, differences), differences < last];
     };
 
     const node = (at: number, below: number): DepthRange => {
       checkEnd(at, 3);
       const [low, high, kind] = [code[at], code[at + 1], code[at + 2]];
       if ((low & high & kind) !== 0) badBits(at, kind);
-      checkEnd(at, 3 + fieldsLength(low, high, kind, 0xffff));
+      spend(at, 3 + fieldsLength(low, high, kind, 0xffff));
       let range = NONE;
       for (let index = 0; index < 16; index++) {
         const { at: to, delta, isNever, isRelative } = children(at, index);
@@ -110,10 +127,11 @@ export function* validate(
     };
 
     const shape: Walk = (at, ofLevel) => {
+      if (ofLevel === LEAF_LEVEL) return leaf(at);
       const key = 4 * at + (ofLevel - LEAF_LEVEL) / NODE_LEVELS;
       let range = known.get(key);
       if (range === undefined) {
-        range = ofLevel === LEAF_LEVEL ? leaf(at) : node(at, ofLevel - NODE_LEVELS);
+        range = node(at, ofLevel - NODE_LEVELS);
         known.set(key, range);
       }
       return range;

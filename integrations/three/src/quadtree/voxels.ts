@@ -1,7 +1,7 @@
 // Look-ups of voxels in the quadtree. `spec/adumbra-file.md`, "Look-up of a point", has the steps and their names.
 
 import { halvesOf } from './bits.js';
-import { NEVER, UNIFORM, differenceAt, leafHead, rise } from './leaf.js';
+import { NEVER, UNIFORM, depthOf, leafHead, rankOf, rise } from './leaf.js';
 import { childrenOf, descend } from './node.js';
 import { LEAF_LEVEL } from './quadtree.js';
 import type { Quadtree } from './quadtree.js';
@@ -31,18 +31,11 @@ export function voxelsOf({ top, code: words, rootLevel, topDims }: Quadtree): Vo
   };
 
   /** Returns the depth at which a column of the leaf switches; `x` and `y` are 0 to 7. */
-  const depthOf = (x: number, y: number): number => {
-    const [, differences, width, isSlanted, differencesAt, planesAt, planes] = head;
-    const column = 8 * y + x;
-    const plane = at + planesAt + (column >>> 4);
-    let rank = 0;
-    for (let p = 0; p < planes; p++) rank |= ((code[plane + 4 * p] >>> (column & 15)) & 1) << p;
+  const depthAt = (x: number, y: number): number => {
+    const [, differences, , isSlanted] = head;
+    const rank = rankOf(code, at, head, x, y);
     if (rank > differences) return NEVER;
-
-    const first = at + differencesAt;
-    let depth = base;
-    for (let i = 0; i < rank; i++) depth += differenceAt(code, first, width, i);
-    depth = Math.min(depth, NEVER);
+    const depth = Math.min(base + depthOf(code, at, head, rank), NEVER);
     return isSlanted ? Math.max(depth - rise(code[at + 1], x, y), 0) : depth;
   };
 
@@ -54,6 +47,6 @@ export function voxelsOf({ top, code: words, rootLevel, topDims }: Quadtree): Vo
       lastY = blockY;
       findBlock(x, y);
     }
-    return z < (at === UNIFORM ? base : depthOf(x & 7, y & 7));
+    return z < (at === UNIFORM ? base : depthAt(x & 7, y & 7));
   };
 }

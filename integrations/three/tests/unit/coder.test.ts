@@ -3,7 +3,8 @@
 
 import { afterEach, describe, expect, it, vi } from 'vitest';
 
-import { LARGEST_RATIO, PartDecoder } from '../../src/coder/part.js';
+import { PartDecoder } from '../../src/coder/part.js';
+import { LARGEST_RATIO } from '../../src/coder/rans.js';
 import { parseDirectory } from '../../src/file/directory.js';
 import { run, runInSlices } from '../../src/file/steps.js';
 import { HEAD_WORDS, parseTable } from '../../src/file/table.js';

@@ -224,6 +224,19 @@ pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
     Ok(vec![vec![many], levels.into(), vec![many_depths]])
 }
 
+/// Returns a grid whose pages are equal: each has a hill in a corner.
+pub(super) fn repeated() -> Grid {
+    let size = [4 * REPEATED_PAGE, 4 * REPEATED_PAGE, 32];
+    let what = "equal pages that share nothing, which are coded in few bytes";
+    Grid::new("repeated", what, example_grid(size), 9, |x, y, z| {
+        let [x, y] = [x, y].map(|c| (c % REPEATED_PAGE).min(63));
+        z < 20 - x * (63 - x) / 128 - y / 8
+    })
+}
+
+/// Number of columns along each side of a page.
+pub(super) const REPEATED_PAGE: u32 = 512;
+
 /// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from y = 8.
 fn example_grid(size: [u32; 3]) -> LightGrid {
     overhead_grid([0.0, 8.0, 0.0], size)

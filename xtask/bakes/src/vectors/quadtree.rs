@@ -2,11 +2,13 @@
 
 use std::error::Error;
 
+use adumbra::layout::depths::page::BUNDLE_PAGES;
+use adumbra::layout::depths::{DepthTree, TreeBuilder};
 use adumbra::{AtRest, Frame, LightGrid, ShadowFile};
 use adumbra_papers::dag::LeafMasks;
 use adumbra_papers::dag::build::convert::depths_of;
 
-use super::grids::{Grid, Voxels};
+use super::grids::{self, Grid, REPEATED_PAGE, Voxels};
 use super::shadow_bytes::ShadowBytes;
 use super::{Known, Vector, flipped};
 use crate::broken::Broken;
@@ -43,7 +45,19 @@ pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>,
     let raw = small.chain(large.iter().map(Vec::as_slice)).map(|levels| vector(levels, AtRest::Raw));
     let is_coded = |levels: &&Vec<Grid>| ALSO_CODED.contains(&levels[0].name);
     let coded = large.iter().filter(is_coded).map(|levels| vector(levels, AtRest::Coded));
-    raw.chain(coded).collect()
+    raw.chain(coded).chain([AtRest::Raw, AtRest::Coded].map(repeated)).collect()
+}
+
+/// Returns a vector all of whose pages have the same words, which no writer that looks for equal shapes would store twice.
+/// Coded, its bundle ends with zeros.
+fn repeated(at_rest: AtRest) -> Result<Vector, Box<dyn Error>> {
+    let grid = grids::repeated();
+    let [_, _, depth] = grid.grid.size;
+    let one =
+        depths_of(&Masks { size: [REPEATED_PAGE, REPEATED_PAGE, depth], lit: &grid.lit }, grid.root_level)?;
+    let mut builder = TreeBuilder::new(grid.grid.size, Vec::new());
+    builder.add([0, 0], &[one.page([0, 0]); BUNDLE_PAGES]);
+    file_of(&grid, builder.finish()?, Vec::new(), at_rest)
 }
 
 /// Returns the vector of these levels, the finest first.
@@ -55,7 +69,17 @@ fn vector(levels: &[Grid], at_rest: AtRest) -> Result<Vector, Box<dyn Error>> {
     let Some((finest, coarser)) = levels.split_first() else { return Err("a vector has a level".into()) };
     let coarser: Vec<_> =
         coarser.iter().map(|grid| Ok((grid.grid, tree(grid)?))).collect::<Result<_, Box<dyn Error>>>()?;
-    let file = ShadowFile::new(finest.grid, finest.settings, tree(finest)?).with_coarser(coarser);
+    file_of(finest, tree(finest)?, coarser, at_rest)
+}
+
+/// Returns the vector of a grid's tree and coarser levels.
+fn file_of(
+    finest: &Grid,
+    tree: DepthTree,
+    coarser: Vec<(LightGrid, DepthTree)>,
+    at_rest: AtRest,
+) -> Result<Vector, Box<dyn Error>> {
+    let file = ShadowFile::new(finest.grid, finest.settings, tree).with_coarser(coarser);
     let coded = if at_rest == AtRest::Coded { "_coded" } else { "" };
     Ok(Vector {
         name: format!("{}{coded}_depths", finest.name),
@@ -80,6 +104,7 @@ pub(super) fn broken(valid: &[Vector]) -> Result<Vec<Broken>, Box<dyn Error>> {
     let coded = ["many_pages_coded_depths", "levels_coded_depths"].map(|name| bytes_of(name, valid));
     let [many_coded, levels_coded] = coded;
     all.extend(coded_parts(&many, &many_coded?, &levels_coded?));
+    all.extend(zeros(&bytes_of("repeated_coded_depths", valid)?));
     let flips = [bytes_of("sphere_depths", valid)?, bytes_of("cliff_depths", valid)?, many];
     all.extend(flipped::flipped(
         "Depths",
@@ -91,6 +116,7 @@ pub(super) fn broken(valid: &[Vector]) -> Result<Vec<Broken>, Box<dyn Error>> {
             ("depths_end", "End", "extends past its end"),
             ("depths_bits", "Bits", "invalid bits"),
             ("depths_ranks", "Ranks", "above its last"),
+            ("depths_overlap", "Overlap", "overlap"),
         ],
     )?);
     Ok(all)
@@ -245,6 +271,24 @@ fn parts(small: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<B
     all
 }
 
+/// Faults of the zeros at the end of a bundle.
+fn zeros(repeated: &ShadowBytes) -> Vec<Broken> {
+    let bundle = repeated.last_bundle();
+    let with = |name, error, bytes: &[u8]| Broken {
+        name,
+        error,
+        fault: None,
+        names: "bundle 0 of level 0",
+        bytes: repeated.clone().with_last_bundle(bytes).sealed(),
+    };
+    let but_two = &bundle[..bundle.len() - 2];
+    vec![
+        with("coded_zeros_cut", "Bundle", but_two),
+        with("coded_zeros_go_on", "Coded", &[&bundle[..], &[0, 0]].concat()),
+        with("coded_zeros_end_with_1", "Coded", &[but_two, &[0, 1]].concat()),
+    ]
+}
+
 /// Faults of coded parts, and of lengths that only coded parts may have.
 fn coded_parts(raw: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
     let m = || many.clone();
@@ -262,7 +306,7 @@ fn coded_parts(raw: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> V
         raw.clone().put_word(grid(232), 4).sealed_front(),
     );
     add("coded_common_raw_length_huge", "SectionBounds", "raw length", {
-        let most = 4096 * common.len() as u32;
+        let most = 16 * common.len() as u32;
         m().put_word(grid(232), most + 4).sealed_front()
     });
     add("coded_common_raw_length", "Coded", "common section of level 0", {
@@ -276,7 +320,7 @@ fn coded_parts(raw: &ShadowBytes, many: &ShadowBytes, levels: &ShadowBytes) -> V
         m().with_common(&levels.stored_common(0), levels.word(grid(232))).sealed()
     });
     add("coded_bundle_raw_length_huge", "Bundle", "bundle 0 of level 0", {
-        let most = 4096 * many.word(table);
+        let most = 192 + 16 * many.word(table);
         m().put_word(table + 4, most + 4).sealed_front()
     });
     add("coded_bundle_raw_length", "Coded", "bundle 0 of level 0", {

@@ -19,6 +19,7 @@ use self::document::Part;
 pub(crate) use self::document::{Document, FrameRow, OptionRow, ReductionRow};
 use adumbra::Sun;
 use adumbra_bake::Size;
+use adumbra_files::{TEXT_BYTES, read_whole};
 use adumbra_papers::tree::query::{TreeQuery, Weights};
 use adumbra_papers::tree::{BakedTree, PreparedTree, TreeOptions, VoxelTree, bake_tree};
 use adumbra_program::exit::{Code, Failure};
@@ -134,10 +135,10 @@ fn scene_names<'r>(rows: impl Iterator<Item = &'r String>) -> Vec<String> {
 
 /// Reads what an earlier run wrote. Returns an empty document if there is no such file.
 fn earlier(path: &Path) -> Result<Document> {
-    let bytes = match std::fs::read(path) {
+    let bytes = match read_whole(path, TEXT_BYTES) {
         Ok(bytes) => bytes,
-        Err(e) if e.kind() == ErrorKind::NotFound => return Ok(Document::default()),
-        Err(e) => return Err(IoError::at("read", path)(e).into()),
+        Err(e) if e.source.kind() == ErrorKind::NotFound => return Ok(Document::default()),
+        Err(e) => return Err(e.into()),
     };
     let other = |e| {
         Failure::BadInput(format!(

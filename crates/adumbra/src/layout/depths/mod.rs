@@ -75,7 +75,7 @@ pub use census::Census;
 pub use common::ShapePlace;
 pub use ranges::{Range, Ranges, SharedRanges};
 pub use tree_words::{ABSENT, TreeWords};
-pub use validate::{DepthsError, PageValidator, Part};
+pub use validate::{DepthsError, PageValidator, Part, Proved};
 
 use code::{Code, Place};
 use page::{BUNDLE_PAGES, PAGE_LEVEL, Page};
@@ -145,6 +145,11 @@ impl TreeBuilder {
             blocks: Vec::new(),
         };
         Self { tree }
+    }
+
+    /// Makes room for the words of pages that will be added.
+    pub fn reserve(&mut self, words: usize) {
+        self.tree.code.reserve_exact(words);
     }
 
     /// Adds the pages of the bundle at this place. Those outside the grid are ignored.

@@ -2,9 +2,9 @@
 //! leads to an earlier shape of the same page or to one of the common section, and every column of a leaf has one of its
 //! depths.
 //!
-//! The levels at which an address has been validated are remembered, so the walk takes time linear in the half-words.
-//! Whether equal shapes were merged and whether all half-words are in use is not checked, since that affects the size
-//! and not the results.
+//! The levels at which an address has been validated are remembered, and shapes that overlap are refused, so the walk takes
+//! time linear in the half-words, and what is remembered of shapes takes memory linear in them. Whether equal shapes were
+//! merged and whether all half-words are in use is not checked, since that affects the size and not the results.
 
 use std::fmt;
 
@@ -85,6 +85,15 @@ pub enum DepthsError {
         /// The half-word with the bits.
         half: u32,
     },
+    /// The shapes that were found have more half-words together than their part, so some overlap, or one is used at two
+    /// levels.
+    #[error("the shapes of {part} overlap: at half-word {at} they have more half-words than there are")]
+    Overlap {
+        /// The part.
+        part: Part,
+        /// Address of the shape that does not fit.
+        at: u32,
+    },
     /// A column of a leaf has a rank above the last one.
     #[error("the leaf at half-word {at} of {part} gives column {column} a rank above its last, {last}")]
     Ranks {
@@ -108,6 +117,7 @@ impl DepthsError {
             Self::Order { .. } => "Order",
             Self::End { .. } => "End",
             Self::Bits { .. } => "Bits",
+            Self::Overlap { .. } => "Overlap",
             Self::Ranks { .. } => "Ranks",
         }
     }
@@ -125,6 +135,13 @@ pub(super) fn validate(tree: &DepthTree) -> Result<(), DepthsError> {
     places.into_iter().try_for_each(|place| validator.page(place, &tree.page(place)))
 }
 
+/// What has been validated of a common section.
+#[derive(Debug)]
+pub struct Proved {
+    levels: Vec<u8>,
+    left: u32,
+}
+
 /// Validates pages that share a common section.
 #[derive(Debug)]
 pub struct PageValidator<'c> {
@@ -140,13 +157,13 @@ impl<'c> PageValidator<'c> {
     }
 
     /// Goes on with the same common section, of which has been validated what [`PageValidator::into_proved`] returned.
-    pub fn resume(common: &'c [u32], proved: Vec<u8>) -> Self {
-        Self { common: Walk::new(common, Part::Common, proved), of_page: Vec::new() }
+    pub fn resume(common: &'c [u32], Proved { levels, left }: Proved) -> Self {
+        Self { common: Walk { left, ..Walk::new(common, Part::Common, levels) }, of_page: Vec::new() }
     }
 
     /// Returns what has been validated of the common section.
-    pub fn into_proved(self) -> Vec<u8> {
-        self.common.proved
+    pub fn into_proved(self) -> Proved {
+        Proved { levels: self.common.proved, left: self.common.left }
     }
 
     /// Checks that every look-up in a page ends with a valid result. `place` names the page.
@@ -189,11 +206,14 @@ struct Walk<'c> {
     end: u32,
     /// For each half-word, the levels at which it has been validated, one bit per level.
     proved: Vec<u8>,
+    /// Number of half-words that further shapes may have.
+    left: u32,
 }
 
 impl<'c> Walk<'c> {
     fn new(words: &'c [u32], part: Part, proved: Vec<u8>) -> Self {
-        Self { code: Code { words }, part, end: 2 * words.len() as u32, proved }
+        let end = 2 * words.len() as u32;
+        Self { code: Code { words }, part, end, proved, left: end }
     }
 
     /// Validates the shape at an address within the part. `common` is the common section, unless the part is.
@@ -214,17 +234,25 @@ impl<'c> Walk<'c> {
         Err(DepthsError::End { part: self.part, at, level })
     }
 
+    /// Counts the half-words of a shape.
+    fn spend(&mut self, at: u32, length: u32) -> Result<(), DepthsError> {
+        let part = self.part;
+        self.left = self.left.checked_sub(length).ok_or(DepthsError::Overlap { part, at })?;
+        Ok(())
+    }
+
     fn bits(&self, at: u32, level: u32, half: u32) -> DepthsError {
         DepthsError::Bits { part: self.part, at, level, half }
     }
 
-    fn leaf(&self, at: u32) -> Result<(), DepthsError> {
+    fn leaf(&mut self, at: u32) -> Result<(), DepthsError> {
         let half = self.code.half(at);
         let head = LeafHead::new(half);
         if half >> 10 != 0 || head.width > 2 || (head.last == 0 && (head.never || !head.slanted)) {
             return Err(self.bits(at, LEAF_LEVEL, half));
         }
         self.ends_within(at, head.length(), LEAF_LEVEL)?;
+        self.spend(at, head.length())?;
         let leaf = self.code.leaf(at, 0);
         if let Some(half) = leaf.padding().filter(|half| half >> 8 != 0) {
             return Err(self.bits(at, LEAF_LEVEL, half));
@@ -246,7 +274,9 @@ impl<'c> Walk<'c> {
         if low & high & kind != 0 {
             return Err(self.bits(at, level, kind));
         }
-        self.ends_within(at, 3 + fields_length(low, high, kind, 0xffff), level)?;
+        let length = 3 + fields_length(low, high, kind, 0xffff);
+        self.ends_within(at, length, level)?;
+        self.spend(at, length)?;
         for (child, decoded) in (0..).zip(self.code.children(at)) {
             let Child::Shape { at: to, is_relative, .. } = decoded else { continue };
             let below = level - NODE_LEVELS;
