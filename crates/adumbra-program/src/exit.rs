@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::process::ExitCode;
 
-use adumbra::{IoError, RangeError};
+use adumbra::{FormatError, IoError, RangeError};
 
 use crate::advice::{options_of_bake, options_of_reader, options_of_scene, shown};
 
@@ -58,14 +58,14 @@ pub enum Failure {
     Bake(#[from] adumbra_bake::Error),
     /// A file that takes more memory than the limit allows.
     #[error(
-        "{what} would take at least {} MiB, but {} MiB are allowed; allow more (--max-memory)",
+        "{what} may take {} MiB, but {} MiB are allowed; allow more (--max-memory)",
         needed_bytes.div_ceil(1 << 20),
         limit_bytes >> 20
     )]
     FileMemory {
         /// The file, or what is read of it.
         what: &'static str,
-        /// What it needs at least.
+        /// What it may need.
         needed_bytes: u64,
         /// The limit.
         limit_bytes: u64,
@@ -146,6 +146,7 @@ fn code_of_reader(error: &adumbra::Error) -> Code {
     match error {
         E::Range(_) | E::SunDirection { .. } | E::SunBelowHorizon { .. } => Code::Usage,
         E::Io(error) => code_of_io(error),
+        E::Format { source, .. } if matches!(**source, FormatError::TooLarge { .. }) => Code::OutOfRoom,
         _ => Code::BadInput,
     }
 }

@@ -74,10 +74,11 @@ fn file_beyond_the_limit_is_refused_before_it_is_decoded() {
     *damaged.last_mut().unwrap() ^= 1;
     let damaged = folder.write("damaged.adumbra", &damaged);
     assert_eq!(refused(ShadowFile::read_within(&damaged, most - 1).unwrap_err()), (most, most - 1));
-    // A file that is longer than the limit is not read.
-    let header = folder.write("header.adumbra", &bytes[..256]);
+    // Neither is a file read that is longer than the limit, nor anything behind the tables.
     let length = bytes.len() as u64;
-    assert_eq!(refused(ShadowFile::read_within(&header, length - 1).unwrap_err()), (length, length - 1));
+    assert_eq!(refused(ShadowFile::read_within(&path, length - 1).unwrap_err()), (length, length - 1));
+    let cut = folder.write("cut.adumbra", &bytes[..bytes.len() - 400]);
+    assert_eq!(refused(ShadowFile::read_within(&cut, most - 1).unwrap_err()), (most, most - 1));
 }
 
 #[test]

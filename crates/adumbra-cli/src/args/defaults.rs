@@ -274,7 +274,8 @@ fn view(args: &View) -> Used {
 
 fn verify(args: &Verify) -> Used {
     let [hard, filtered] = [Promises::LIGHT, Promises::LIGHT_FILTERED].map(|promises| promises.interior);
-    let least = format!("{hard}, or {filtered} with a filter");
+    let coarser = Promises::COARSER_INTERIOR;
+    let least = format!("{hard}, or {filtered} with a filter; {coarser} of a coarser level");
     let own = vec![
         ("--samples", args.samples.to_string()),
         ("--seed", args.seed.to_string()),

@@ -66,6 +66,17 @@ fn bake_info_verify_query_and_render_work_together() {
     let coarse = json(&of_level("1"));
     assert!(coarse["interior_agreement"].as_f64().unwrap() >= 0.999, "{coarse}");
     assert_ne!(coarse["agreement"], verified["agreement"]);
+    let promised = [&verified, &coarse].map(|verified| {
+        let classes = verified["classes"].as_array().unwrap();
+        let class = |name| classes.iter().find(|class| class["class"] == name).unwrap();
+        [
+            ("interior", "promised_agreement"),
+            ("grazing", "promised_agreement"),
+            ("edge", "promised_misplaced"),
+        ]
+        .map(|(name, what)| class(name)[what].as_f64().unwrap())
+    });
+    assert_eq!(promised, [[0.999, 0.99, 0.005], [0.98, 0.97, 0.005]]);
     let (code, error) = adumbra(&of_level("2"));
     assert!(code == 2 && error.contains("are 0 to 1"), "{error}");
 

@@ -91,6 +91,22 @@ impl Promises {
         narrow: Some(0.85),
         narrow_misplaced: None,
     };
+
+    /// Agreement that a level of detail coarser than the finest promises of [`Class::Interior`]. More of a scene is smaller
+    /// than its voxels; `docs/figures.md` has what levels reach.
+    pub const COARSER_INTERIOR: f64 = 0.98;
+
+    /// Returns what a level of detail coarser than the finest promises: less far from edges, and the same at them.
+    #[must_use]
+    pub fn of_coarser_level(self) -> Self {
+        let of_level = |promise: Option<f64>, most: f64| promise.map(|promise| promise.min(most));
+        Self {
+            interior: self.interior.min(Self::COARSER_INTERIOR),
+            grazing: of_level(self.grazing, 0.97),
+            ground: of_level(self.ground, 0.99),
+            ..self
+        }
+    }
 }
 
 /// The comparison of a file's answers with rays in one class.

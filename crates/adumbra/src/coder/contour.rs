@@ -204,10 +204,11 @@ impl Outline {
         }
         let mut cells = ranks.map(|rank| depths[rank as usize & 63]);
         if slant != 0 {
-            for (i, cell) in cells.iter_mut().enumerate() {
+            for (i, (cell, rank)) in cells.iter_mut().zip(ranks).enumerate() {
                 let [x, y] = if i < 8 { [i as i32, 7] } else { [7, i as i32 - 8] };
-                let risen = cell.wrapping_sub(rise(slant.into(), x, y));
-                *cell = if *cell == NEVER_CELL { NEVER_CELL } else { risen };
+                if u32::from(rank) <= head.differences() {
+                    *cell = cell.wrapping_sub(rise(slant.into(), x, y));
+                }
             }
         }
         let classes = [class_of(&cells[..8]), class_of(&cells[8..])];

@@ -31,7 +31,8 @@ pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u
     let mut walk = Walk::new(Decoder::new(bytes), &none, source, 2 * words);
     walk.section(0)?;
     walk.coder.finish(least_bytes(words))?;
-    let Coded::SoFar(shapes) = walk.own else { return Err(Fault) };
+    let Coded::SoFar(mut shapes) = walk.own else { return Err(Fault) };
+    shapes.shrink_to_fit();
     let (common, found) = Common::lay_out(shapes, 2 * words)?;
     if found.len() == words { Ok((common, found)) } else { Err(Fault) }
 }

@@ -32,6 +32,12 @@ impl Child {
     pub(super) const NEVER: Self = Self { shape: NEVER_CHILD, delta: 0 };
     /// All columns switch at the base.
     const AT_BASE: Self = Self { shape: UNIFORM, delta: 0 };
+
+    /// Whether it is in a list of shapes, and takes half-words of its own.
+    #[inline(always)]
+    pub(super) fn is_listed(self) -> bool {
+        self != Self::NEVER && self != Self::AT_BASE
+    }
 }
 
 /// A shape of a list.
@@ -71,7 +77,8 @@ pub(super) fn rank_of_level(level: u32) -> usize {
 }
 
 impl Shapes {
-    fn shrink_to_fit(&mut self) {
+    /// Gives back the memory that the lists do not use.
+    pub(super) fn shrink_to_fit(&mut self) {
         self.entries.shrink_to_fit();
         self.leaf_halves.shrink_to_fit();
         self.children.shrink_to_fit();

@@ -1,8 +1,9 @@
 //! Round trips of random shapes, and garbage.
 
-use super::contour::{Leaf, MOST_HALVES};
+use super::contour::{Leaf, MOST_HALVES, NEVER_CELL, Outline};
 use super::rans::{Bit, Coder, Decoder, Encoder, Symbol};
-use super::shapes::{Child, Layout, Shapes, UNIFORM};
+use super::shapes::{Child, Layout, Pool, Shapes, UNIFORM};
+use super::walk::Walk;
 use super::{
     Common, DECODING_RATIO, Fault, decode_bundle, decode_common, encode_bundle, encode_common, least_bytes,
 };
@@ -341,6 +342,39 @@ fn part_that_would_be_too_short_ends_with_zeros() {
     let pages = b.pages(&[(0, root); BUNDLE_PAGES]);
     let bytes = check(&pages, &none);
     assert_eq!(bytes.len(), least_bytes(word_count(&pages) - 48));
+}
+
+#[test]
+fn outline_of_a_deep_leaf_is_risen_where_its_columns_switch() {
+    let mut leaf = Leaf { last: 2, never: true, slant: 0x0404, ..Leaf::EMPTY };
+    leaf.differences[0] = 1 << 31;
+    leaf.ranks = std::array::from_fn(|c| [1, 2][c % 2]);
+    let outline = Outline::of(leaf.halves(&mut [0; MOST_HALVES]));
+    // Columns 0 and 1 of row 7: 2^31 is a depth, less the rise of 7 columns, and the other never switches.
+    assert_eq!(outline.cells[..2], [(1 << 31) - 7, NEVER_CELL]);
+}
+
+#[test]
+fn children_are_counted_while_they_are_decoded() {
+    // A node whose children all switch at a depth of their own: 3 half-words and 16.
+    let none = Common::default();
+    let mut b = Builder::new(&none, 2);
+    let mut root = b.node(5, [Child { shape: UNIFORM, delta: 3 }; 16]);
+    for level in [7, 9] {
+        root = b.node(
+            level,
+            std::array::from_fn(|c| if c == 0 { Child { shape: root, delta: 1 } } else { Child::NEVER }),
+        );
+    }
+    let pages = b.pages(&[(0, root)]);
+    let bytes = check(&pages, &none);
+    let source = Pool { common: &none.shapes, own: &none.shapes };
+    let decode = |halves| {
+        Walk::new(Decoder::new(&bytes), &none.shapes, source, halves)
+            .pages([Child::NEVER; BUNDLE_PAGES])
+            .is_ok()
+    };
+    assert!(decode(3 * 3 + 16 + 2) && !decode(3 * 3 + 16 + 1));
 }
 
 #[test]

@@ -238,6 +238,8 @@ impl<'s, C: Coder> Walk<'s, C> {
         for (c, child) in children.iter_mut().enumerate() {
             let at = [x + ((c & 3) << below), y + ((c >> 2) << below)];
             *child = self.child(below, at, base, *child)?;
+            // It has a half-word at least.
+            self.spend(usize::from(child.is_listed()))?;
         }
         let before = self.common.len();
         let index = self.own.note(source, |own| own.push_node(level, &children, before));

@@ -135,7 +135,7 @@ pub enum FormatError {
     },
     /// The file may be valid, but takes more memory than is allowed.
     #[error(
-        "it takes {needed_bytes} bytes in memory while it is read, and {limit_bytes} are allowed; allow more, or stream the file"
+        "it may take {needed_bytes} bytes in memory while it is read, but {limit_bytes} are allowed; allow more, or stream the file"
     )]
     TooLarge {
         /// The file's length if that alone is too much, else what [`ShadowFile::read_within`](crate::ShadowFile::read_within)

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::FormatError;
-use crate::error::{Error, Result};
+use crate::error::{Error, FormatError, IoError, Result};
 use crate::file::common::{CommonSection, HEAD_WORDS};
 use crate::file::contents::{checked, name_of_bundle};
 use crate::file::directory::GridEntry;
@@ -26,27 +25,30 @@ impl ShadowFile {
     /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if the file is not
     /// valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
-        Self::read_within(path, u64::MAX)
+        let path = path.as_ref();
+        let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
+        Self::from_bytes(&bytes).map_err(|fault| invalid(path, fault))
     }
 
     /// Reads and validates the file at `path` if that takes at most `limit_bytes` of memory, the file's own bytes with it.
     ///
-    /// For files from others: a file of a few megabytes is often five times as large in memory, and a forged one can be 320
-    /// times as large. Header, directory and tables say how large it can be, so one that is too large is refused before it
-    /// is decoded.
+    /// For files from others: a file of a few megabytes is often five times as large in memory, and a forged one can be 300
+    /// times as large. Header, directory and tables say how large it can be, so one that may be too large is refused before
+    /// the rest is read. A pipe cannot be read this way.
     ///
     /// # Errors
     /// Returns the errors of [`ShadowFile::read`], and [`Error::Format`] with [`FormatError::TooLarge`].
     pub fn read_within(path: impl AsRef<Path>, limit_bytes: u64) -> Result<Self> {
         let path = path.as_ref();
-        let bytes = read_file(path, HEADER_BYTES, |front| match Header::parse(front)?.file_bytes {
-            needed_bytes if needed_bytes > limit_bytes => {
-                Err(FormatError::TooLarge { needed_bytes, limit_bytes })
-            }
-            file_bytes => Ok(file_bytes),
-        })?;
-        Self::from_bytes_within(&bytes, limit_bytes)
-            .map_err(|source| Error::Format { path: path.to_owned(), source: Box::new(source) })
+        let too_large = |needed_bytes| invalid(path, FormatError::TooLarge { needed_bytes, limit_bytes });
+        let length = std::fs::metadata(path).map_err(IoError::at("read", path))?.len();
+        if length > limit_bytes {
+            return Err(too_large(length));
+        }
+        match Self::memory(path)?.peak_bytes {
+            needed_bytes if needed_bytes > limit_bytes => Err(too_large(needed_bytes)),
+            _ => Self::read(path),
+        }
     }
 
     /// Decodes and validates a whole file.
@@ -78,6 +80,10 @@ impl ShadowFile {
         };
         Ok(Self::new(grid, contents.header.settings, tree).with_coarser(levels))
     }
+}
+
+fn invalid(path: &Path, source: FormatError) -> Error {
+    Error::Format { path: path.to_owned(), source: Box::new(source) }
 }
 
 /// The parts of one grid in a file whose directory fits its length.

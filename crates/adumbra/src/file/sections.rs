@@ -137,6 +137,8 @@ pub fn read_file(
         .map_err(|source| Error::Format { path: path.to_owned(), source: Box::new(source) })?;
     // Reads one byte more than there should be, to detect trailing bytes.
     let rest = whole.saturating_sub(bytes.len() as u64).saturating_add(1);
+    let length = file.metadata().map_or(0, |found| found.len());
+    bytes.reserve_exact(rest.min(length) as usize);
     file.take(rest).read_to_end(&mut bytes).map_err(IoError::at("read", path))?;
     Ok(bytes)
 }

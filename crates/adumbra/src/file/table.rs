@@ -70,7 +70,7 @@ impl BundleEntry {
                 "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on"
             }
             AtRest::Coded => {
-                "no bytes and one depth, or whole words of raw bytes, from 192 to 192 and 16 times the stored ones"
+                "no bytes and one depth, or whole words of raw bytes, from 192 to 192 plus 16 times the stored ones"
             }
         };
         Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })

@@ -89,8 +89,9 @@ impl LevelContext {
             None => PageValidator::new(common),
         };
         let is_valid = inside.iter().try_for_each(|&(place, page)| validator.page(place, page));
-        idle().push(validator.into_proved());
         is_valid.map_err(|fault| FormatError::Depths { level: self.level, fault })?;
+        // After a fault, shapes above it would have been counted and not proved.
+        idle().push(validator.into_proved());
         let load = |(place, page): &([u32; 2], &Page<'_>)| LoadedPage {
             place: *place,
             words: page.words.to_vec(),

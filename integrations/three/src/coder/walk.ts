@@ -184,8 +184,13 @@ export class Walk {
     this.#spend(3);
     const below = level - NODE_LEVELS;
     const place = NODE * rankOf(level);
-    for (let c = 0; c < 16; c++) this.#child(below, x + ((c & 3) << below), y + ((c >> 2) << below), base, place + 2 * c);
-    return this.own.pushNode(level, this.#children, place, this.common.length);
+    const children = this.#children;
+    for (let c = 0, at = place; c < 16; c++, at += 2) {
+      this.#child(below, x + ((c & 3) << below), y + ((c >> 2) << below), base, at);
+      // A child that is listed has a half-word at least.
+      if (children[at] >= 0 || children[at + 1] !== 0) this.#spend(1);
+    }
+    return this.own.pushNode(level, children, place, this.common.length);
   }
 
   /** Decodes a new leaf, where `base` is its parent's. Returns its own base. */

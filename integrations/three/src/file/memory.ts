@@ -29,5 +29,5 @@ export function checkMemory(fileBytes: number, entries: readonly GridEntry[], ta
     largest = Math.max(largest, pageWords);
   }
   needed += 4 * DECODING_RATIO * largest;
-  if (needed > limit) throw new ShadowFileError('TooLarge', `takes ${needed} bytes of memory, but ${limit} are allowed; stream it`, { needed, limit });
+  if (needed > limit) throw new ShadowFileError('TooLarge', `takes ${needed} bytes of memory, above limitBytes: ${limit}`, { needed, limit });
 }

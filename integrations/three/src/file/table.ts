@@ -63,7 +63,7 @@ function parseEntry(bytes: Uint8Array, name: string, isCoded: boolean): BundleEn
     fits,
     name,
     `${storedBytes} stored and ${rawBytes} raw bytes, checksum ${checksum} and depths ${range}`,
-    'no bytes and one depth, or whole words that fit them',
+    'no bytes and one depth, or whole words that its bytes hold',
   );
   return { name, storedBytes, pageWords: Math.max(rawBytes / 4 - HEAD_WORDS, 0), checksum, range };
 }
@@ -112,7 +112,7 @@ export function* unpackBundle(unpacker: Unpacker, stored: Uint8Array, entry: Bun
   const words = yield* unpacker.bundle(stored, entry);
   let sum = 0;
   for (let head = 0; head < HEAD_WORDS; head += 3) sum += words[head + 2];
-  checkBundle(sum === pageWords, name, `${sum} words of pages`, 'as many as it has');
+  checkBundle(sum === pageWords, name, `${sum} words of pages`, `${pageWords}`);
   return words;
 }
 

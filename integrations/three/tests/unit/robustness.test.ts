@@ -71,7 +71,7 @@ it('mutations are refused or can be looked up in', () => {
   // The mutations reach the checks, and also leave files that are valid.
   expect(found.get(undefined)).toBeGreaterThan(200 * ROUNDS);
   const kinds = 'Magic FutureVersion Truncated TrailingBytes HeaderChecksum SectionChecksum HeaderField SectionBounds Bundle Coded';
-  const all = [...kinds.split(' '), ...['Root', 'Order', 'End', 'Bits', 'Ranks'].map((fault) => `Depths ${fault}`)];
+  const all = [...kinds.split(' '), ...['Root', 'Order', 'End', 'Bits', 'Overlap', 'Ranks'].map((fault) => `Depths ${fault}`)];
   expect(all.filter((fault) => !found.has(fault))).toEqual([]);
 });
 

@@ -167,7 +167,7 @@ impl TreeBuilder {
 
     /// Returns the tree, after checking that every look-up in it ends with a valid result.
     ///
-    /// Cost: one pass over all shapes, and some 40 bytes of memory per shape of the common section and of one page.
+    /// Cost: one pass over all shapes, and a byte of memory per half-word of the common section and of one page.
     ///
     /// # Errors
     /// Returns the first fault of a traversal from the roots down.
