@@ -43,7 +43,7 @@ pub struct Verify {
     /// Look-up.
     #[command(flatten)]
     pub lookup: LookupArgs,
-    /// Interior agreement below which the check fails, from 0 to 1 [default: 0.999, or 0.995 with a filter; 0.98 of a coarser level]
+    /// Interior agreement below which the check fails, from 0 to 1 [default: 0.999, or 0.995 with a filter]
     #[arg(long, value_name = "SHARE", allow_hyphen_values = true, value_parser = parse_share)]
     pub min_interior: Option<f64>,
     /// Loading of the scene.

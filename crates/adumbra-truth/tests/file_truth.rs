@@ -7,11 +7,12 @@ use adumbra::grid::Frame;
 use adumbra::{Bounds, Filter, Receivers, ShadowFile, Sun};
 use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
-use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
-use adumbra_testing::{TreeParts, bake_file, full, npz_array, npz_camera, shared};
+use adumbra_scene::{GeneratedKind, LoadOptions, Mesh, Scene, generate, load};
+use adumbra_testing::{TreeParts, add_box, bake_file, full, npz_array, npz_camera, scene_of, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
-    LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions, VolumeSampler,
+    Class, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
+    VolumeSampler,
 };
 use std::path::Path;
 use std::sync::Arc;
@@ -129,6 +130,25 @@ fn interior_agrees_with_rays_on_a_small_scene() {
 fn interior_agrees_with_rays_on_generated_scenes() {
     use GeneratedKind::{City, Landscape, Primitives, Spheres};
     interior_agrees(&[Spheres, Primitives, Landscape, City], 1024, 20_000);
+}
+
+/// Walls below ledges whose shadow is narrower than a texel. Where a texel's centre is in that shadow, all of the texel is;
+/// where look-ups are lifted out of it, they end right before the ledge.
+#[test]
+fn ledges_narrower_than_a_texel_miss_no_promise() {
+    let mut walls = Mesh::default();
+    for ledge in 0..24_u8 {
+        let [x, width_world] = [5.0 * f32::from(ledge), 0.1 + 0.004 * f32::from(ledge)];
+        add_box(&mut walls, [x, 0.0, 0.0], [x + 2.0, 8.0, 30.0]);
+        add_box(&mut walls, [x + 0.5, 3.0, -0.2], [x + 2.0 + width_world, 3.4, 30.2]);
+    }
+    let scene = scene_of(vec![walls]);
+    let sun = Sun::from_direction([0.3, 0.8, 0.1]).unwrap();
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::VoxelSize(0.177)));
+    let result = verify(&scene, &baked, false, 40_000);
+    let [interior, edge] = [Class::Interior, Class::Edge].map(|class| *result.class(class));
+    assert!(interior.points > 10_000 && interior.wrong() == 0, "{interior:?}");
+    assert!(edge.points > 1000 && edge.misplaced == 0, "{edge:?}");
 }
 
 /// Compares bakes for points anywhere and for points on surfaces with rays.

@@ -2,8 +2,9 @@
 
 use adumbra::{Bounds, FileSettings, Filter, ShadowFile, Sun};
 use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
-use adumbra_scene::{GeneratedKind, Scene, generate};
-use adumbra_testing::bake_file;
+use adumbra_scene::random::Random;
+use adumbra_scene::{GeneratedKind, Mesh, Scene, generate};
+use adumbra_testing::{add_box, bake_file, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Class, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
@@ -83,5 +84,31 @@ fn ground_far_behind_the_grid_is_in_shadow() {
         let v = verify(&scene, &file, file.settings, 1);
         let ground = v.class(Class::Ground);
         assert!(ground.holds && ground.checked, "{bounds:?}: {ground:?}");
+    }
+}
+
+/// Columns whose centre is inside the wall are free from its roof to its foot; what stands behind the wall may draw their
+/// switch down.
+#[test]
+fn below_a_ledge_it_is_dark_beside_the_wall_at_noon() {
+    let mut town = Mesh::default();
+    let walls = (0..16_u8).map(|n| 10.0 * f32::from(n) + 0.031 * f32::from(n)).collect::<Vec<_>>();
+    for &x in &walls {
+        add_box(&mut town, [x, 0.0, 0.0], [x + 1.5, 15.0, 20.0]);
+        add_box(&mut town, [x + 1.5, 0.0, 0.0], [x + 5.0, 2.0, 20.0]);
+        add_box(&mut town, [x - 1.5, 9.0, 1.0], [x + 0.5, 9.4, 19.0]);
+    }
+    let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("above the horizon");
+    let file = baked(&scene_of(vec![town]), &BakeOptions::new(sun, Size::VoxelSize(0.125)));
+    assert!(!file.settings.assume_ground);
+    let look_up = file.sampler(Filter::Nearest);
+    let mut random = Random::new(7, 0);
+    for x in walls.iter().map(|&x| f64::from(x)) {
+        for _ in 0..500 {
+            let [beside, y, z] = [(0.001, 0.06), (0.1, 8.7), (1.5, 18.5)]
+                .map(|(low, high): (f64, f64)| low + (high - low) * random.unit());
+            let p_world = [x - beside, y, z];
+            assert_eq!(look_up.visibility(p_world, None), 0.0, "{p_world:?}");
+        }
     }
 }

@@ -274,8 +274,7 @@ fn view(args: &View) -> Used {
 
 fn verify(args: &Verify) -> Used {
     let [hard, filtered] = [Promises::LIGHT, Promises::LIGHT_FILTERED].map(|promises| promises.interior);
-    let coarser = Promises::COARSER_INTERIOR;
-    let least = format!("{hard}, or {filtered} with a filter; {coarser} of a coarser level");
+    let least = format!("{hard}, or {filtered} with a filter");
     let own = vec![
         ("--samples", args.samples.to_string()),
         ("--seed", args.seed.to_string()),

@@ -57,7 +57,7 @@ pub(crate) fn run(VerifyFile { verify: args, level, path: of_path }: &VerifyFile
         casters: Some(Casters { triangles: file.settings.triangles, instances: file.settings.instances }),
         volume: VolumeSampler::new(&file.grid),
     };
-    args.compare(verified, &LightAnswers::of(&file, args.lookup.sampler(&file)?).at_level(level.level))
+    args.compare(verified, &LightAnswers::of(&file, args.lookup.sampler(&file)?))
 }
 
 /// Verifies all regions of a world as one.
@@ -82,7 +82,7 @@ fn run_regions(args: &Verify, regions: &Regions, level: u32) -> Outcome {
         volume: VolumeSampler::new(&grid),
     };
     let asked = (Filter::try_from(args.lookup.filter)?, args.lookup.bias.over(settings.bias)?);
-    args.compare(verified, &LightAnswers::new(grid, settings, sampler, asked).at_level(level))
+    args.compare(verified, &LightAnswers::new(grid, settings, sampler, asked))
 }
 
 /// Refuses points in free space of a file that promises nothing there.

@@ -100,7 +100,7 @@ fn verify_tells_a_coarse_grid_from_another_scene() {
     let (posts, city) = (folder.write("a.obj", &town(40, "")), folder.generate("city"));
     let file = folder.path("a.adumbra");
     let check = |scene: &str, of: &str, more: &[&str]| {
-        assert_eq!(adumbra(&["bake", of, "--resolution", "256", "-o", &file]).0, 0);
+        assert_eq!(adumbra(&["bake", of, "--resolution", "64", "-o", &file]).0, 0);
         let words = ["verify", &file, "--scene", scene, "--samples", "50000", "--min-interior", "1"];
         adumbra(&[&words, more].concat())
     };

@@ -76,7 +76,7 @@ fn bake_info_verify_query_and_render_work_together() {
         ]
         .map(|(name, what)| class(name)[what].as_f64().unwrap())
     });
-    assert_eq!(promised, [[0.999, 0.99, 0.005], [0.98, 0.97, 0.005]]);
+    assert_eq!(promised, [[0.999, 0.995, 0.005]; 2]);
     let (code, error) = adumbra(&of_level("2"));
     assert!(code == 2 && error.contains("are 0 to 1"), "{error}");
 

@@ -138,7 +138,7 @@ fn table(args: &BenchVerify, document: &Document) -> String {
         "# Agreement with rays{}\n\nN = {}, {} random points per row. `adumbra_truth::verify` defines the \
         classes. Agreement is in % of the points of a class; with a filter of K × K texels, it is 100 minus the \
         mean difference from the rays' own mean. The share of the compared points that are in the class follows \
-        in brackets. For edges and narrow features, the figure is the share that is wrong by more than a texel.\n\n{}",
+        in brackets. For edges and narrow features, the figure is the share that rays at the texel's centre do not explain either.\n\n{}",
         if args.volume { ", points in free space" } else { "" },
         document.resolution,
         args.samples,

@@ -60,7 +60,6 @@ pub struct LightAnswers<Q> {
     look_up: Q,
     filter: Filter,
     bias: Bias,
-    level: u32,
 }
 
 impl LightAnswers<Sampler> {
@@ -75,13 +74,7 @@ impl<Q: PointVisibility> LightAnswers<Q> {
     /// Wraps `look_up`, whose voxels are those of `grid` and were baked with `settings`, and which has this filter and
     /// bias.
     pub fn new(grid: LightGrid, settings: FileSettings, look_up: Q, (filter, bias): (Filter, Bias)) -> Self {
-        Self { grid, settings, look_up, filter, bias, level: 0 }
-    }
-
-    /// Says that the voxels are those of a level of detail, 0 = the finest, of which a coarser one promises less.
-    #[must_use]
-    pub fn at_level(self, level: u32) -> Self {
-        Self { level, ..self }
+        Self { grid, settings, look_up, filter, bias }
     }
 }
 
@@ -139,8 +132,7 @@ impl<Q: PointVisibility> Answers for LightAnswers<Q> {
     }
 
     fn promises(&self) -> Promises {
-        let finest = if self.filter == Filter::Nearest { Promises::LIGHT } else { Promises::LIGHT_FILTERED };
-        if self.level == 0 { finest } else { finest.of_coarser_level() }
+        if self.filter == Filter::Nearest { Promises::LIGHT } else { Promises::LIGHT_FILTERED }
     }
 }
 

@@ -15,15 +15,16 @@ pub enum Class {
     /// below 0.0084, so the surface receives less than a hundredth of the sun's light, and nothing is promised.
     #[serde(rename = "edge-on")]
     EdgeOn,
-    /// A blocker is within the point's bias. It cannot be distinguished from the surface itself, so nothing is
-    /// promised.
+    /// A blocker is within the point's bias, so that it cannot be distinguished from the surface itself. Or one is within
+    /// rounding of where the look-up ends. Nothing is promised.
     Thin,
     /// Neighbours on opposite sides of the point disagree with it, or an inner neighbour disagrees while the outer one
-    /// in the same direction agrees. Light or shadow is narrower than four texels there.
+    /// in the same direction agrees. Or only the centre of the point's texel disagrees, where look-ups sample. Light or
+    /// shadow is narrower than four texels there.
     Narrow,
     /// Some neighbour disagrees with the point: an edge is nearby.
     Edge,
-    /// All neighbours agree, but the sun is grazing: n·l is at most [`crate::verify::MIN_N_DOT_L`].
+    /// All neighbours and the texel's centre agree, but the sun is grazing: n·l is at most [`crate::verify::MIN_N_DOT_L`].
     Grazing,
     /// A point just below the scene, on level ground that the scene does not have: all neighbours agree.
     Ground,
@@ -66,7 +67,7 @@ pub struct Promises {
     pub edge_misplaced: Option<f64>,
     /// [`ClassResult::agreement`] of [`Class::Narrow`].
     pub narrow: Option<f64>,
-    /// [`ClassResult::misplaced_share`] of [`Class::Narrow`], where holes in masks may be finer than a texel.
+    /// [`ClassResult::misplaced_share`] of [`Class::Narrow`].
     pub narrow_misplaced: Option<f64>,
 }
 
@@ -74,12 +75,12 @@ impl Promises {
     /// Promises of a light-aligned file that is looked up without a filter.
     pub const LIGHT: Self = Self {
         interior: 0.999,
-        grazing: Some(0.99),
+        grazing: Some(0.995),
         ground: Some(0.999),
         edge: None,
         edge_misplaced: Some(0.005),
         narrow: None,
-        narrow_misplaced: Some(0.03),
+        narrow_misplaced: Some(0.005),
     };
     /// Promises of a light-aligned file whose look-ups are filtered, compared with the mean of the rays.
     pub const LIGHT_FILTERED: Self = Self {
@@ -88,25 +89,9 @@ impl Promises {
         ground: Some(0.99),
         edge: Some(0.9),
         edge_misplaced: None,
-        narrow: Some(0.85),
+        narrow: Some(0.9),
         narrow_misplaced: None,
     };
-
-    /// Agreement that a level of detail coarser than the finest promises of [`Class::Interior`]. More of a scene is smaller
-    /// than its voxels; `docs/figures.md` has what levels reach.
-    pub const COARSER_INTERIOR: f64 = 0.98;
-
-    /// Returns what a level of detail coarser than the finest promises: less far from edges, and the same at them.
-    #[must_use]
-    pub fn of_coarser_level(self) -> Self {
-        let of_level = |promise: Option<f64>, most: f64| promise.map(|promise| promise.min(most));
-        Self {
-            interior: self.interior.min(Self::COARSER_INTERIOR),
-            grazing: of_level(self.grazing, 0.97),
-            ground: of_level(self.ground, 0.99),
-            ..self
-        }
-    }
 }
 
 /// The comparison of a file's answers with rays in one class.
@@ -125,8 +110,7 @@ pub struct ClassResult {
     /// Number of points whose answer is lighter than the rays' value by more than half; without a filter, shadowed
     /// points answered as lit.
     pub leak: u64,
-    /// Number of wrong answers that the point's texel does not give either, neither at its centre nor in most of its
-    /// area.
+    /// Number of wrong answers that rays do not give at the centre of the point's texel either.
     pub misplaced: u64,
     /// The least agreement promised, if any.
     pub promised_agreement: Option<f64>,

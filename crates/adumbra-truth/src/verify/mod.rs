@@ -6,12 +6,12 @@
 //! points that are not compared are counted: faces turned away from the sun, points inside solids, which cannot be seen,
 //! and points outside the file's bounds. Each compared point has a [`Class`], which depends on rays alone:
 //!
-//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, moved along the
-//!   light onto the point's tangent plane (in space: at its depth), all lifted alike. In a world-aligned file a texel
-//!   is the side of a voxel.
+//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, and the centre of its
+//!   texel, which look-ups sample. They are moved along the light onto the point's tangent plane (in space: at its depth)
+//!   and lifted alike. In a world-aligned file a texel is the side of a voxel.
 //! - *Acne*: a lit point answered as shadowed. *Leak*: a shadowed point answered as lit. *Misplaced*: a wrong answer
-//!   that is given neither by a ray from the centre of the point's texel nor by most of the rays spread over it, so the
-//!   resolution of the grid does not explain it.
+//!   that a ray from the centre of the point's texel does not give either, so the resolution of the grid does not
+//!   explain it.
 //! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of
 //!   each tap, on the receiver's plane. The taps count as neighbours.
 //!

@@ -14,6 +14,8 @@ const OFF_SURFACE_VOXELS: f64 = 1e-3;
 /// Radius about a texel's centre within which a ray counts as one from the centre, texels: the most that snapping and
 /// rounding may move it.
 const CENTER_TEXELS: f64 = 1.0 / 64.0;
+/// How far from a surface the depth at which its column switches may be, voxels.
+const ROUNDING_VOXELS: f64 = 0.5;
 /// For points in space, blockers count as near up to this many voxels, or up to the bias at their slope if that is
 /// more.
 const NEAR_VOXELS: f64 = 2.0;
@@ -45,7 +47,7 @@ impl Place<'_> {
         if gx * gx + gy * gy >= (MAX_PLANE_SLOPE * MAX_PLANE_SLOPE) * (1.0 - 1e-9) {
             return Class::EdgeOn;
         }
-        if self.is_thin(baked_bias) {
+        if self.is_thin(baked_bias) || self.is_at_a_blocker() {
             return Class::Thin;
         }
         // A 3 × 3 neighbourhood whose middle is the point itself.
@@ -56,6 +58,9 @@ impl Place<'_> {
         let [inner, outer]: [[bool; 9]; 2] =
             NEIGHBOUR_TEXELS.map(|texels| std::array::from_fn(|i| i == 4 || agrees(i, texels)));
         if inner.iter().chain(&outer).all(|a| *a) {
+            if self.lit(self.on_plane(self.to_center())) != truth {
+                return Class::Narrow;
+            }
             let grazes = |n: [f64; 3]| dot(n, self.grid.sun.towards()) <= MIN_N_DOT_L;
             return if self.normal.is_some_and(grazes) { Class::Grazing } else { Class::Interior };
         }
@@ -65,16 +70,13 @@ impl Place<'_> {
         if narrow { Class::Narrow } else { Class::Edge }
     }
 
-    /// Whether rays from the point's texel, on its plane, give this answer: one about the texel's centre, where
-    /// look-ups sample, or more than half of those spread over the texel, the criterion by which surfaces with holes
-    /// are rasterised.
+    /// Whether a ray about the centre of the point's texel, on its plane, gives this answer. Look-ups sample the centre.
     pub(super) fn is_answer_of_its_texel(&self, answer: bool) -> bool {
-        let p = self.receiver.p_grid;
-        let answers = |i: u32, spread: f64| {
-            let [x, y] = [i % 3, i / 3].map(|c| 0.5 + (f64::from(c) - 1.0) * spread);
-            self.lit(self.on_plane([p[0].floor() + x - p[0], p[1].floor() + y - p[1]])) == answer
-        };
-        (0..9).any(|i| answers(i, CENTER_TEXELS)) || (0..9).filter(|&i| answers(i, 1.0 / 3.0)).count() > 4
+        let center = self.to_center();
+        (0..9).any(|i| {
+            let offset = [i % 3, i / 3].map(|c| (f64::from(c) - 1.0) * CENTER_TEXELS);
+            self.lit(self.on_plane([center[0] + offset[0], center[1] + offset[1]])) == answer
+        })
     }
 
     /// Mean ray-traced visibility of points in grid space.
@@ -87,6 +89,11 @@ impl Place<'_> {
     fn on_plane(&self, offset: [f64; 2]) -> [f64; 3] {
         let Receiver { p_grid: p, gradient: g } = self.receiver;
         [p[0] + offset[0], p[1] + offset[1], p[2] + g[0] * offset[0] + g[1] * offset[1]]
+    }
+
+    /// The offset from the point to its texel's centre.
+    fn to_center(&self) -> [f64; 2] {
+        [0, 1].map(|a| self.receiver.p_grid[a].floor() + 0.5 - self.receiver.p_grid[a])
     }
 
     fn lit(&self, p_grid: [f64; 3]) -> bool {
@@ -116,10 +123,9 @@ impl Place<'_> {
         if self.normal.is_none() {
             return voxels_to(&hit) < NEAR_VOXELS.max(bias_at_hit(&hit));
         }
-        // The distance by which the look-up's own bias moves the point towards the sun, plus one voxel for the grid.
-        let lifted_voxels = self.grid.to_grid(self.p_world)[2] - self.receiver.p_grid[2];
+        // One voxel more for the grid.
         let Some(thickness_voxels) = self.thickness_voxels else {
-            return voxels_to(&hit) < lifted_voxels + 1.0;
+            return voxels_to(&hit) < self.lifted_voxels() + 1.0;
         };
         // Below a solid, the shadow begins where ground could meet it, so only one that is thin itself is too near. That of an
         // open surface begins below it, as for points in space.
@@ -133,7 +139,22 @@ impl Place<'_> {
         }
         let begins_voxels =
             if bounds_solid(&hit) { 1.0 } else { bias_at_hit(&hit).max(thickness_voxels).max(1.0) };
-        voxels_to(&hit) < lifted_voxels + begins_voxels
+        voxels_to(&hit) < self.lifted_voxels() + begins_voxels
+    }
+
+    /// Whether the look-up of a point on a surface, which samples the texel's centre, ends less than rounding before a
+    /// blocker that is not the surface itself. The answer may be that of either side.
+    fn is_at_a_blocker(&self) -> bool {
+        let [x, y, z] = self.on_plane(self.to_center());
+        self.normal.is_some()
+            && self.lifted_voxels() > ROUNDING_VOXELS
+            && self.lit([x, y, z])
+            && !self.lit([x, y, z + ROUNDING_VOXELS])
+    }
+
+    /// The distance along the light by which the look-up's own bias moves the point.
+    fn lifted_voxels(&self) -> f64 {
+        self.grid.to_grid(self.p_world)[2] - self.receiver.p_grid[2]
     }
 
     /// Whether the winding of solids above the point is nonzero, so that it cannot be seen.

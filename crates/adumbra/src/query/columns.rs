@@ -79,7 +79,7 @@ impl<'d> Columns<'d> {
             .map(|end| layer(first.wrapping_add(end(spans[0], 0)).wrapping_add(end(spans[1], 0))));
         let taps = (x[1] - x[0] + 1) * (y[1] - y[0] + 1);
 
-        let block = fetch(&mut self.kept, self.tree, last, [x[0] >> 3, y[0] >> 3]);
+        let block = fetch(&mut self.kept, &self.tree, last, [x[0] >> 3, y[0] >> 3]);
         if farthest < block.nearest {
             return taps as u32;
         }
@@ -87,7 +87,7 @@ impl<'d> Columns<'d> {
             return 0;
         }
         if let Some(leaf) = block.leaf.take() {
-            block.read(self.tree, leaf, last);
+            block.read(&self.tree, leaf, last);
         }
         let row_start = first.wrapping_sub(step[0].wrapping_mul(x[0] & 7));
         let lanes: [i32; 8] =
@@ -108,7 +108,7 @@ impl<'d> Columns<'d> {
 }
 
 /// Returns the block at `place` of `kept`, with its bounds.
-fn fetch<'k>(kept: &'k mut [Block; 4], tree: TreeWords<'_>, last: i32, place: [i32; 2]) -> &'k mut Block {
+fn fetch<'k>(kept: &'k mut [Block; 4], tree: &TreeWords<'_>, last: i32, place: [i32; 2]) -> &'k mut Block {
     let block = &mut kept[(place[0] & 1 | (place[1] & 1) << 1) as usize];
     if block.place != place {
         let [i, j] = place.map(|c| (c as u32) << 3);
@@ -126,7 +126,7 @@ fn fetch<'k>(kept: &'k mut [Block; 4], tree: TreeWords<'_>, last: i32, place: [i
 
 impl Block {
     /// Reads the columns' depths.
-    fn read(&mut self, tree: TreeWords<'_>, leaf: [u32; 2], last: i32) {
+    fn read(&mut self, tree: &TreeWords<'_>, leaf: [u32; 2], last: i32) {
         let depths = tree.switches_of_leaf(leaf);
         for (to, depth) in self.depths.as_flattened_mut().iter_mut().zip(depths) {
             *to = depth_in_grid(depth, last);

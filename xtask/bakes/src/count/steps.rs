@@ -11,7 +11,8 @@ use adumbra_papers::dag::build::{self, DagOptions, pack};
 use adumbra_papers::dag::packed::PackedDag;
 use adumbra_papers::dag::plain::Dag;
 use adumbra_papers::dag::{DagBody, DagFile, DagLayout, DagQuery, Error, LeafMasks};
-use adumbra_scene::{GeneratedKind, Scene, generate};
+use adumbra_scene::{GeneratedKind, Mesh, Scene, generate};
+use adumbra_testing::{add_box, scene_of};
 
 /// The displayed name of a step, and two strings that identify the symbols of its functions: one that they contain, and
 /// one that they end with.
@@ -24,8 +25,8 @@ const fn step(name: &'static str, symbol: [&'static str; 2]) -> Step {
     Step { name, symbol }
 }
 
-/// All steps. Those of the library are counted over both bakes.
-pub(super) const STEPS: [Step; 16] = [
+/// All steps. Those of the library are counted over all bakes.
+pub(super) const STEPS: [Step; 19] = [
     step("bake into the graph", ["count::steps", "bake_graph"]),
     step("bake into depths", ["count::steps", "bake_depths"]),
     step("surfaces of the root blocks", ["fast::gather", "gather"]),
@@ -42,9 +43,14 @@ pub(super) const STEPS: [Step; 16] = [
     step("depths: value", ["count::steps", "depths_values"]),
     step("depths: look-up", ["count::steps", "depths_leaf_masks"]),
     step("depths: 9 x 9 in rows", ["count::steps", "depths_rows"]),
+    step("1,000 boxes in one another", ["count::steps", "bake_1000_boxes"]),
+    step("2,000 boxes in one another", ["count::steps", "bake_2000_boxes"]),
+    step("4,000 boxes in one another", ["count::steps", "bake_4000_boxes"]),
 ];
 
 const RESOLUTION: u64 = 1024;
+/// Resolution at which boxes in one another are baked.
+const BOXES_RESOLUTION: u64 = 8;
 /// Number of look-ups of each kind.
 const LOOK_UPS: u32 = 20_000;
 
@@ -71,6 +77,9 @@ pub(super) fn run() -> Result<(), Box<dyn std::error::Error>> {
         let graph = DagQuery::new(&graph.grid, &packed, Bias::default(), Filter::Box9);
         black_box(packed_rows(&points, &graph));
         black_box(depths_rows(&points, &file.sampler(Filter::Box9)));
+        for bake in [bake_1000_boxes, bake_2000_boxes, bake_4000_boxes] {
+            black_box(bake(sun)?);
+        }
         Ok(())
     })?;
     Ok(())
@@ -85,6 +94,33 @@ fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<DagFile, Error> {
 #[inline(never)]
 fn bake_depths(scene: &Scene, options: &BakeOptions) -> Result<ShadowFile, Error> {
     Ok(bake(scene, options, Watch::none())?.file)
+}
+
+#[inline(never)]
+fn bake_1000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
+    bake_boxes(1000, sun)
+}
+
+#[inline(never)]
+fn bake_2000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
+    bake_boxes(2000, sun)
+}
+
+#[inline(never)]
+fn bake_4000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
+    bake_boxes(4000, sun)
+}
+
+/// Bakes boxes each of which contains the next, as a ray through many solids meets them. The time may grow with their
+/// number, not with its square.
+fn bake_boxes(count: u16, sun: Sun) -> Result<ShadowFile, Error> {
+    let mut boxes = Mesh::default();
+    for inner in 0..count {
+        let inset = 0.9 * f32::from(inner) / f32::from(count);
+        add_box(&mut boxes, [inset; 3], [2.0 - inset; 3]);
+    }
+    let options = BakeOptions::new(sun, Size::Resolution(BOXES_RESOLUTION));
+    Ok(bake(&scene_of(vec![boxes]), &options, Watch::none())?.file)
 }
 
 #[inline(never)]

@@ -213,6 +213,7 @@ impl<'c> Code<'c> {
     }
 
     /// Descends from a node to the block or leaf that contains a column. Returns it with its level.
+    #[inline]
     pub fn descend(self, node: Node, column: [u32; 2]) -> (Place, u32) {
         self.descend_through(node, column, |_| ())
     }

@@ -104,6 +104,8 @@ pub struct DepthTree {
     code: Vec<u32>,
     /// Level of the blocks at which look-ups begin.
     block_level: u32,
+    /// Number of these blocks along x and y.
+    block_dims: [u32; 2],
     /// Address in the code of each block's node, or [`UNIFORM`], and its base; x fastest.
     blocks: Vec<[u32; 2]>,
 }
@@ -134,6 +136,7 @@ impl TreeBuilder {
     pub fn new(size: [u32; 3], common: Vec<u32>) -> Self {
         let page_dims = page::page_dims(size);
         let pages = page_dims.iter().map(|&n| n as usize).product();
+        let block_level = block_level(size);
         let outside = PlacedPage { root: UNIFORM, base: NEVER, first_word: common.len(), words: 0 };
         let tree = DepthTree {
             size,
@@ -141,7 +144,8 @@ impl TreeBuilder {
             common_words: common.len(),
             places: vec![outside; pages],
             code: common,
-            block_level: block_level(size),
+            block_level,
+            block_dims: block_dims(size, block_level),
             blocks: Vec::new(),
         };
         Self { tree }
@@ -228,7 +232,7 @@ impl DepthTree {
 
     /// Returns the number of blocks at which look-ups begin along x and y: `ceil(size / 2^root_level)`.
     pub fn top_dims(&self) -> [u32; 2] {
-        block_dims(self.size, self.block_level)
+        self.block_dims
     }
 
     /// Returns address in the code and base of each block at which look-ups begin, x fastest.
@@ -271,7 +275,7 @@ impl DepthTree {
         TreeWords {
             size: self.size,
             block_level: self.block_level,
-            block_dims: self.top_dims(),
+            block_dims: self.block_dims,
             blocks: &self.blocks,
             code: &self.code,
         }

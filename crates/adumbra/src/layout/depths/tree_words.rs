@@ -56,6 +56,7 @@ impl<'w> TreeWords<'w> {
     }
 
     /// Returns the depth at which column (i, j) switches, see [`DepthTree::value`](super::DepthTree::value).
+    #[inline(always)]
     pub fn value(self, i: u32, j: u32) -> u32 {
         match self.place(i, j).0 {
             Place::Uniform(value) => value,
