@@ -28,7 +28,8 @@ fn options_of_range(error: &RangeError) -> Option<&'static str> {
         | RangeField::PenumbraRadius
         | RangeField::PointCount
         | RangeField::GroundSize
-        | RangeField::SunAngle => return None,
+        | RangeField::SunAngle
+        | RangeField::Placement => return None,
     })
 }
 

@@ -1,5 +1,5 @@
 //! Code shared by the tests of several crates: folders next to the repository, bakes, hand-made files, depths
-//! and solids, runs of the programs, at the least memory too, JSON and its schemas, test vectors, and truth files.
+//! and solids, placements, runs of the programs, at the least memory too, JSON and its schemas, test vectors, and truth files.
 
 mod bakes;
 mod by_hand;
@@ -12,6 +12,7 @@ mod leaves;
 mod left_out;
 mod limits;
 mod parts;
+mod placements;
 mod ply;
 mod programs;
 mod shared_folder;
@@ -30,6 +31,7 @@ pub use leaves::{Leaf, every_gradient, from_leaves};
 pub use left_out::left_out;
 pub use limits::{assert_keeps_to_limits, run_with_the_memory_it_asks_for};
 pub use parts::{PageParts, TreeParts};
+pub use placements::placements;
 pub use ply::{PLY_FORMATS, Ply, PlyElement};
 pub use programs::{
     Folder, MASKED_GLTF, REQUIRING_GLTF, adumbra, json, lab, lab_json, lab_program, program, read_f32, stderr,

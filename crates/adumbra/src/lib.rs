@@ -39,7 +39,7 @@ pub mod stream;
 
 pub use error::{Error, FormatError, IoError, RangeError, RangeField, Result};
 pub use file::ShadowFile;
-pub use grid::{Bounds, Frame, LightExtent, LightGrid, Region, Sun};
+pub use grid::{Bounds, Frame, LightExtent, LightGrid, Placement, Region, Sun};
 pub use path::{PathSampler, SunPath, SunStep};
 pub use query::{Filter, PointVisibility, Sampler};
 pub use settings::{AtRest, Bias, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};

@@ -5,9 +5,9 @@ use std::thread;
 use adumbra::layout::depths::page::{Page, bundles, page_dims};
 use adumbra::layout::depths::{DepthTree, NEVER, TreeBuilder};
 use adumbra::query::MAX_FIXED_SIDE;
-use adumbra::{Bias, Error, Filter, PointVisibility, RangeField, Sampler, ShadowFile};
+use adumbra::{Bias, Error, Filter, Placement, PointVisibility, RangeField, Sampler, ShadowFile};
 use adumbra_scene::random::Random;
-use adumbra_testing::{Leaf, from_leaves, overhead_grid, settings_for, vectors};
+use adumbra_testing::{Leaf, from_leaves, overhead_grid, placements, settings_for, vectors};
 
 /// A file of each shape: both frames, odd sizes, wide differences, slanted leaves, a low sun, many pages.
 const NAMES: [&str; 7] =
@@ -174,6 +174,29 @@ fn points_on_all_threads_answer_as_on_one() {
         assert_eq!(one, all);
     }
     refuses_other_lengths(|points, normals, out| sampler.par_visibilities(points, normals, out));
+}
+
+#[test]
+fn placed_look_ups_answer_in_the_app_as_in_the_file() {
+    let mut random = Random::new(9, 0);
+    for name in NAMES {
+        let file = file(name);
+        let points = points(&file, 300, &mut random);
+        for filter in [Filter::Nearest, Filter::Box5] {
+            let sampler = file.sampler(filter).with_bias(BIAS).unwrap();
+            for (place, placement) in placements() {
+                let placed = sampler.clone().placed(&placement);
+                for (point, normal) in &points {
+                    let in_app = placement.to_world(*point);
+                    let turned = normal.map(|n| placement.direction_to_world(n));
+                    let expected = sampler.visibility(*point, *normal);
+                    assert_eq!(placed.visibility(in_app, turned), expected, "{name}, {place}: {point:?}");
+                }
+            }
+            let back = sampler.clone().placed(&Placement::BAKED);
+            assert!(points.iter().all(|p| back.visibility(p.0, p.1) == sampler.visibility(p.0, p.1)));
+        }
+    }
 }
 
 #[test]

@@ -67,7 +67,7 @@ impl FileInUse {
 /// Returns what a light asks of look-ups.
 pub(crate) fn look_up(shadow: &BakedShadow) -> LookUp {
     let penumbra = shadow.softness.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
-    LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra }
+    LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra, ..LookUp::default() }
 }
 
 /// Returns the way in which a light's files are looked up.

@@ -3,9 +3,9 @@
 
 use std::sync::Arc;
 
-use adumbra::ShadowFile;
-use adumbra::gpu::{Parameters, Penumbra};
+use adumbra::gpu::{LookUp, Parameters, Penumbra};
 use adumbra::query::FixedReceiver;
+use adumbra::{Placement, ShadowFile};
 use adumbra_shaders::constants::MAX_LEVELS;
 use adumbra_shaders::layout::VoxelQuery;
 use adumbra_shaders::{Source, source};
@@ -27,6 +27,8 @@ pub struct BakedLight {
     /// Of a sun path, whose keys are in place of levels.
     path: Option<MovingKeys>,
     penumbra: Option<Penumbra>,
+    /// Where the app has the file's world.
+    placement: Placement,
     bindings: VoxelBindings,
 }
 
@@ -59,7 +61,8 @@ impl BakedLight {
         let VoxelSettings { look_up, quick } = settings;
         let (keys, levels) = MovingKeys::new(gpu, light, (look_up, quick), is_still)?;
         let bindings = moving::bindings(gpu, &keys, &levels);
-        Ok(Self { levels, streamed: None, path: Some(keys), penumbra: look_up.penumbra, bindings })
+        let LookUp { penumbra, placement, .. } = look_up;
+        Ok(Self { levels, streamed: None, path: Some(keys), penumbra, placement, bindings })
     }
 
     /// Uploads a valid file. Cost: the bytes of its sections.
@@ -72,7 +75,8 @@ impl BakedLight {
         let words = WordBuffers::new(gpu, "voxel::words", &file.gpu().words().parts())?;
         let bindings = VoxelBindings::from_words(gpu, "voxel", &parameters.to_bytes(), &words);
         let levels = vec![(file.grid, parameters)];
-        Ok(Self { levels, streamed: None, path: None, penumbra: look_up.penumbra, bindings })
+        let LookUp { penumbra, placement, .. } = look_up;
+        Ok(Self { levels, streamed: None, path: None, penumbra, placement, bindings })
     }
 
     fn from_stream(gpu: &Gpu, file: &Arc<StreamedFile>, settings: VoxelSettings) -> Result<Self> {
@@ -86,6 +90,7 @@ impl BakedLight {
             streamed: Some(Arc::clone(file)),
             path: None,
             penumbra: look_up.penumbra,
+            placement: look_up.placement,
             bindings,
         })
     }
@@ -148,7 +153,7 @@ impl BakedLight {
     /// Returns no error that [`BakedLight::new`] would not have returned.
     pub fn prepare(&mut self, input: &FrameInput<'_>) -> Result<()> {
         if let Some(streamed) = &self.streamed {
-            streamed.advance(input.gpu, input.camera);
+            streamed.advance(input.gpu, input.camera, &self.placement);
         }
         if let Some(keys) = &mut self.path
             && let Some((levels, are_words_others)) = keys.advance(input.gpu, input.anchor_world)?
@@ -161,13 +166,19 @@ impl BakedLight {
         self.set_anchor(input.gpu, input.anchor_world)
     }
 
+    /// Places the file's world elsewhere in the app's, from the next call of [`BakedLight::set_anchor`] or
+    /// [`BakedLight::prepare`] on. The sun of a path stays one of the file's world.
+    pub fn place(&mut self, placement: Placement) {
+        self.placement = placement;
+    }
+
     /// Writes the uniform for positions relative to `anchor_world`.
     ///
     /// # Errors
     /// Returns no error that [`BakedLight::new`] would not have returned.
     pub fn set_anchor(&mut self, gpu: &Gpu, anchor_world: [f64; 3]) -> Result<()> {
         for (grid, parameters) in &mut self.levels {
-            parameters.set_anchor(grid, anchor_world)?;
+            parameters.set_anchor(&grid.placed(&self.placement), anchor_world)?;
         }
         let uniform = match &self.path {
             Some(keys) => keys.uniform(&self.levels),
@@ -204,7 +215,7 @@ impl BakedLight {
 
     /// Edge of a voxel, world units.
     pub fn voxel_world(&self) -> f64 {
-        self.levels[0].0.voxel_size
+        self.levels[0].0.placed(&self.placement).voxel_size
     }
 
     /// Bytes of the file's sections on the device.

@@ -1,7 +1,7 @@
 //! Parsing of a light-aligned file's look-up settings from a technique's text. Without a file, the bias is the default
 //! of a bake.
 
-use adumbra::gpu::{LookUp, PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Penumbra};
+use adumbra::gpu::{LookUp, Penumbra};
 use adumbra::{Bias, Filter};
 
 use super::LightFile;
@@ -23,7 +23,7 @@ pub struct VoxelSettings {
 impl VoxelSettings {
     /// Settings for a filter.
     pub fn taps(filter: Filter, bias: Bias) -> Self {
-        Self { look_up: LookUp { filter, bias: Some(bias), penumbra: None }, quick: false }
+        Self { look_up: LookUp { filter, bias: Some(bias), ..LookUp::default() }, quick: false }
     }
 
     /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with
@@ -60,13 +60,13 @@ impl VoxelSettings {
                     "angle",
                     help::SUN_ANGLE,
                     usual.sun_degrees,
-                    PENUMBRA_ANGLES_DEGREES,
+                    Penumbra::ANGLES_DEGREES,
                 )?,
                 max_radius_texels: reader.number(
                     "radius",
                     help::PENUMBRA_RADIUS,
                     usual.max_radius_texels,
-                    PENUMBRA_RADII_TEXELS,
+                    Penumbra::RADII_TEXELS,
                 )?,
             });
         } else {

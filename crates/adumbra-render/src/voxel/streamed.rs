@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use adumbra::gpu::{LookUp, Parameters};
 use adumbra::stream::{PoolWrite, StreamCounts, StreamFault, Streamer, View};
-use adumbra::{FileSettings, LightGrid, Sun};
+use adumbra::{FileSettings, LightGrid, Placement, Sun};
 use adumbra_scene::{Camera, Projection};
 
 use super::WordBuffers;
@@ -101,16 +101,17 @@ impl StreamedFile {
         Ok(Arc::clone(self.pool.get_or_init(|| pool)))
     }
 
-    /// Takes what a camera sees now, and writes what has been read to the device. It does not wait for anything.
-    pub(super) fn advance(&self, gpu: &Gpu, camera: &Camera) {
+    /// Takes what a camera of an app that has placed the file sees now, and writes what has been read to the device. It does
+    /// not wait for anything.
+    pub(super) fn advance(&self, gpu: &Gpu, camera: &Camera, placement: &Placement) {
         let mut streamer = self.streamer();
-        streamer.update(&[view_of(camera)]);
+        streamer.update(&[view_of(camera).of_placed(placement)]);
         let writes = streamer.take_writes(self.upload_bytes);
         self.write(gpu, &writes);
         self.is_settled.store(streamer.resident().is_settled(), Ordering::Relaxed);
     }
 
-    /// Waits until all that a camera needs and that fits the budget is on the device, at most so long. Returns whether it
+    /// Waits until all that a camera in the file's world needs and that fits the budget is on the device, at most so long. Returns whether it
     /// is.
     pub fn settle(&self, gpu: &Gpu, camera: &Camera, limit: Duration) -> bool {
         let mut streamer = self.streamer();

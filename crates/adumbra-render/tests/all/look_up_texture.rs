@@ -8,7 +8,7 @@ use adumbra_render::voxel::{BakedLight, VoxelSettings};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_shaders::source;
-use adumbra_testing::bake_file;
+use adumbra_testing::{bake_file, placements};
 
 use crate::kit;
 use crate::shade;
@@ -60,6 +60,46 @@ fn look_up_texture_answers_what_the_cpu_does_in_every_frame_and_format() {
             assert!(partly * 100 > COUNT, "{frame:?} {words:?}: {partly} points are partly lit");
             // Both formats give bit-identical answers.
             assert!(*first.get_or_insert_with(|| found.clone()) == found, "{frame:?} {words:?}");
+        }
+    }
+}
+
+#[test]
+fn placed_textures_answer_what_the_cpu_does_where_the_file_is() {
+    const COUNT: usize = 2000;
+    let gpu = kit::gpu();
+    let scene = generate(GeneratedKind::City, 3);
+    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+    for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)] {
+        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(512)) };
+        let file = bake_file(&scene, &options).unwrap();
+        for (place, placement) in placements() {
+            let texture =
+                LookUpTexture::new(&file, &LookUp { placement, ..LookUp::default() }, 2048).unwrap();
+            let anchor = texture.anchor_world();
+            let sampler = file.sampler(Filter::Box5).placed(&placement);
+            let mut random = Random::for_batch(31, 0);
+            let points: Vec<shade::Point> = (0..COUNT)
+                .map(|i| {
+                    let p_grid = file.grid.size.map(|n| f64::from(n) * (1.1 * random.unit() - 0.05));
+                    let p_world = placement.to_world(file.grid.to_world(p_grid));
+                    let [x, y, z] = [0, 1, 2].map(|a| (p_world[a] - f64::from(anchor[a])) as f32);
+                    let up = placement.direction_to_world([0.0, 1.0, 0.0]).map(|c| c as f32);
+                    let [nx, ny, nz] = if i % 2 == 0 { up } else { [0.0; 3] };
+                    [[x, y, z, 0.0], [nx, ny, nz, 0.0]]
+                })
+                .collect();
+            let found = shade(&gpu.device, &gpu.queue, (&texture, WordSource::R32Uint), &points).unwrap();
+            let expected = points.iter().map(|[p, n]| {
+                let p_world = [0, 1, 2].map(|a| f64::from(anchor[a]) + f64::from(p[a]));
+                let normal = [n[0], n[1], n[2]].map(f64::from);
+                sampler.visibility(p_world, (normal != [0.0; 3]).then_some(normal))
+            });
+            let off =
+                expected.zip(&found).filter(|(expected, found)| (expected - *found).abs() > 1e-5).count();
+            assert!(off * 500 <= COUNT, "{frame:?}, {place}: {off} of {COUNT} points differ");
+            let partly = found.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
+            assert!(partly * 100 > COUNT, "{frame:?}, {place}: {partly} points are partly lit");
         }
     }
 }

@@ -5,9 +5,10 @@ use adumbra::Filter;
 use adumbra_render::voxel::{BakedLight, MAX_WORD_BINDINGS, VoxelSettings};
 use adumbra_render::{Baked, Gpu, GpuOptions, RenderError, build};
 use adumbra_scene::{GeneratedKind, generate};
+use adumbra_testing::placements;
 
 use crate::kit;
-use crate::voxel_points::{BakedScene, exact_light, float_light};
+use crate::voxel_points::{BakedScene, exact_light, float_light, placed_light};
 
 fn generated() -> Vec<BakedScene> {
     let landscape = generate(GeneratedKind::Landscape, 3);
@@ -50,6 +51,15 @@ fn voxel_in_six_bindings_counts_the_same() {
 #[test]
 fn a_small_file_from_f32_positions_differs_only_on_faces() {
     float_light(&kit::gpu(), &BakedScene::in_each_frame(256)[1], Filter::Box9, 10_000);
+}
+
+#[test]
+fn placed_lights_from_f32_positions_differ_only_on_faces() {
+    let gpu = kit::gpu();
+    let baked = &BakedScene::in_each_frame(256)[1];
+    for (_, placement) in placements().into_iter().step_by(3) {
+        placed_light(&gpu, baked, placement, 10_000);
+    }
 }
 
 #[test]

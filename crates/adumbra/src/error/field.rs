@@ -40,6 +40,8 @@ pub enum RangeField {
     GroundSize,
     /// Angular diameter of the sun's disc.
     SunAngle,
+    /// Where an app has a file's world.
+    Placement,
 }
 
 /// The name in messages.
@@ -63,6 +65,7 @@ impl fmt::Display for RangeField {
             Self::PointCount => "the number of normals or results",
             Self::GroundSize => "the size of the ground",
             Self::SunAngle => "the sun's angle",
+            Self::Placement => "the placement",
         })
     }
 }

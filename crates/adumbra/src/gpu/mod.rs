@@ -30,7 +30,7 @@ mod words;
 
 pub use grid::GridParameters;
 pub(crate) use parameters::WordPlaces;
-pub use parameters::{LookUp, PENUMBRA_ANGLES_DEGREES, PENUMBRA_RADII_TEXELS, Parameters, Penumbra};
+pub use parameters::{LookUp, Parameters, Penumbra};
 pub use texture::{HEADER_WORDS, LookUpTexture, TEXTURE_MAGIC, TEXTURE_VERSION};
 pub(crate) use texture::{middle, put_header};
 pub use wgsl::{WordSource, wgsl_files};
@@ -73,11 +73,12 @@ impl<'f> FileForGpu<'f> {
     /// # Errors
     /// Returns the errors of [`Parameters::new`].
     pub fn texture_header(self, look_up: &LookUp) -> Result<Vec<u8>> {
-        let anchor_world = middle(&self.file.grid);
+        let grid = self.file.grid.placed(&look_up.placement);
+        let anchor_world = middle(&grid);
         let parameters = self.parameters(look_up, anchor_world.map(f64::from))?;
         let mut header = Vec::with_capacity(4 * HEADER_WORDS);
         // The number of words of a texture fits 32 bits.
-        put_header(&mut header, &parameters, anchor_world, &self.file.grid, self.words().count() as u32);
+        put_header(&mut header, &parameters, anchor_world, &grid, self.words().count() as u32);
         Ok(header)
     }
 

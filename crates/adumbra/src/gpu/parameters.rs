@@ -6,22 +6,16 @@ use std::ops::RangeInclusive;
 use super::grid::GridParameters;
 use crate::error::{RangeError, RangeField, Result};
 use crate::file::ShadowFile;
-use crate::grid::LightGrid;
+use crate::grid::{LightGrid, Placement};
 use crate::query::Filter;
 use crate::settings::Bias;
-
-/// Full angles of a sun whose penumbrae can be looked up, degrees.
-pub const PENUMBRA_ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
-/// Largest radii of penumbrae that can be looked up, texels. With larger ones, depths on the receiver's plane would
-/// overflow 32 bits.
-pub const PENUMBRA_RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
 
 /// Penumbrae of a sun's disc in place of a filter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Penumbra {
-    /// The sun's full angle, in [`PENUMBRA_ANGLES_DEGREES`].
+    /// The sun's full angle, in [`Penumbra::ANGLES_DEGREES`].
     pub sun_degrees: f64,
-    /// The largest radius of a penumbra, from its middle to its edge, in [`PENUMBRA_RADII_TEXELS`].
+    /// The largest radius of a penumbra, from its middle to its edge, in [`Penumbra::RADII_TEXELS`].
     pub max_radius_texels: f64,
 }
 
@@ -33,12 +27,18 @@ impl Default for Penumbra {
 }
 
 impl Penumbra {
+    /// Full angles of a sun whose penumbrae can be looked up, degrees.
+    pub const ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
+    /// Largest radii of penumbrae that can be looked up, texels. With larger ones, depths on the receiver's plane would
+    /// overflow 32 bits.
+    pub const RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
+
     fn check(&self) -> Result<(), RangeError> {
         let Self { sun_degrees, max_radius_texels } = *self;
-        if !PENUMBRA_ANGLES_DEGREES.contains(&sun_degrees) {
+        if !Self::ANGLES_DEGREES.contains(&sun_degrees) {
             return Err(RangeError::new(RangeField::SunAngle, sun_degrees, "from 0.01 to 20 degrees"));
         }
-        if !PENUMBRA_RADII_TEXELS.contains(&max_radius_texels) {
+        if !Self::RADII_TEXELS.contains(&max_radius_texels) {
             return Err(RangeError::new(
                 RangeField::PenumbraRadius,
                 max_radius_texels,
@@ -58,6 +58,8 @@ pub struct LookUp {
     pub bias: Option<Bias>,
     /// Penumbrae in place of the filter, for `core/depths_soft.wgsl`.
     pub penumbra: Option<Penumbra>,
+    /// Where the app has the file's world.
+    pub placement: Placement,
 }
 
 /// The WGSL structure `AdumbraVoxelParams`.
@@ -151,7 +153,7 @@ impl Parameters {
         bias.check()?;
         let [nx, ny] = words.block_dims;
         let mut parameters = Self {
-            grid: GridParameters::new(grid, anchor_world)?,
+            grid: GridParameters::new(&grid.placed(&look_up.placement), anchor_world)?,
             root_count: [nx, ny, 1],
             root_level: words.block_level,
             bias,
@@ -174,7 +176,8 @@ impl Parameters {
         Ok(parameters)
     }
 
-    /// Sets the world position that positions in the shader are relative to.
+    /// Sets the world position that positions in the shader are relative to. `grid` is that of the file, placed as the app has
+    /// it ([`LightGrid::placed`]).
     ///
     /// # Errors
     /// Returns [`RangeError`] only if the grid itself is too large.

@@ -41,7 +41,7 @@ const MIN_WIDTH: u32 = HEADER_WORDS as u32;
 /// A file as a texture, with the parameters of look-ups in its header.
 ///
 /// Positions in the shader are relative to [`LookUpTexture::anchor_world`], the middle of the file's grid, so nothing
-/// has to be uploaded per frame. If the filter or the bias changes, only the header's bytes change.
+/// has to be uploaded per frame. If the filter, the bias or the placement changes, only the header's bytes change.
 #[derive(Clone, Debug)]
 pub struct LookUpTexture {
     width: u32,
@@ -59,7 +59,8 @@ impl LookUpTexture {
     /// Returns [`Error::Range`](crate::Error::Range) if the file needs more texels, and the errors of
     /// [`Parameters::new`].
     pub fn new(file: &ShadowFile, look_up: &LookUp, max_side: u32) -> Result<Self> {
-        let anchor_world = middle(&file.grid);
+        let grid = file.grid.placed(&look_up.placement);
+        let anchor_world = middle(&grid);
         let parameters = Parameters::new(file, look_up, anchor_world.map(f64::from))?;
         let words = Words::new(&file.tree);
         let texels = HEADER_WORDS as u64 + words.count();
@@ -69,7 +70,7 @@ impl LookUpTexture {
         };
         let mut bytes = Vec::with_capacity(4 * width as usize * height as usize);
         // The number of words of a texture fits 32 bits.
-        put_header(&mut bytes, &parameters, anchor_world, &file.grid, words.count() as u32);
+        put_header(&mut bytes, &parameters, anchor_world, &grid, words.count() as u32);
         words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
         bytes.resize(4 * width as usize * height as usize, 0);
         Ok(Self { width, height, bytes, parameters, anchor_world })

@@ -6,6 +6,7 @@
 mod bounds;
 mod frame;
 mod light_grid;
+mod placement;
 mod region;
 mod sun;
 pub mod vec3;
@@ -13,5 +14,6 @@ pub mod vec3;
 pub use bounds::Bounds;
 pub use frame::Frame;
 pub use light_grid::{LightExtent, LightGrid};
+pub use placement::Placement;
 pub use region::Region;
 pub use sun::Sun;

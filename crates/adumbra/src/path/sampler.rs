@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::file::ShadowFile;
-use crate::grid::LightGrid;
+use crate::grid::{LightGrid, Placement};
 use crate::layout::depths::DepthTree;
 use crate::query::{
     FIXED_BITS, Filter, FixedReceiver, GRADIENT_BITS, MarchSlope, Marched, PointVisibility, lit_taps, march,
@@ -62,6 +62,13 @@ impl PathSampler {
     pub fn with_bias(self, bias: Bias) -> crate::Result<Self> {
         bias.check()?;
         Ok(Self { bias, ..self })
+    }
+
+    /// Returns look-ups in the world of an app that has placed the files. The sun stays that of [`PathSampler::new`], in the
+    /// files' world.
+    #[must_use]
+    pub fn placed(self, placement: &Placement) -> Self {
+        Self { keys: self.keys.map(|key| Key { grid: key.grid.placed(placement), ..key }), ..self }
     }
 
     /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the point is on a

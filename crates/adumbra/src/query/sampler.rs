@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::error::Result;
 use crate::file::ShadowFile;
-use crate::grid::LightGrid;
+use crate::grid::{LightGrid, Placement};
 use crate::layout::depths::{DepthTree, TreeWords};
 use crate::query::columns::Columns;
 use crate::query::fixed::{FIXED_BITS, FixedReceiver, GRADIENT_BITS};
@@ -37,6 +37,13 @@ impl Sampler {
     pub fn with_bias(self, bias: Bias) -> Result<Self> {
         bias.check()?;
         Ok(Self { bias, ..self })
+    }
+
+    /// Returns look-ups in the world of an app that has placed the file: points and normals are the app's. The bias is in
+    /// texels and stays as it is.
+    #[must_use]
+    pub fn placed(self, placement: &Placement) -> Self {
+        Self { grid: self.grid.placed(placement), ..self }
     }
 
     /// Returns the filter.

@@ -278,12 +278,13 @@ impl Resident {
     /// # Errors
     /// Returns the errors of [`Parameters::new`].
     pub fn texture_headers(&self, look_up: &LookUp) -> Result<Vec<u8>> {
-        let grids = self.grids();
-        let Some((_, finest)) = grids.first() else { return Ok(Vec::new()) };
+        let place = |(_, grid): (u32, LightGrid)| grid.placed(&look_up.placement);
+        let grids: Vec<_> = self.grids().into_iter().map(place).collect();
+        let Some(finest) = grids.first() else { return Ok(Vec::new()) };
         let anchor_world = middle(finest);
         let levels = self.parameters(look_up, anchor_world.map(f64::from))?;
         let mut bytes = Vec::new();
-        for (parameters, (_, grid)) in levels.iter().zip(&grids) {
+        for (parameters, grid) in levels.iter().zip(&grids) {
             put_header(&mut bytes, parameters, anchor_world, grid, self.pool_words());
         }
         Ok(bytes)

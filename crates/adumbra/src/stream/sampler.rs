@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::query::{Filter, FixedReceiver, PointVisibility, lit_taps, receiver};
+use crate::grid::{LightGrid, Placement};
+use crate::query::{Filter, FixedReceiver, PointVisibility, Receiver, lit_taps, receiver};
 use crate::settings::Bias;
 use crate::stream::pool::{LevelPlaces, PoolLayout, WHOLE};
 
@@ -23,11 +24,14 @@ pub struct PoolSampler {
     layout: Arc<PoolLayout>,
     bias: Bias,
     filter: Filter,
+    /// Those of the levels, placed as the app has the file.
+    grids: Arc<[LightGrid]>,
 }
 
 impl PoolSampler {
     pub(super) fn new(layout: Arc<PoolLayout>, bias: Bias, filter: Filter) -> Self {
-        Self { layout, bias, filter }
+        let grids = layout.levels.iter().map(|places| places.grid).collect();
+        Self { layout, bias, filter, grids }
     }
 
     /// Returns look-ups with another bias.
@@ -39,14 +43,24 @@ impl PoolSampler {
         Ok(Self { bias, ..self })
     }
 
+    /// Returns look-ups in the world of an app that has placed the file, as [`Sampler::placed`](crate::Sampler::placed).
+    #[must_use]
+    pub fn placed(self, placement: &Placement) -> Self {
+        Self {
+            grids: self.layout.levels.iter().map(|places| places.grid.placed(placement)).collect(),
+            ..self
+        }
+    }
+
     /// Returns the visibility of a world point. `normal` is the surface's unit normal there, if the point is on a surface.
     /// `words` are those of the pool, with all that
     /// [`Resident::take_writes`](super::Resident::take_writes) has returned written to it.
     pub fn look_up(&self, words: &[u32], p_world: [f64; 3], normal: Option<[f64; 3]>) -> LevelAnswer {
         let width = self.filter.width();
         let (mut visibility, mut left, mut level) = (0.0, 1.0, None);
-        for places in &self.layout.levels {
-            let Some((lit, weight)) = self.lit_taps(words, places, p_world, normal) else { continue };
+        for (places, grid) in self.layout.levels.iter().zip(&*self.grids) {
+            let r = receiver(grid, &self.bias, p_world, normal);
+            let Some((lit, weight)) = self.lit_taps(words, places, &r) else { continue };
             let share = left * (weight as f32 / WHOLE as f32);
             visibility += share * (lit as f32 / (width * width) as f32);
             left -= share;
@@ -67,15 +81,9 @@ impl PoolSampler {
     }
 
     /// Returns the number of lit taps in a level and the weight of that answer, or `None` if it lacks a page.
-    fn lit_taps(
-        &self,
-        words: &[u32],
-        places: &LevelPlaces,
-        p_world: [f64; 3],
-        normal: Option<[f64; 3]>,
-    ) -> Option<(u32, u32)> {
+    fn lit_taps(&self, words: &[u32], places: &LevelPlaces, receiver: &Receiver) -> Option<(u32, u32)> {
         let tree = places.tree(words);
-        let r = FixedReceiver::new(&receiver(&places.grid, &self.bias, p_world, normal), tree.size);
+        let r = FixedReceiver::new(receiver, tree.size);
         let reach = i64::from(self.filter.width() / 2);
         let last = [0, 1].map(|a| i64::from(tree.size[a]) - 1);
         let texel = r.texel();

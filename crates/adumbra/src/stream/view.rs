@@ -1,7 +1,7 @@
 //! What a camera sees, as far as pages are concerned.
 
-use crate::grid::LightGrid;
 use crate::grid::vec3::{cross, dot};
+use crate::grid::{LightGrid, Placement};
 
 /// What a camera sees: where it is, planes that bound its picture, and how large a pixel is.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,6 +71,18 @@ impl View {
     /// A view that needs everything, for a budget that holds a whole file.
     pub fn everything() -> Self {
         Self { position_world: [0.0; 3], planes: Vec::new(), pixel_world: 0.0, pixel_per_distance: 0.0 }
+    }
+
+    /// Returns what a camera of an app sees of a file that the app has placed. A file that is placed several times is seen by
+    /// as many views.
+    #[must_use]
+    pub fn of_placed(&self, placement: &Placement) -> Self {
+        Self {
+            position_world: placement.to_file(self.position_world),
+            planes: self.planes.iter().map(|&plane| placement.plane_to_file(plane)).collect(),
+            pixel_world: self.pixel_world / placement.scale(),
+            pixel_per_distance: self.pixel_per_distance,
+        }
     }
 
     /// Returns the size of a pixel at a distance.
@@ -192,6 +204,42 @@ mod tests {
             ([0.0, 25.0, -20.0], false),
         ] {
             assert_eq!(view.may_see(&around(p_world)), is_seen, "{p_world:?}");
+        }
+    }
+
+    #[test]
+    fn a_placed_view_sees_of_a_file_what_the_camera_sees_where_it_is_placed() {
+        let turn =
+            [[0.0, 0.0, -3.0, 0.0], [0.0, 3.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0], [50.0, -2.0, 7.0, 1.0]];
+        let placement = Placement::from_matrix(turn).unwrap();
+        let grid = LightGrid::new(
+            Sun::from_angles(120.0, 30.0).unwrap(),
+            Frame::Light,
+            0.5,
+            [-32.0, -32.0, -64.0],
+            [64; 3],
+        );
+        let placed = grid.placed(&placement);
+        let forward = [0.3, -0.2, -1.0];
+        for view in [
+            View::perspective([48.0, 20.0, 30.0], forward, [0.0, 1.0, 0.0], 50.0, [160, 90]),
+            View::parallel([48.0, 20.0, 30.0], forward, [0.0, 1.0, 0.0], 40.0, [160, 90]),
+        ] {
+            let in_file = view.of_placed(&placement);
+            let mut seen = 0;
+            for n in 0..512_u32 {
+                let low = [n % 8, n / 8 % 8, n / 64].map(|c| 8.0 * f64::from(c));
+                let high = low.map(|c| c + 8.0);
+                let [ours, theirs] = [GridBox::new(&grid, low, high), GridBox::new(&placed, low, high)];
+                assert_eq!(in_file.may_see(&ours), view.may_see(&theirs), "{low:?}");
+                seen += u32::from(in_file.may_see(&ours));
+                let [near, far] =
+                    [ours.distance(in_file.position_world), theirs.distance(view.position_world)];
+                assert!((3.0 * near - far).abs() < 1e-6 * (1.0 + far), "{near} {far}");
+                let [pixel, pixel_world] = [in_file.pixel_at(near), view.pixel_at(far)];
+                assert!((3.0 * pixel - pixel_world).abs() < 1e-9, "{pixel} {pixel_world}");
+            }
+            assert!((1..512).contains(&seen), "{seen}");
         }
     }
 

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
+use adumbra::gpu::LookUp;
 use adumbra::layout::depths::{ABSENT, UNIFORM};
 use adumbra::stream::{
     BytesSource, FileSource, Request, Resident, ShadowSource, SourceError, StreamError, StreamOptions,
@@ -13,7 +14,7 @@ use adumbra::stream::{
 };
 use adumbra::{Filter, ShadowFile};
 use adumbra_scene::random::Random;
-use adumbra_testing::{named_vectors, vectors};
+use adumbra_testing::{named_vectors, placements, vectors};
 
 use crate::kit::{LIMIT, camera, city, compare, faults_of, large_city, points, stream};
 
@@ -58,7 +59,7 @@ fn a_resident_city_has_the_words_of_its_file() {
     // The first request may reach into bundles that are asked for later.
     assert!(counts.bytes <= city().len() as u64 + (1 << 16), "{counts:?}");
     // The tables are as fine as the file's, so a look-up reads as many words.
-    let levels = streamer.parameters(&adumbra::gpu::LookUp::default(), file.grid.origin()).unwrap();
+    let levels = streamer.parameters(&LookUp::default(), file.grid.origin()).unwrap();
     for (number, parameters) in (0..).zip(&levels) {
         assert_eq!(parameters.root_level, file.level(number).unwrap().tree.root_level());
     }
@@ -78,7 +79,7 @@ fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
     let options = StreamOptions { reserved_words: 896, ..StreamOptions::default() };
     let mut streamer = Streamer::new(BytesSource(city()), options);
     assert!(streamer.settle(&[], LIMIT, |_| ()));
-    let look_up = adumbra::gpu::LookUp::default();
+    let look_up = LookUp::default();
     let headers = streamer.resident().texture_headers(&look_up).unwrap();
     let whole = file.gpu().texture(&look_up, 8192).unwrap();
     assert_eq!(headers.len(), 3 * 512);
@@ -89,6 +90,30 @@ fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
     let coarser: Vec<u32> = (0..3).map(|level| word(&headers, 128 * level + 7)).collect();
     assert_eq!(coarser, [2, 1, 0]);
     assert_eq!(word(&headers, 16 + 76), 896);
+}
+
+#[test]
+fn a_placed_stream_answers_as_the_placed_file_does() {
+    let file = ShadowFile::from_bytes(city()).unwrap();
+    let options = StreamOptions { reserved_words: 896, budget_bytes: 64 << 20, ..StreamOptions::default() };
+    let mut streamer = Streamer::new(BytesSource(city()), options);
+    assert!(streamer.settle(&[View::everything()], LIMIT, |_| ()));
+    let sampler = streamer.sampler(Filter::Box5).unwrap();
+    let points = points(&file, 500, 3);
+    let places = |header: &[u8]| [&header[16..28], &header[32..44], &header[64..64 + 272]].concat();
+    for (place, placement) in placements() {
+        let placed = sampler.clone().placed(&placement);
+        let of_file = file.sampler(Filter::Box5).placed(&placement);
+        for (p_file, normal) in &points {
+            let p_world = placement.to_world(*p_file);
+            let normal = normal.map(|n| placement.direction_to_world(n));
+            let found = placed.look_up(streamer.words(), p_world, normal);
+            assert_eq!(found.visibility, of_file.visibility(p_world, normal), "{place}: {p_world:?}");
+        }
+        let look_up = LookUp { placement, ..LookUp::default() };
+        let headers = streamer.resident().texture_headers(&look_up).unwrap();
+        assert_eq!(places(&headers), places(&file.gpu().texture_header(&look_up).unwrap()), "{place}");
+    }
 }
 
 #[test]
@@ -368,7 +393,7 @@ fn jumps_of_the_camera_in_a_large_city_leak_nothing() {
 
 /// Checks that no two blocks at the level of pages, whose shapes are in pages, have the same address.
 fn assert_pages_apart(streamer: &Streamer) {
-    let look_up = adumbra::gpu::LookUp::default();
+    let look_up = LookUp::default();
     let mut begun = HashSet::new();
     for parameters in streamer.parameters(&look_up, [0.0; 3]).unwrap() {
         if parameters.root_level != 9 {

@@ -44,7 +44,7 @@ fn file(vectors: &Path, name: &str) -> Result<String, String> {
 fn level(file: &ShadowFile) -> Result<String, String> {
     let own = LookUp::default();
     let bias = Bias { constant_texels: 0.7, slope_texels: 1.3, normal_offset_texels: 0.1 };
-    let other = LookUp { filter: Filter::Box9, bias: Some(bias), penumbra: None };
+    let other = LookUp { filter: Filter::Box9, bias: Some(bias), ..LookUp::default() };
     let soft = LookUp { penumbra: Some(Penumbra { sun_degrees: 0.53, max_radius_texels: 20.5 }), ..other };
     let texture = file.gpu().texture(&own, 4096).map_err(|e| e.to_string())?;
     let (width, height) = (texture.width(), texture.height());
