@@ -68,7 +68,6 @@
 //!   shadows of layers nearer than twice the bias.
 //! - *Seams.* Corners are snapped to 1/256 texel, so a corner on a neighbour's edge may leave that edge. Open surfaces
 //!   are grown by one such step, and so are solids where two of them meet.
-//! - *Masked surfaces* are sampled over a texel's area, not at its centre: `docs/figures.md` has the measurement.
 //! - *Inside solids* the file may say either lit or shadowed, since no camera sees it; `verify` does not compare such
 //!   points.
 //! - Root blocks are 2^5 to 2^13 texels a side, about 32 across the longer side of the light's plane. Those smaller than

@@ -235,7 +235,7 @@ fn missed(class: &ClassResult) -> String {
             )
         }
         (_, most) => format!(
-            "are off by more than a texel in {:.4} %, more than the allowed {:.4} %",
+            "are wrong where rays at their texel's centre are not in {:.4} %, more than the allowed {:.4} %",
             100.0 * class.misplaced_share(),
             100.0 * most.unwrap_or_default()
         ),

@@ -5,7 +5,7 @@ use std::thread;
 use adumbra::layout::depths::page::{Page, bundles, page_dims};
 use adumbra::layout::depths::{DepthTree, NEVER, TreeBuilder};
 use adumbra::query::MAX_FIXED_SIDE;
-use adumbra::{Bias, Error, Filter, Placement, PointVisibility, RangeField, Sampler, ShadowFile};
+use adumbra::{Bias, Error, Filter, PathSampler, PointVisibility, RangeField, Sampler, ShadowFile};
 use adumbra_scene::random::Random;
 use adumbra_testing::{Leaf, from_leaves, overhead_grid, placements, settings_for, vectors};
 
@@ -193,8 +193,27 @@ fn placed_look_ups_answer_in_the_app_as_in_the_file() {
                     assert_eq!(placed.visibility(in_app, turned), expected, "{name}, {place}: {point:?}");
                 }
             }
-            let back = sampler.clone().placed(&Placement::BAKED);
-            assert!(points.iter().all(|p| back.visibility(p.0, p.1) == sampler.visibility(p.0, p.1)));
+        }
+        // One place after the other, and between the keys of a path.
+        let [(_, first), .., (_, second)] = placements();
+        let towards_sun = file.grid.sun.towards();
+        let path = PathSampler::new([&file, &file], towards_sun, Filter::Box5).unwrap();
+        let sampler = file.sampler(Filter::Box5);
+        let twice = sampler.clone().placed(&first).placed(&second);
+        let path_twice = path.clone().placed(&first).placed(&second);
+        for (point, normal) in &points {
+            let in_app = second.to_world(first.to_world(*point));
+            let turned = normal.map(|n| second.direction_to_world(first.direction_to_world(n)));
+            assert_eq!(
+                twice.visibility(in_app, turned),
+                sampler.visibility(*point, *normal),
+                "{name}: {point:?}"
+            );
+            assert_eq!(
+                path_twice.look_up(in_app, turned),
+                path.look_up(*point, *normal),
+                "{name}: {point:?}"
+            );
         }
     }
 }

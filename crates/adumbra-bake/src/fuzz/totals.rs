@@ -15,7 +15,7 @@ pub(crate) enum Skip {
     NotCovered,
     /// The centre is so near to an outline that snapping decides whether it is covered.
     Outline,
-    /// A surface with holes covers the centre; such surfaces are sampled over the texel's area.
+    /// A surface with holes covers the centre, which may be in a hole.
     Masked,
     /// The sampled point is inside a solid.
     InsideSolid,

@@ -167,7 +167,8 @@ impl BakedLight {
     }
 
     /// Places the file's world elsewhere in the app's, from the next call of [`BakedLight::set_anchor`] or
-    /// [`BakedLight::prepare`] on. The sun of a path stays one of the file's world.
+    /// [`BakedLight::prepare`] on. The sun of a path stays one of the file's world, which
+    /// [`Placement::direction_to_file`] gives.
     pub fn place(&mut self, placement: Placement) {
         self.placement = placement;
     }
@@ -215,7 +216,7 @@ impl BakedLight {
 
     /// Edge of a voxel, world units.
     pub fn voxel_world(&self) -> f64 {
-        self.levels[0].0.placed(&self.placement).voxel_size
+        self.levels[0].0.voxel_size * self.placement.scale()
     }
 
     /// Bytes of the file's sections on the device.

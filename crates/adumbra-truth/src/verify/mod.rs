@@ -8,7 +8,8 @@
 //!
 //! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, and the centre of its
 //!   texel, which look-ups sample. They are moved along the light onto the point's tangent plane (in space: at its depth)
-//!   and lifted alike. In a world-aligned file a texel is the side of a voxel.
+//!   and lifted alike. In a world-aligned file, which samples no centres, a texel is
+//!   the side of a voxel, and its centre one neighbour more.
 //! - *Acne*: a lit point answered as shadowed. *Leak*: a shadowed point answered as lit. *Misplaced*: a wrong answer
 //!   that a ray from the centre of the point's texel does not give either, so the resolution of the grid does not
 //!   explain it.

@@ -14,7 +14,7 @@ const OFF_SURFACE_VOXELS: f64 = 1e-3;
 /// Radius about a texel's centre within which a ray counts as one from the centre, texels: the most that snapping and
 /// rounding may move it.
 const CENTER_TEXELS: f64 = 1.0 / 64.0;
-/// How far from a surface the depth at which its column switches may be, voxels.
+/// How far before a surface its column may switch to shadow, voxels.
 const ROUNDING_VOXELS: f64 = 0.5;
 /// For points in space, blockers count as near up to this many voxels, or up to the bias at their slope if that is
 /// more.
@@ -47,7 +47,9 @@ impl Place<'_> {
         if gx * gx + gy * gy >= (MAX_PLANE_SLOPE * MAX_PLANE_SLOPE) * (1.0 - 1e-9) {
             return Class::EdgeOn;
         }
-        if self.is_thin(baked_bias) || self.is_at_a_blocker() {
+        let center = self.on_plane(self.to_center());
+        let center_lit = self.lit(center);
+        if self.is_thin(baked_bias) || center_lit && self.is_at_a_blocker(center) {
             return Class::Thin;
         }
         // A 3 × 3 neighbourhood whose middle is the point itself.
@@ -58,7 +60,7 @@ impl Place<'_> {
         let [inner, outer]: [[bool; 9]; 2] =
             NEIGHBOUR_TEXELS.map(|texels| std::array::from_fn(|i| i == 4 || agrees(i, texels)));
         if inner.iter().chain(&outer).all(|a| *a) {
-            if self.lit(self.on_plane(self.to_center())) != truth {
+            if center_lit != truth {
                 return Class::Narrow;
             }
             let grazes = |n: [f64; 3]| dot(n, self.grid.sun.towards()) <= MIN_N_DOT_L;
@@ -142,13 +144,11 @@ impl Place<'_> {
         voxels_to(&hit) < self.lifted_voxels() + begins_voxels
     }
 
-    /// Whether the look-up of a point on a surface, which samples the texel's centre, ends less than rounding before a
-    /// blocker that is not the surface itself. The answer may be that of either side.
-    fn is_at_a_blocker(&self) -> bool {
-        let [x, y, z] = self.on_plane(self.to_center());
+    /// Whether the look-up of a point on a surface, which ends in the light at its texel's centre, ends less than rounding
+    /// before a blocker that is not the surface itself. The answer may be that of either side.
+    fn is_at_a_blocker(&self, [x, y, z]: [f64; 3]) -> bool {
         self.normal.is_some()
             && self.lifted_voxels() > ROUNDING_VOXELS
-            && self.lit([x, y, z])
             && !self.lit([x, y, z + ROUNDING_VOXELS])
     }
 

@@ -45,10 +45,13 @@ impl ShadowFile {
         if length > limit_bytes {
             return Err(too_large(length));
         }
-        match Self::memory(path)?.peak_bytes {
-            needed_bytes if needed_bytes > limit_bytes => Err(too_large(needed_bytes)),
-            _ => Self::read(path),
+        let needed_bytes = Self::memory(path)?.peak_bytes;
+        if needed_bytes > limit_bytes {
+            return Err(too_large(needed_bytes));
         }
+        // The file may have been replaced since.
+        let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
+        Self::from_bytes_within(&bytes, limit_bytes).map_err(|fault| invalid(path, fault))
     }
 
     /// Decodes and validates a whole file.

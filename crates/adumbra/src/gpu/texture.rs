@@ -41,7 +41,8 @@ const MIN_WIDTH: u32 = HEADER_WORDS as u32;
 /// A file as a texture, with the parameters of look-ups in its header.
 ///
 /// Positions in the shader are relative to [`LookUpTexture::anchor_world`], the middle of the file's grid, so nothing
-/// has to be uploaded per frame. If the filter, the bias or the placement changes, only the header's bytes change.
+/// has to be uploaded per frame. If the filter or the bias changes, only the header's bytes change; those of another
+/// placement are [`FileForGpu::texture_header`](super::FileForGpu::texture_header)'s.
 #[derive(Clone, Debug)]
 pub struct LookUpTexture {
     width: u32,
@@ -97,7 +98,7 @@ impl LookUpTexture {
         &self.bytes[..4 * HEADER_WORDS]
     }
 
-    /// Returns the header's bytes with other parameters, which must be of the same file and anchor. An engine that shows
+    /// Returns the header's bytes with other parameters, which must be of the same file, anchor and placement. An engine that shows
     /// one file in several ways keeps one texture and a header for each.
     pub fn header_with(&self, parameters: Parameters) -> Vec<u8> {
         let mut header = self.header().to_vec();

@@ -97,7 +97,7 @@ impl LightGrid {
 
     /// Returns the rows of the map from the unit circle across the light to the ellipse, in grid x and y, whose points
     /// are on the same sun rays. It is the identity in the light's frame. In the oblique frame the ellipse is longer
-    /// along the sun's compass direction.
+    /// along the sun's compass direction. Not of a placed grid, where Y may not be up.
     pub fn circle_across_light(&self) -> [[f64; 2]; 2] {
         let [sx, sy, sz] = self.sun.towards();
         let flat = (sx * sx + sz * sz).sqrt();

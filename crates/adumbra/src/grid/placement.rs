@@ -7,8 +7,8 @@ use super::vec3::{cross, dot, normalize};
 use super::{LightGrid, Sun};
 use crate::error::{RangeError, RangeField};
 
-/// Largest relative difference between the scales of two axes, and largest cosine between two axes. It allows for products
-/// of matrices of 32-bit numbers, and moves a shadow by a tenth of a texel in a grid of 10,000.
+/// Largest relative difference between the scales of two axes, and largest cosine between two axes: that of products of
+/// matrices of 32-bit numbers. Points are exact all the same; bias and slopes are off by as much.
 const TOLERANCE: f64 = 1e-5;
 
 /// Where an app has a file's world: moved, turned, and scaled by one number. By default it is where it was baked.
@@ -38,13 +38,16 @@ impl Placement {
     /// shears.
     pub fn from_matrix(world_from_file: [[f64; 4]; 4]) -> Result<Self, RangeError> {
         let columns = world_from_file.map(|[x, y, z, _]| [x, y, z]);
-        let [x, y, z, origin] = columns;
+        let [x, y, z, _] = columns;
         let refused = |value: String, range| Err(RangeError::new(RangeField::Placement, value, range));
+        if !columns.as_flattened().iter().all(|c| c.is_finite()) {
+            return refused(format!("{columns:?}"), "finite");
+        }
         let lengths = [x, y, z].map(|axis| dot(axis, axis).sqrt());
         let scales = format!("scales of {} x {} x {}", lengths[0], lengths[1], lengths[2]);
         let [least, most] = [f64::min, f64::max].map(|end| lengths.into_iter().fold(lengths[0], end));
-        if !(least > 0.0 && most.is_finite() && origin.iter().all(|c| c.is_finite())) {
-            return refused(scales, "finite, with scales above 0");
+        if least == 0.0 || most == f64::INFINITY {
+            return refused(scales, "of a scale above 0 that is finite");
         }
         if most > least * (1.0 + TOLERANCE) {
             return refused(
@@ -90,7 +93,12 @@ impl Placement {
         [x, y, z, d + o]
     }
 
-    /// Converts a direction of the file's world to the app's. Its length stays but for rounding.
+    /// Converts a direction of the app's world to the file's: that of a sun, for one. Its length stays, but for 1e-5 at most.
+    pub fn direction_to_file(&self, d_world: [f64; 3]) -> [f64; 3] {
+        self.turned_back().map(|row| dot(row, d_world))
+    }
+
+    /// Converts a direction of the file's world to the app's. Its length stays, but for 1e-5 at most.
     pub fn direction_to_world(&self, d_file: [f64; 3]) -> [f64; 3] {
         let [x, y, z, _] = self.columns;
         std::array::from_fn(|a| (x[a] * d_file[0] + y[a] * d_file[1] + z[a] * d_file[2]) / self.scale)
@@ -106,7 +114,8 @@ impl Placement {
 
 impl LightGrid {
     /// Returns the grid in the world of an app that has placed the file. The sun may then be below the app's horizon.
-    /// [`LightGrid::frame`] and what follows from it are still those of the file's world.
+    /// [`LightGrid::frame`] is still that of the file's world, and so [`LightGrid::circle_across_light`] is to be asked of the
+    /// file's own grid. A grid that is placed already is placed again from where it is.
     #[must_use]
     pub fn placed(&self, placement: &Placement) -> Self {
         if *placement == Placement::BAKED {
@@ -166,6 +175,8 @@ mod tests {
                 let back = placed.to_world(found);
                 assert!((0..3).all(|a| (back[a] - p_world[a]).abs() < 1e-9 * scale.max(1.0)), "{back:?}");
                 assert!((placed.voxel_along_light() - scale * grid.voxel_along_light()).abs() < 1e-9 * scale);
+                let direction = placement.direction_to_file(placement.direction_to_world([0.6, 0.0, 0.8]));
+                assert!((0..3).all(|a| (direction[a] - [0.6, 0.0, 0.8][a]).abs() < 1e-12), "{direction:?}");
                 let normal = grid.normal_to_grid([0.6, 0.0, 0.8]);
                 let turned = placed.normal_to_grid(placement.direction_to_world([0.6, 0.0, 0.8]));
                 assert!((0..3).all(|a| (normal[a] - turned[a]).abs() < 1e-12), "{frame:?} {turned:?}");
@@ -184,8 +195,11 @@ mod tests {
         assert!(with(|m| m[0][1] *= 1.0 + 5e-6).is_ok());
         for (change, said) in [
             ((|m| m[0][1] *= 1.0001) as fn(&mut [[f64; 4]; 4]), "the same scale along all axes"),
-            (|m| m[1] = [0.0; 4], "scales above 0"),
+            (|m| m[1] = [0.0; 4], "a scale above 0"),
+            (|m| m[0] = [1e200, 0.0, 0.0, 0.0], "finite"),
             (|m| m[3][0] = f64::NAN, "finite"),
+            (|m| m[0][1] = f64::NAN, "finite"),
+            (|m| m[2][2] = f64::NEG_INFINITY, "finite"),
             (|m| m[0] = [0.0, 2.0, 0.001, 0.0], "without shear"),
             (|m| m[2][0] = -2.0, "mirror the scene"),
         ] {

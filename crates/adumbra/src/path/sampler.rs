@@ -65,7 +65,7 @@ impl PathSampler {
     }
 
     /// Returns look-ups in the world of an app that has placed the files. The sun stays that of [`PathSampler::new`], in the
-    /// files' world.
+    /// files' world, which [`Placement::direction_to_file`] gives.
     #[must_use]
     pub fn placed(self, placement: &Placement) -> Self {
         Self { keys: self.keys.map(|key| Key { grid: key.grid.placed(placement), ..key }), ..self }

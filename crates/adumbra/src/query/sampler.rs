@@ -40,7 +40,7 @@ impl Sampler {
     }
 
     /// Returns look-ups in the world of an app that has placed the file: points and normals are the app's. The bias is in
-    /// texels and stays as it is.
+    /// texels and stays as it is. Look-ups that are placed already are placed again from where they are.
     #[must_use]
     pub fn placed(self, placement: &Placement) -> Self {
         Self { grid: self.grid.placed(placement), ..self }

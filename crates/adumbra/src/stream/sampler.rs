@@ -46,10 +46,7 @@ impl PoolSampler {
     /// Returns look-ups in the world of an app that has placed the file, as [`Sampler::placed`](crate::Sampler::placed).
     #[must_use]
     pub fn placed(self, placement: &Placement) -> Self {
-        Self {
-            grids: self.layout.levels.iter().map(|places| places.grid.placed(placement)).collect(),
-            ..self
-        }
+        Self { grids: self.grids.iter().map(|grid| grid.placed(placement)).collect(), ..self }
     }
 
     /// Returns the visibility of a world point. `normal` is the surface's unit normal there, if the point is on a surface.

@@ -110,6 +110,12 @@ fn a_placed_stream_answers_as_the_placed_file_does() {
             let found = placed.look_up(streamer.words(), p_world, normal);
             assert_eq!(found.visibility, of_file.visibility(p_world, normal), "{place}: {p_world:?}");
         }
+        let twice = placed.placed(&placement);
+        let (p_file, normal) = points[0];
+        let p_world = placement.to_world(placement.to_world(p_file));
+        let normal = normal.map(|n| placement.direction_to_world(placement.direction_to_world(n)));
+        let found = twice.look_up(streamer.words(), p_world, normal);
+        assert_eq!(found.visibility, file.sampler(Filter::Box5).visibility(p_file, points[0].1), "{place}");
         let look_up = LookUp { placement, ..LookUp::default() };
         let headers = streamer.resident().texture_headers(&look_up).unwrap();
         assert_eq!(places(&headers), places(&file.gpu().texture_header(&look_up).unwrap()), "{place}");
