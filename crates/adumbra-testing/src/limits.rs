@@ -22,11 +22,15 @@ impl Ended {
     }
 }
 
-/// The peak of a process, while it runs.
+/// The peak of what a process holds besides pages of its own program file, while it runs. How many of those the system maps
+/// ahead depends on what else runs, and it takes them back at any time.
 fn peak_bytes(child: &Child) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
-    let line = status.lines().find(|line| line.starts_with("VmHWM:"))?;
-    Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? * 1024)
+    let kib = |name: &str| {
+        let line = status.lines().find(|line| line.starts_with(name))?;
+        line.split_whitespace().nth(1)?.parse::<u64>().ok()
+    };
+    Some(kib("VmHWM:")?.saturating_sub(kib("RssFile:")?) * 1024)
 }
 
 /// Runs a program and watches its peak.

@@ -238,6 +238,31 @@ fn strays_are_named_and_the_box_is_that_of_the_rest() {
 }
 
 #[test]
+fn a_tower_on_a_wide_ground_shadows_a_little_of_it() {
+    let ground = [[-100.0, 0.0, -100.0], [-100.0, 0.0, 100.0], [100.0, 0.0, 100.0], [100.0, 0.0, -100.0]];
+    let ground = vec![[ground[0], ground[1], ground[2]], [ground[0], ground[2], ground[3]]];
+    // A tower of 16 m, 40 m high, without a floor, as one mesh with its ground and as one of two.
+    let tower: Vec<[[f64; 3]; 3]> = sides(8.0)
+        .into_iter()
+        .enumerate()
+        .filter(|(side, _)| *side != 2)
+        .flat_map(|(_, triangles)| triangles)
+        .map(|t| t.map(|[x, y, z]| [x, 2.5 * (y + 8.0), z]))
+        .collect();
+    for parts in [vec![[ground.clone(), tower.clone()].concat()], vec![ground, tower]] {
+        let mut scene = Scene::default();
+        for (i, part) in parts.iter().enumerate() {
+            add(&mut scene, &format!("part {i}"), "a", part);
+        }
+        let glance = look(&scene, sun(45.0));
+        let share = shadowed_share(&glance.ground).unwrap();
+        assert!(share > 0.01 && share < 0.25, "{} parts: {share}", parts.len());
+        let standing = shadowed_share(&glance.standing).unwrap();
+        assert!(standing > 0.01 && standing < 0.25, "{} parts: {standing}", parts.len());
+    }
+}
+
+#[test]
 fn nothing_at_all_can_be_looked_at() {
     let scene = generate(GeneratedKind::City, 1);
     let nothing = look(&Scene { instances: Vec::new(), ..scene.clone() }, sun(50.0));

@@ -62,7 +62,7 @@ impl Glance {
     pub fn of(scene: &Scene, towards_sun: [f64; 3], ignore_alpha: bool) -> Self {
         let spread = Spread::of(scene);
         let lift = LIFT * spread.side_world().max(f64::MIN_POSITIVE);
-        let feet = feet(scene, &spread.most, lift);
+        let feet = feet(scene, &spread.around(&scene.bounds()), lift);
         let eyes: Vec<[f64; 3]> = feet.iter().map(|&[x, y, z]| [x, y + EYE_HEIGHT_WORLD, z]).collect();
         let outside = are_outside(scene, [&feet, &eyes]);
         let points: Vec<[f64; 3]> = feet.iter().chain(&eyes).copied().collect();

@@ -61,7 +61,9 @@ impl Spread {
         let farthest_of_all = farthest(&boxes, &Bounds { min: middle, max: middle });
         let size = farthest_of_all
             .map_or(0, |(i, _)| scene.meshes[scene.instances[i].mesh as usize].triangles.len() as u64);
-        let small = if size <= LARGEST_SMALL.max(total / 100) { size.div_ceil(step) as usize } else { 0 };
+        // What has most of the triangles is the scene itself.
+        let is_small = size <= LARGEST_SMALL.max(total / 100) && 2 * size < total;
+        let small = if is_small { size.div_ceil(step) as usize } else { 0 };
         let without = |outside: usize| {
             let outside = outside.min(count / 4);
             let end = |a: usize| [ends[a][0][outside], ends[a][1][count - 1 - outside]];
@@ -82,6 +84,18 @@ impl Spread {
                 .all(|&a| boxes[i].min[a] <= most.min[a] && boxes[i].max[a] >= most.max[a]),
         });
         Self { most, stray }
+    }
+
+    /// The box on whose ground the shadows of what is in `most` fall: around it, as far as a wide ground goes.
+    pub(super) fn around(&self, whole: &Bounds) -> Bounds {
+        let Self { most, stray } = self;
+        let by = if stray.as_ref().is_some_and(|stray| stray.is_around) { self.side_world() } else { 0.0 };
+        let mut around = *most;
+        for a in [0, 2] {
+            around.min[a] = (most.min[a] - by).max(whole.min[a]).min(most.min[a]);
+            around.max[a] = (most.max[a] + by).min(whole.max[a]).max(most.max[a]);
+        }
+        around
     }
 
     /// The longest side of the box.

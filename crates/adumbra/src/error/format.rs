@@ -9,10 +9,7 @@ use crate::layout::depths::DepthsError;
 #[non_exhaustive]
 pub enum FormatError {
     /// The file does not begin with the magic bytes of a shadow file.
-    #[error(
-        "not a shadow file: it begins with \"{}\" instead of {expected}; give a file that `bake` has written, and copy it as binary",
-        found.escape_ascii()
-    )]
+    #[error("not a shadow file: {}", instead(found, expected))]
     Magic {
         /// The first bytes of the file, at most eight.
         found: Vec<u8>,
@@ -154,6 +151,21 @@ pub enum FormatError {
     },
 }
 
+/// What a file is instead of one of this project's, as far as its first eight bytes tell, and what to do.
+fn instead(found: &[u8], expected: &str) -> String {
+    let text = found.trim_ascii_start().to_ascii_lowercase();
+    if text.starts_with(b"<!doc") || text.starts_with(b"<html") {
+        return "it is a web page, such as a server sends in place of a file that it does not have; check the address".to_owned();
+    }
+    if text.starts_with(b"version ") {
+        return "it is a Git LFS pointer to one; run `git lfs pull`".to_owned();
+    }
+    let found = found.escape_ascii();
+    format!(
+        "it begins with \"{found}\" instead of {expected}; give a file that `bake` has written, and copy it as binary"
+    )
+}
+
 impl FormatError {
     /// Returns the variant's name. It is stable across versions and is used by the test vectors.
     pub fn kind(&self) -> &'static str {
@@ -182,6 +194,25 @@ impl FormatError {
         match self {
             Self::Depths { fault, .. } => Some(fault.kind()),
             _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_no_shadow_file_is_named_as_what_it_is() {
+        for (found, words) in [
+            (&b"<!DOCTYP"[..], "it is a web page"),
+            (b"\n<html>\n", "it is a web page"),
+            (b"version ", "git lfs pull"),
+            (b"glTF\x02\0\0\0", "it begins with \"glTF\\x02"),
+            (b"", "copy it as binary"),
+        ] {
+            let error = FormatError::Magic { found: found.to_vec(), expected: "\"ADUMBRA\\n\"" };
+            assert!(error.to_string().contains(words), "{error}");
         }
     }
 }
