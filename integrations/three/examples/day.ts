@@ -13,7 +13,6 @@ export async function drawDay(renderer: WebGPURenderer, scene: Scene, camera: Pe
   renderer.setAnimationLoop((milliseconds) => {
     const seconds = sunrise + ((0.06 * milliseconds) % (sunset - sunrise));
     day.update(seconds);
-    day.align(sun);
     sun.intensity = day.sunAt(seconds) === undefined ? 0 : 3;
     renderer.render(scene, camera);
   });

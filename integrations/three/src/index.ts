@@ -13,6 +13,8 @@ export type { GpuLookUpOptions, Penumbra } from './gpu/look-up-header.js';
 export { LookUpTexture } from './gpu/look-up-texture.js';
 export { toGrid, toWorld } from './grid/light-grid.js';
 export type { Bounds, LightGrid } from './grid/light-grid.js';
+export { placedGrid } from './grid/placement.js';
+export type { WorldFromFile } from './grid/placement.js';
 export type { Mat3, PointLike, Vec3 } from './grid/vec3.js';
 export { MissingHookError } from './light/three.js';
 export { ShadowFileLoader } from './loader.js';

@@ -93,6 +93,11 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
         },
       );
     };
+    if (typeof ProgressEvent === 'undefined') {
+      const message = 'three loads files in browsers only; read it by yourself, and give its bytes to new BakedShadowFile(bytes)';
+      fail(new ShadowFileError('Io', message, {}, { url }));
+      return;
+    }
     this.#aborts.add(abort);
     for (const each of [signal, ofManager]) each?.addEventListener('abort', abort);
     fetchFile(true);

@@ -2,6 +2,7 @@
 // `crates/adumbra/src/settings.rs`.
 
 import type { Bounds } from './grid/light-grid.js';
+import type { WorldFromFile } from './grid/placement.js';
 
 /** How far a look-up moves its point before it reads the grid, in texels (1 texel = `voxelSize`). */
 export interface Bias {
@@ -63,6 +64,8 @@ export interface LookUpOptions {
   readonly filter: FilterWidth;
   /** The bias; that of the file by default. */
   readonly bias?: Bias | undefined;
+  /** Where the app has the file's world; where it was baked by default. */
+  readonly placement?: WorldFromFile | undefined;
 }
 
 /**

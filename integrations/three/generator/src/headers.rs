@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use adumbra::gpu::{LookUp, LookUpTexture, Penumbra};
-use adumbra::{Bias, Filter, ShadowFile};
+use adumbra::{Bias, Filter, Placement, ShadowFile};
 
 use crate::Generated;
 
@@ -21,7 +21,7 @@ const FILES: [&str; 7] = [
 
 /// Returns a JSON object: for each file, and within it for each level, the size of its texture; the CRC-32 of all of its
 /// bytes; and its first 128 words with the file's own bias and a filter of 5, which the CRC-32 is of; with another bias and
-/// a filter of 9; and with penumbrae.
+/// a filter of 9; with penumbrae; and placed.
 ///
 /// # Errors
 /// Returns the crate's message if a file cannot be read or looked up.
@@ -50,7 +50,14 @@ fn level(file: &ShadowFile) -> Result<String, String> {
     let (width, height) = (texture.width(), texture.height());
     let checksum = crc32fast::hash(texture.bytes());
     let mut headers = vec![words(&texture)];
-    for look_up in [other, soft] {
+    let turned =
+        [[0.0, 0.0, -0.5, 0.0], [0.0, 0.5, 0.0, 0.0], [0.5, 0.0, 0.0, 0.0], [12.5, -3.0, 40.25, 1.0]];
+    let tilted = [[4.8, 6.4, 0.0, 0.0], [-6.4, 4.8, 0.0, 0.0], [0.0, 0.0, 8.0, 0.0], [-7.0, 0.25, 1e5, 1.0]];
+    let placed = |matrix| -> Result<LookUp, String> {
+        let placement = Placement::from_matrix(matrix).map_err(|e| e.to_string())?;
+        Ok(LookUp { placement, ..own })
+    };
+    for look_up in [other, soft, placed(turned)?, placed(tilted)?] {
         headers.push(words(&file.gpu().texture(&look_up, 4096).map_err(|e| e.to_string())?));
     }
     let headers = headers.join(",\n");

@@ -19,6 +19,17 @@ export function check(isGood: boolean, name: string, value: number | Vec3 | stri
   });
 }
 
+/** Returns the error for a file that begins as no file of its kind does: it is of another kind, or comes from a server that lacks it. */
+export function foreign(kind: string, start: string, magic: string, command: string): ShadowFileError {
+  const isPage = /^\s*<(?:!doc|html)/i.test(start);
+  const instead = isPage
+    ? 'it is a web page, such as a server sends in place of a file that it does not have; check the address'
+    : start === 'version '
+      ? 'it is a Git LFS pointer to one; run `git lfs pull`'
+      : `it begins with ${JSON.stringify(start)} instead of ${JSON.stringify(magic)}; give a file that \`${command}\` has written, and copy it as binary`;
+  return new ShadowFileError('Magic', `not a ${kind}: ${instead}`, { found: start });
+}
+
 /** Throws the error for a bundle that fits neither its entry in the table nor the grid, unless `isGood`. */
 export function checkBundle(isGood: boolean, section: string, found: string, expected: string): void {
   if (isGood) return;

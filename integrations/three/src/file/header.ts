@@ -5,7 +5,7 @@
 import { ShadowFileError, hex } from '../error.js';
 import type { Bounds } from '../grid/light-grid.js';
 import type { FileSettings } from '../settings.js';
-import { GRID_BYTES, HEADER_BYTES, check, checkChecksum, truncated } from './faults.js';
+import { GRID_BYTES, HEADER_BYTES, check, checkChecksum, foreign, truncated } from './faults.js';
 import { Fields } from './fields.js';
 
 /** The version of the format that is read. */
@@ -116,13 +116,7 @@ function identify(bytes: Uint8Array, fields: Fields): void {
       'this is a tree file, not a shadow file; bake the scene into one',
     );
   }
-  if (!MAGIC.startsWith(start)) {
-    throw new ShadowFileError(
-      'Magic',
-      `not a shadow file: it begins with ${JSON.stringify(start)} instead of ${JSON.stringify(MAGIC)}; give a file that \`adumbra bake\` has written, and copy it as binary`,
-      { found: start },
-    );
-  }
+  if (!MAGIC.startsWith(start)) throw foreign('shadow file', start, MAGIC, 'adumbra bake');
   // Another version may have a shorter header, so the version is checked before the length.
   if (bytes.length >= 16) {
     const version = fields.u32(2);

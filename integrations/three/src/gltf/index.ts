@@ -30,18 +30,23 @@ export interface NamedShadow {
  * each light that names a file, before the loader's promise resolves. With WebGPURenderer it is
  * `({ light, ...options }) => { light.shadow.shadowNode = new BakedShadowNode(light, options); light.castShadow = true; }`.
  *
- * A file that cannot be loaded rejects the load of the glTF file with its `ShadowFileError`.
+ * Without its file, a light is as the glTF file has it, and `onError` is told why.
  */
 export class GLTFBakedShadow implements GLTFLoaderPlugin {
   /** For three: the name of what is read. */
   readonly name = 'ADUMBRA_extras';
   readonly #parser: GLTFParser;
   readonly #attach: (shadow: NamedShadow) => void;
+  readonly #onError: (error: unknown, light: SunLike) => void;
 
-  /** Creates the plugin of one load. */
-  constructor(parser: GLTFParser, attach: (shadow: NamedShadow) => void) {
+  /**
+   * Creates the plugin of one load. `onError` is called with the `ShadowFileError` of a file that cannot be loaded, and prints it by
+   * default; if it throws, the load of the glTF file is rejected with what it throws.
+   */
+  constructor(parser: GLTFParser, attach: (shadow: NamedShadow) => void, onError: (error: unknown, light: SunLike) => void = console.error) {
     this.#parser = parser;
     this.#attach = attach;
+    this.#onError = onError;
   }
 
   /** For three: loads the files that lights name. */
@@ -62,7 +67,13 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
     }
     await Promise.all(
       lights.map(async ([light, { shadow, filter }]) => {
-        const file = await loader.loadAsync(LoaderUtils.resolveURL(shadow as string, path));
+        let file: BakedShadowFile;
+        try {
+          file = await loader.loadAsync(LoaderUtils.resolveURL(shadow as string, path));
+        } catch (error) {
+          this.#onError(error, light);
+          return;
+        }
         const isWidth = (FILTER_WIDTHS as readonly unknown[]).includes(filter);
         this.#attach({ light, file, gltf, ...(isWidth ? { filter: filter as FilterWidth } : {}) });
       }),

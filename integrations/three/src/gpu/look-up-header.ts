@@ -3,9 +3,12 @@
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { circleAcrossLight, coneTexelsPerVoxel, middle } from '../grid/light-grid.js';
+import type { LightGrid } from '../grid/light-grid.js';
+import { placedGrid } from '../grid/placement.js';
 import type { Vec3 } from '../grid/vec3.js';
 import { checkFilter } from '../settings.js';
 import type { LookUpOptions } from '../settings.js';
+import type { WorldFromFile } from '../grid/placement.js';
 import { writeGridParameters } from './grid-parameters.js';
 import type { WordViews } from './grid-parameters.js';
 
@@ -25,8 +28,7 @@ export interface Penumbra {
 /** Settings of look-ups on a GPU. */
 export interface GpuLookUpOptions extends LookUpOptions {
   /** Penumbrae, for which the filter must be 1. */
-  readonly penumbra?: Penumbra;
-}
+  readonly penumbra?: Penumbra;}
 
 /** The header of a file. Its words change with the settings of look-ups, and with nothing else. */
 export interface LookUpHeader {
@@ -38,10 +40,12 @@ export interface LookUpHeader {
   readonly count: number;
   /** World position that positions in the shader are relative to; each coordinate is a 32-bit floating-point number. */
   readonly anchorWorld: Vec3;
+  /** Where the app has the file's world. */
+  readonly placement: WorldFromFile | undefined;
   /**
-   * Changes filter, bias and penumbrae of look-ups.
+   * Changes filter, bias and penumbrae of look-ups, and the placement with the anchor.
    *
-   * @throws RangeError if an option is out of its range.
+   * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
   setLookUp(options: GpuLookUpOptions): void;
 }
@@ -50,8 +54,8 @@ export interface LookUpHeader {
 export type LookedUpFile = Pick<BakedShadowFile, 'grid' | 'settings' | 'top' | 'code' | 'topDims' | 'rootLevel'>;
 
 /**
- * Creates the header in the first 128 words of `all`. Positions in the shader are relative to `anchorWorld`, the middle of the
- * grid by default.
+ * Creates the header in the first 128 words of `all`. Positions in the shader are relative to the middle of the grid `middleOf`,
+ * the file's own by default.
  *
  * @throws ShadowFileError of the kind `TooLarge` if the file's grid is too large for GPUs.
  * @throws RangeError if an option is out of its range.
@@ -60,7 +64,7 @@ export function lookUpHeader(
   file: LookedUpFile,
   options: GpuLookUpOptions,
   all: Uint32Array<ArrayBuffer> = new Uint32Array(HEADER_WORDS),
-  anchorWorld: Vec3 = middle(file.grid),
+  middleOf: LightGrid = file.grid,
 ): LookUpHeader {
   /** First word of a look-up texture: "ADUT". */
   const MAGIC = 0x54554441;
@@ -72,17 +76,16 @@ export function lookUpHeader(
   const count = wordCount(file);
   const header = viewsOf(all, 0, HEADER_WORDS);
   header.words.set([MAGIC, VERSION, QUADTREE, count]);
-  header.floats.set(anchorWorld, 4);
-  header.floats.set(grid.sun, 8);
 
   const parameters = viewsOf(header.words, PARAMETERS_AT, 88);
   const { words, floats } = parameters;
-  writeGridParameters(parameters, grid, anchorWorld);
   words.set([...topDims, 1, rootLevel], 68);
   words[79] = top.length;
   floats.set(circleAcrossLight(grid), 84);
 
-  const setLookUp = ({ filter, bias = settings.bias, penumbra }: GpuLookUpOptions): void => {
+  let anchorWorld: Vec3;
+  let placement: WorldFromFile | undefined;
+  const setLookUp = ({ filter, bias = settings.bias, penumbra, placement: place }: GpuLookUpOptions): void => {
     checkFilter(filter);
     const terms = [bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels];
     for (const texels of terms) checkRange('a term of the bias in texels', texels, 0, 16);
@@ -91,13 +94,30 @@ export function lookUpHeader(
       checkRange("the sun's angle in degrees", penumbra.angleDegrees, 0.01, 20);
       checkRange('the largest radius of a penumbra in texels', penumbra.maxRadiusTexels, 1, 64);
     }
+    const placed = placedGrid(grid, place);
+    placement = place;
+    anchorWorld = middle(placedGrid(middleOf, place));
+    writeGridParameters(parameters, placed, anchorWorld);
+    header.floats.set(anchorWorld, 4);
+    header.floats.set(placed.sun, 8);
     floats.set([...terms, 1], 72);
     words[80] = filter;
     floats[81] = penumbra === undefined ? 0 : coneTexelsPerVoxel(grid, penumbra.angleDegrees);
     floats[82] = penumbra?.maxRadiusTexels ?? 0;
   };
   setLookUp(options);
-  return { words: header.words, parts: [top, code], count, anchorWorld, setLookUp };
+  return {
+    words: header.words,
+    parts: [top, code],
+    count,
+    get anchorWorld() {
+      return anchorWorld;
+    },
+    get placement() {
+      return placement;
+    },
+    setLookUp,
+  };
 }
 
 /** Returns the number of a file's words. */

@@ -1,92 +1,134 @@
 // A light with its files: what both renderers have in common.
 
-import { Vector3 } from 'three';
-import type { DataTexture, Object3D } from 'three';
+import { Matrix4, Vector3 } from 'three';
+import type { Object3D } from 'three';
 
+import type { Vec3 } from '../grid/vec3.js';
 import { filtered } from '../look-ups/filtered.js';
 import type { LookUp } from '../look-ups/look-up.js';
-import { alignLight, towardsLight } from './direction.js';
+import { Alignment, isInScene, shines, towardsLight } from './direction.js';
 import type { SunLike } from './direction.js';
+import { lookUpOf, openFiles } from './files.js';
 import { asList } from './options.js';
-import type { BakedShadowOptions, ShadowOptions } from './options.js';
-import { isMover, staticsOf } from './statics.js';
-import type { AnyRenderer, LightFile, StreamedFile } from './streamed.js';
-import { lightTextures } from './textures.js';
+import type { BakedShadowOptions, FileChoice, ShadowOptions, ShadowStatus } from './options.js';
+import type { Part } from './scene.js';
+import { isMover } from './statics.js';
+import type { AnyRenderer } from './streamed.js';
+import type { LightTextures } from './textures.js';
 import { warnOnce } from './warn.js';
 
 /** A light with its files. */
-export interface BakedLight {
+export interface BakedLight extends Part {
   readonly lookUp: LookUp;
   /** What the names of its texts begin with, which tells them apart from those of other lights. */
   readonly prefix: string;
-  /** Unit vector towards the light, world space, as of the last update. */
-  readonly towards: Vector3;
-  /** The files' words, one per texel. */
-  readonly words: DataTexture;
-  /** The files' parameters, one row per file. The files in use come first. */
-  readonly headers: DataTexture;
+  /** The files' words and parameters. Others after `setFiles`. */
+  textures(): Pick<LightTextures, 'words' | 'headers'>;
   /** Changes options; what is left out stays. Nothing is changed if it throws a RangeError. */
   setOptions(options: ShadowOptions): void;
-  /** Whether the light shines from the sun of a file. */
-  isActive(): boolean;
+  /** Takes other files in place of those until now. Nothing is changed if it throws. */
+  setFiles(file: FileChoice): void;
+  /** How the light and its files do, now. */
+  status(): ShadowStatus;
+  /** Follows the light and the roots, before a renderer draws. Nothing after `dispose`. */
+  update(renderer?: AnyRenderer | null): void;
   /**
-   * Follows the light, and takes casters out of shadow maps while a file is in use, before `renderer` draws. Returns false
-   * after `dispose`.
+   * Warns once if something below `object` gets wrong answers from a file that is for static surfaces only, and once if a static
+   * root is moved and no file follows one.
    */
-  update(renderer?: AnyRenderer | null): boolean;
-  /** Gives casters back, though the light may come back. */
-  rest(): void;
-  /** Warns once if something below `object` gets wrong answers from a file that is for static surfaces only. */
-  warnOfMovers(object: Object3D): void;
-  /** Gives casters back, and frees what the GPU holds. Returns false after the first time. */
+  warnOf(object: Object3D): void;
+  /** Gives the light back as the app set it, and frees what the GPU holds. Returns false after the first time. */
   dispose(): boolean;
 }
 
 /** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
 const SAME_SUN = 1.5e-3;
 
+const AT_REST = new Matrix4();
+
 /** Numbers in use. A number that is free is used again, so that shaders are too. */
 const inUse = new Set<number>();
 
 /** Reads the options of a light, and prepares its files. */
-export function bakedLight(light: SunLike, file: LightFile | readonly LightFile[], options: BakedShadowOptions): BakedLight {
-  const files = asList(file);
-  const lookUp = (files[0] as StreamedFile | undefined)?.lookUp ?? options.lookUp ?? filtered;
-  const textures = lightTextures(files, lookUp, options);
-  if (options.align ?? true) alignLight(light, files[0]!.grid.sun);
-  const roots = asList(options.statics);
-  const statics = staticsOf(roots);
+export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowOptions): BakedLight {
+  let options = first;
+  const lookUp = lookUpOf(file) ?? options.lookUp ?? filtered;
+  let files = openFiles(file, lookUp, options);
+  const alignment = (options.align ?? true) && new Alignment(light);
+  const align = (): void => {
+    const [sun, ...others] = files.suns().filter((each) => each !== undefined);
+    // A light whose files have several suns goes from one to the other.
+    if (!alignment || !sun || others.some((other) => distance(other, sun) > SAME_SUN)) return;
+    if (!alignment.align(sun)) return;
+    const towardsSun = sun.map((each) => each.toFixed(4)).join(', ');
+    warnOnce(
+      `'${light.name || light.type}' was turned, but align keeps it at the sun of its file. To move it with something, set its position to that of its target + distance × (${towardsSun}). To turn it, use align: false`,
+      `turned ${light.id}`,
+    );
+  };
+  const statics = asList(options.statics);
   const towards = new Vector3();
-  const isForStatics = files.some(({ settings }) => settings.receivers === 'static');
   let isDisposed = false;
   let number = 1;
   while (inUse.has(number)) number += 1;
   inUse.add(number);
+  /** How far the files' suns are from a direction, as the distance of two unit vectors. */
+  const distancesTo = ({ x, y, z }: Vector3): number[] => files.suns().map((sun) => (sun ? distance(sun, [x, y, z]) : Infinity));
   /** The numbers of the files whose sun is in a direction. */
-  const filesTowards = ({ x, y, z }: Vector3): number[] =>
-    [...files.keys()].filter((i) => {
-      const { sun } = files[i]!.grid;
-      return Math.hypot(sun[0] - x, sun[1] - y, sun[2] - z) <= SAME_SUN;
-    });
+  const filesTowards = (direction: Vector3): number[] => distancesTo(direction).flatMap((each, i) => (each <= SAME_SUN ? i : []));
+  files.follow();
+  align();
   return {
+    light,
     lookUp,
     prefix: `adumbra${number}`,
     towards,
-    words: textures.words,
-    headers: textures.headers,
-    setOptions: textures.setOptions,
-    isActive: () => !isDisposed && filesTowards(towardsLight(light, new Vector3())).length > 0,
-    update(renderer) {
-      if (isDisposed) return false;
-      if (renderer) textures.follow(renderer);
-      const now = filesTowards(towardsLight(light, towards));
-      textures.use(now);
-      statics.rest(now.length > 0);
-      return true;
+    textures: () => files.textures,
+    setOptions(changed) {
+      files.textures.setOptions(changed);
+      options = { ...options, ...changed };
     },
-    rest: () => statics.rest(false),
-    warnOfMovers(object) {
-      if (!isForStatics) return;
+    setFiles(choice) {
+      if (isDisposed) return;
+      if ((lookUpOf(choice) ?? first.lookUp ?? filtered) !== lookUp) throw new RangeError('these files need another look-up; give them to a new shadow');
+      const next = openFiles(choice, lookUp, options, files);
+      files.textures.dispose(next.textures);
+      files = next;
+      this.update();
+    },
+    status() {
+      const distances = distancesTo(towardsLight(light, new Vector3()));
+      return {
+        filesInUse: isDisposed || !shines(light) ? 0 : distances.filter((each) => each <= SAME_SUN).length,
+        missing: distances.filter((each) => each === Infinity).length,
+        degrees: (Math.asin(Math.min(1, Math.min(...distances) / 2)) * 360) / Math.PI,
+      };
+    },
+    update(renderer) {
+      if (isDisposed) return;
+      files.follow(renderer);
+      align();
+      files.textures.use(filesTowards(towardsLight(light, towards)));
+    },
+    casters() {
+      const [resting, needed]: [Object3D[], Object3D[]] = [[], []];
+      if (isDisposed || !shines(light) || !isInScene(light)) return { resting, needed };
+      const now = filesTowards(towards);
+      (now.length > 0 ? resting : needed).push(...statics);
+      files.roots.forEach((root, i) => root && (now.includes(i) ? resting : needed).push(root));
+      return { resting, needed };
+    },
+    warnOf(object) {
+      const isUnrooted = files.roots.some((root) => root === undefined);
+      const moved = statics.find((root) => isUnrooted && !('geometry' in root) && !root.matrixWorld.equals(AT_REST));
+      if (moved) {
+        warnOnce(
+          `'${moved.name || moved.type}' in statics is moved, turned or scaled; if its file was baked from what is below it, give { file, root } in place of file`,
+          'at rest',
+        );
+      }
+      if (!files.isForStatics) return;
+      const roots = [...statics, ...files.roots.filter((root) => root !== undefined)];
       object.traverse((each) => {
         if (!each.receiveShadow || !isMover(each, roots)) return;
         warnOnce(
@@ -98,10 +140,14 @@ export function bakedLight(light: SunLike, file: LightFile | readonly LightFile[
     dispose() {
       if (isDisposed) return false;
       isDisposed = true;
-      statics.release();
-      textures.dispose();
+      if (alignment) alignment.giveBack();
+      files.textures.dispose();
       inUse.delete(number);
       return true;
     },
   };
+}
+
+function distance(a: Vec3, b: Vec3): number {
+  return Math.hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]);
 }

@@ -1,7 +1,7 @@
 // Where a light is.
 
 import { Quaternion, Vector3 } from 'three';
-import type { DirectionalLight, Light, Object3D } from 'three';
+import type { DirectionalLight, Light, Matrix4, Object3D } from 'three';
 
 import type { Vec3 } from '../grid/vec3.js';
 
@@ -17,11 +17,89 @@ export function towardsLight(light: SunLike, direction: Vector3): Vector3 {
   return direction.subVectors(from, targetOf(light)).normalize();
 }
 
-/**
- * Makes a light shine from the direction of a sun. It moves around its target, at its distance; a light that carries its
- * target, as those of glTF files do, turns.
- */
-export function alignLight(light: SunLike, sun: Vec3): void {
+/** Whether a light has shadows where it is drawn, as far as the app says. */
+export function shines(light: SunLike): boolean {
+  return light.intensity !== 0 && light.shadow.intensity !== 0 && isShown(light);
+}
+
+function isShown(object: Object3D | null): boolean {
+  return object === null || (object.visible && isShown(object.parent));
+}
+
+/** Whether a light is in a scene. */
+export function isInScene(object: Object3D): boolean {
+  return 'isScene' in object || (object.parent !== null && isInScene(object.parent));
+}
+
+/** Keeps a light in the direction of a sun, and knows what the app has set. */
+export class Alignment {
+  readonly #light: SunLike;
+  /** What is turned, what the app set there last, and what became of it. */
+  #part: 'position' | 'quaternion' = 'position';
+  #theirs: Vector3 | Quaternion | undefined;
+  #ours: Vector3 | Quaternion | undefined;
+  /** The same of a matrix that the app sets itself. */
+  #theirMatrix: Matrix4 | undefined;
+  #ourMatrix: Matrix4 | undefined;
+  /** From the target, as the app set it. */
+  #distance = 1;
+  /** The sun that it was turned to last. */
+  readonly #sun = new Vector3();
+
+  /** Prepares it. Nothing is turned yet. */
+  constructor(light: SunLike) {
+    this.#light = light;
+  }
+
+  /** Turns the light to a sun. Returns whether somebody has turned it since the last time. */
+  align(sun: Vec3): boolean {
+    const light = this.#light;
+    const isThere = (): boolean => towardsLight(light, new Vector3()).distanceTo(to.set(...sun)) < TURNED;
+    let isTurned = !isThere();
+    if (isTurned) {
+      // Three may not have updated its matrices yet.
+      light.updateWorldMatrix(true, false);
+      light.target?.updateWorldMatrix(true, false);
+      isTurned = !isThere();
+    }
+    const isSun = to.equals(this.#sun);
+    this.#sun.copy(to);
+    if (!isTurned) return false;
+    const part = light.target?.parent === light ? 'quaternion' : 'position';
+    if (part !== this.#part) this.giveBack();
+    this.#part = part;
+    if (!isSame(light[part], this.#ours)) {
+      this.#theirs = light[part].clone();
+      this.#distance = from.setFromMatrixPosition(light.matrixWorld).distanceTo(targetOf(light)) || 1;
+    }
+    if (!light.matrixAutoUpdate && !isSame(light.matrix, this.#ourMatrix)) this.#theirMatrix = light.matrix.clone();
+    alignLight(light, sun, this.#distance);
+    this.#ours = light[part].clone();
+    this.#ourMatrix = light.matrix.clone();
+    return isSun;
+  }
+
+  /** Gives the light back as the app set it last. */
+  giveBack(): void {
+    const light = this.#light;
+    if (isSame(light[this.#part], this.#ours)) (light[this.#part] as Vector3).copy(this.#theirs as Vector3);
+    if (light.matrixAutoUpdate) light.updateMatrix();
+    else if (this.#theirMatrix && isSame(light.matrix, this.#ourMatrix)) light.matrix.copy(this.#theirMatrix);
+    light.updateMatrixWorld(true);
+    this.#ours = this.#ourMatrix = undefined;
+  }
+}
+
+/** Whether a value is one that is known. */
+function isSame<T extends Vector3 | Quaternion | Matrix4>(value: T, known: T | undefined): boolean {
+  return known !== undefined && (value as Vector3).equals(known as Vector3);
+}
+
+/** Directions that differ by less are the same: what rounding does. */
+const TURNED = 1e-6;
+
+/** Turns a light to a sun. It moves around its target, at a distance, by default its own; a light that carries its target, as those of glTF files do, turns. */
+export function alignLight(light: SunLike, sun: Vec3, distance?: number): void {
   light.updateWorldMatrix(true, false);
   light.target?.updateWorldMatrix(true, false);
   if (light.target?.parent === light) {
@@ -31,11 +109,12 @@ export function alignLight(light: SunLike, sun: Vec3): void {
     light.quaternion.setFromUnitVectors(from.copy(light.target.position).negate().normalize(), to);
   } else {
     const target = targetOf(light);
-    const distance = from.setFromMatrixPosition(light.matrixWorld).distanceTo(target) || 1;
-    from.set(...sun).multiplyScalar(distance).add(target);
+    const away = distance ?? (from.setFromMatrixPosition(light.matrixWorld).distanceTo(target) || 1);
+    from.set(...sun).multiplyScalar(away).add(target);
     light.position.copy(light.parent === null ? from : light.parent.worldToLocal(from));
   }
-  light.updateMatrixWorld();
+  light.updateMatrix();
+  light.updateMatrixWorld(true);
 }
 
 function targetOf(light: SunLike): Vector3 {

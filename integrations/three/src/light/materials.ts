@@ -2,12 +2,14 @@
 
 import type { Material, Object3D } from 'three';
 
-import { asList } from './options.js';
-
-/** Visits the materials of an object and of all below it. */
+/** Visits the materials of an object and of all below it. Some may be missing. */
 export function forEachMaterial(object: Object3D, visit: (material: Material) => void): void {
-  object.traverse((each) => {
-    const { material } = each as { material?: Material | Material[] };
-    for (const one of asList(material)) visit(one);
-  });
+  const { material } = object as { material?: Material | (Material | undefined)[] | null };
+  if (Array.isArray(material)) for (const one of material) visitOne(one, visit);
+  else visitOne(material, visit);
+  for (const child of object.children) forEachMaterial(child, visit);
+}
+
+function visitOne(material: Material | null | undefined, visit: (material: Material) => void): void {
+  if (material?.isMaterial) visit(material);
 }

@@ -5,7 +5,10 @@ import type { Object3D } from 'three';
 import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import type { Bias, FilterWidth } from '../settings.js';
-import type { LightFile } from './streamed.js';
+import type { LightFile, PlacedFile } from './streamed.js';
+
+/** The file of a light, or several: tiles, suns, one file in several places. A streamed file is alone. */
+export type FileChoice = LightFile | PlacedFile | readonly (LightFile | PlacedFile)[];
 
 /** Most files on one light. */
 export const MAX_FILES = 8;
@@ -20,17 +23,37 @@ export interface ShadowOptions {
   softnessDegrees?: number | undefined;
 }
 
+/** How a light and its files do. */
+export interface ShadowStatus {
+  /** How many files are in use: those whose sun is where the light shines from. None while it does not shine. */
+  readonly filesInUse: number;
+  /** How many files cannot be in use, wherever the light is, while their root is stretched. */
+  readonly missing: number;
+  /** The angle between the light and the nearest sun of a file, degrees. Files are in use up to 0.08. */
+  readonly degrees: number;
+}
+
 /** The shadow of a light from its files, with either renderer. */
 export interface BakedShadow {
-  /** Whether the light shines from the sun of a file. Otherwise shadows are those of three's own, if there are any. */
+  /** Whether the light shines, and from the sun of a file. Otherwise shadows are those of three's own, if there are any. */
   readonly isActive: boolean;
+  /** How the light and its files do. */
+  readonly status: ShadowStatus;
   /**
    * Changes options; what is left out stays. Nothing is compiled anew.
    *
    * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
   setOptions(options: ShadowOptions): void;
-  /** Gives all back as it was, and frees what the GPU holds. */
+  /**
+   * Takes other files in place of those until now, such as tiles that come and go. Cost: one copy of the files' words, and their
+   * upload. The files until now need not be kept.
+   *
+   * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU. Nothing is changed then.
+   * @throws RangeError if they are too many, or need another look-up, as a sun path does. Nothing is changed then.
+   */
+  setFiles(file: FileChoice): void;
+  /** Gives all back as the app set it last, and frees what the GPU holds. */
   dispose(): void;
 }
 
@@ -38,12 +61,15 @@ export interface BakedShadow {
 export interface BakedShadowOptions extends ShadowOptions {
   /** The shader text; `filtered` by default. */
   lookUp?: LookUp;
-  /** Turns the light to the sun of the first file. True by default. */
+  /**
+   * Keeps the light at the sun of its files, if they have one sun, and warns once if the app turns it away. True by default.
+   * `dispose` gives the light back as the app set it last.
+   */
   align?: boolean;
   /**
    * The roots of what the files hold. While a file is in use, nothing below them casts in three's own shadow maps but
-   * skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on what else moves. What is added below
-   * them later rests from the next frame on, and what is removed casts again.
+   * skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on what else moves. `castShadow` of the
+   * objects stays the app's: it is false while three draws, and what is written to it meanwhile is lost.
    */
   statics?: Object3D | readonly Object3D[];
   /** Largest side of a texture, texels. 8192 by default, which every device with WebGPU has. */
@@ -72,6 +98,11 @@ export function checkFiles(files: readonly LightFile[]): void {
   if (files.length > 1 && files.some((file) => 'openWords' in file)) {
     throw new RangeError('a streamed file must be the only one of its light; give the other files to a light of their own');
   }
+}
+
+/** Returns files with their roots. */
+export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D }[] {
+  return asList(files).map((file) => ('file' in file ? file : { file }));
 }
 
 /** Returns one or several values as a list. */

@@ -1,7 +1,7 @@
 // What a light needs of a file that is streamed. The file itself is in `adumbra-three/stream`, so that pages without it do not
 // carry it.
 
-import type { Box2, DataTexture, Texture, Vector2 } from 'three';
+import type { Box2, DataTexture, Object3D, Texture, Vector2 } from 'three';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { GpuLookUpOptions, LookUpHeader } from '../gpu/look-up-header.js';
@@ -11,8 +11,12 @@ import type { LookUp } from '../look-ups/look-up.js';
 export interface AnyRenderer {
   /** Copies part of a texture to a place in another. */
   copyTextureToTexture(source: Texture, target: Texture, region?: Box2 | null, place?: Vector2 | null): void;
-  /** The state of WebGL, which a WebGLRenderer has. */
+  /** Uploads a texture. */
+  initTexture?(texture: Texture): void;
+  /** What only a WebGLRenderer has. */
+  readonly isWebGLRenderer?: boolean;
   readonly state?: { activeTexture(unit?: number): void };
+  readonly shadowMap?: { enabled: boolean; needsUpdate?: boolean };
 }
 
 /** The words of a streamed file for one light, whose texture follows the file. */
@@ -41,3 +45,10 @@ export interface StreamedFile extends Pick<BakedShadowFile, 'grid' | 'settings'>
 
 /** A file that a light can have. */
 export type LightFile = BakedShadowFile | StreamedFile;
+
+/** A file that follows an object, which the app may move, turn, and scale by one number: the root of the scene that was baked. */
+export interface PlacedFile {
+  readonly file: LightFile;
+  /** What has the file's coordinates below it. What is below it rests while the file is in use, see `statics` of `BakedShadowOptions`. */
+  readonly root: Object3D;
+}

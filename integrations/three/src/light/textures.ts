@@ -5,8 +5,11 @@ import { DataTexture, RedIntegerFormat, UnsignedIntType } from 'three';
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { HEADER_WORDS, lookUpHeader } from '../gpu/look-up-header.js';
 import { textureSize, writeWords } from '../gpu/look-up-texture.js';
+import { placedGrid } from '../grid/placement.js';
+import type { WorldFromFile } from '../grid/placement.js';
+import type { Vec3 } from '../grid/vec3.js';
 import type { LookUp } from '../look-ups/look-up.js';
-import { checkFiles, gpuOptions } from './options.js';
+import { MAX_FILES, checkFiles, gpuOptions } from './options.js';
 import type { BakedShadowOptions, ShadowOptions } from './options.js';
 import type { AnyRenderer, LightFile } from './streamed.js';
 
@@ -16,29 +19,39 @@ export interface LightTextures {
   readonly words: DataTexture;
   /** The files' parameters, one row per file. The files in use come first. */
   readonly headers: DataTexture;
+  /** Whether the words are those of a streamed file, which writes them. */
+  readonly isStreamed: boolean;
   /**
    * Changes options; what is left out stays. Less than 1 KiB per file is uploaded.
    *
    * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
   setOptions(changed: ShadowOptions): void;
+  /**
+   * Places a file's world in the app's, and returns its sun there.
+   *
+   * @throws RangeError if the matrix does anything but move, turn, and scale by one number. Nothing is changed then.
+   */
+  place(file: number, worldFromFile: WorldFromFile): Vec3;
   /** Puts the files with these numbers into use. With none, look-ups return 1. */
   use(now: readonly number[]): void;
   /** Has the words follow a streamed file in a renderer. */
   follow(renderer: AnyRenderer): void;
-  /** Frees what the GPU holds. */
-  dispose(): void;
+  /** Frees what the GPU holds, but for what later ones have. */
+  dispose(later?: LightTextures): void;
 }
 
 /**
- * Makes the textures. Cost: one copy of the files' words.
+ * Makes the textures, or takes earlier ones that have room and are not a streamed file's. Cost: one copy of the files' words.
  *
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the texture.
  * @throws RangeError if an option is out of its range.
  */
-export function lightTextures(files: readonly LightFile[], lookUp: LookUp, options: BakedShadowOptions): LightTextures {
+export function lightTextures(files: readonly LightFile[], lookUp: LookUp, options: BakedShadowOptions, earlier?: LightTextures): LightTextures {
   checkFiles(files);
   let current: ShadowOptions = options;
+  /** Where the app has the files' worlds. */
+  const placements: (WorldFromFile | undefined)[] = [];
   const ofGpu = gpuOptions(options, lookUp);
   const maxSide = options.maxTextureSize ?? 8192;
   // A streamed file is alone.
@@ -50,14 +63,18 @@ export function lightTextures(files: readonly LightFile[], lookUp: LookUp, optio
   let total = 0;
   const firstWords = lookUps.map(({ count }) => (streamed ? 0 : (total += count) - count));
   const words = streamed?.texture ?? allWords();
-  const rows = new Uint32Array(HEADER_WORDS * lookUps.length);
-  const headers = dataTexture(rows, HEADER_WORDS, lookUps.length);
+  // A level of a streamed file has a row as well.
+  const headers = earlier?.headers ?? dataTexture(new Uint32Array(HEADER_WORDS * MAX_FILES), HEADER_WORDS, MAX_FILES);
+  const rows = headers.image.data as Uint32Array;
 
   function allWords(): DataTexture {
     const [width, height] = textureSize(total, maxSide);
-    const all = new Uint32Array(width * height);
-    lookUps.forEach((each, i) => writeWords(each, all, firstWords[i]!));
-    return dataTexture(all, width, height);
+    const kept = earlier?.isStreamed === false ? earlier.words : undefined;
+    const hasRoom = kept !== undefined && (kept.image.data as Uint32Array).length >= total;
+    const texture = hasRoom ? kept : dataTexture(new Uint32Array(width * height), width, height);
+    lookUps.forEach((each, i) => writeWords(each, texture.image.data as Uint32Array<ArrayBuffer>, firstWords[i]!));
+    texture.needsUpdate = true;
+    return texture;
   }
 
   /** Header word: the file's first word in the texture of words. */
@@ -76,16 +93,28 @@ export function lightTextures(files: readonly LightFile[], lookUp: LookUp, optio
     headers.needsUpdate = true;
   };
 
+  /** Has all look-ups take options and placements. The levels of a streamed file have its placement. */
+  const look = (all: ShadowOptions, places: typeof placements): ShadowOptions => {
+    const each = gpuOptions(all, lookUp);
+    lookUps.forEach((header, i) => header.setLookUp({ ...each, placement: places[streamed ? 0 : i] }));
+    return all;
+  };
+
   writeHeaders();
   return {
     words,
     headers,
+    isStreamed: streamed !== undefined,
     setOptions(changed) {
-      const all = { ...current, ...changed };
-      const changedOfGpu = gpuOptions(all, lookUp);
-      for (const each of lookUps) each.setLookUp(changedOfGpu);
-      current = all;
+      current = look({ ...current, ...changed }, placements);
       writeHeaders();
+    },
+    place(file, worldFromFile) {
+      const { sun } = placedGrid(files[file]!.grid, worldFromFile);
+      placements[file] = worldFromFile;
+      look(current, placements);
+      writeHeaders();
+      return sun;
     },
     use(now) {
       if (now.join() === inUse.join()) return;
@@ -93,9 +122,9 @@ export function lightTextures(files: readonly LightFile[], lookUp: LookUp, optio
       writeHeaders();
     },
     follow: (renderer) => streamed?.follow(renderer),
-    dispose() {
-      (streamed ?? words).dispose();
-      headers.dispose();
+    dispose(later) {
+      if (later?.words !== words) (streamed ?? words).dispose();
+      if (later?.headers !== headers) headers.dispose();
     },
   };
 }

@@ -2,7 +2,7 @@
 // `crates/adumbra/src/path/format.rs`.
 
 import { ShadowFileError, hex } from '../error.js';
-import { HEADER_BYTES as KEY_HEADER_BYTES, checkChecksum, truncated } from '../file/faults.js';
+import { HEADER_BYTES as KEY_HEADER_BYTES, checkChecksum, foreign, truncated } from '../file/faults.js';
 import { Fields } from '../file/fields.js';
 
 /** Size of the header in bytes. */
@@ -140,10 +140,7 @@ function identify(bytes: Uint8Array, fields: Fields): void {
   const start = String.fromCharCode(...bytes.subarray(0, MAGIC.length));
   const other = OTHER_KINDS[start];
   if (other !== undefined) throw new ShadowFileError('OtherKind', `this is ${other}, not a sun path; bake one with --sun-path`);
-  if (!MAGIC.startsWith(start)) {
-    const message = `not a sun path: it begins with ${JSON.stringify(start)} instead of ${JSON.stringify(MAGIC)}; give a file that \`adumbra bake --sun-path\` has written, and copy it as binary`;
-    throw new ShadowFileError('Magic', message, { found: start });
-  }
+  if (!MAGIC.startsWith(start)) throw foreign('sun path', start, MAGIC, 'adumbra bake --sun-path');
   // Another version may have a shorter header, so the version is checked before the length.
   if (bytes.length >= 16) {
     const [version, length] = [fields.u32(2), fields.u32(3)];

@@ -3,6 +3,8 @@
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { FIXED_ONE } from '../grid/fixed.js';
+import type { LightGrid } from '../grid/light-grid.js';
+import { placedGrid } from '../grid/placement.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
@@ -18,6 +20,8 @@ interface Key {
   readonly file: BakedShadowFile;
   readonly columns: Columns;
   readonly slope: MarchSlope;
+  /** In the app's world. */
+  readonly grid: LightGrid;
 }
 
 /** Look-ups of points at a moment of a sun path, in the keys that were there when it was made. */
@@ -32,10 +36,10 @@ export class PathSampler {
   readonly #keys: readonly Key[];
 
   /** For {@link SunPathFile.sampler}. `bias` is that of the file that is asked first, by default. */
-  constructor(answering: Answering | undefined, { filter, bias }: LookUpOptions) {
+  constructor(answering: Answering | undefined, { filter, bias, placement }: LookUpOptions) {
     checkFilter(filter);
     const parts = answering?.parts ?? [];
-    this.#keys = parts.map(({ file, slope }) => ({ file, slope, columns: columnsOf(file) }));
+    this.#keys = parts.map(({ file, slope }) => ({ file, grid: placedGrid(file.grid, placement), slope, columns: columnsOf(file) }));
     const none: Bias = { constantTexels: 0, slopeTexels: 0, normalOffsetTexels: 0 };
     Object.assign(this, { filter, bias: bias ?? parts[0]?.file.settings.bias ?? none, isExact: answering?.isExact ?? true });
   }
@@ -62,7 +66,7 @@ export class PathSampler {
 
   #lookUp(p: Vec3, normal: Vec3 | undefined): number {
     if (this.#keys.length === 0) return 0;
-    const starts = this.#keys.map(({ file, slope }) => marchStarts(file.grid, slope, this.bias, this.filter, p, normal));
+    const starts = this.#keys.map(({ grid, slope }) => marchStarts(grid, slope, this.bias, this.filter, p, normal));
     const rays = starts[0]!.length;
     let lit = 0;
     for (let ray = 0; ray < rays; ray++) lit += Number(this.#isLit(starts, ray));

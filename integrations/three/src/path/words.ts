@@ -60,6 +60,7 @@ export class PathWords implements StreamedWords {
         parts: [],
         count: 0,
         anchorWorld: [0, 0, 0],
+        placement: undefined,
         setLookUp: (changed) => {
           this.#writeHeaders(changed);
           this.#options = changed;

@@ -4,6 +4,8 @@
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { toGrid } from '../grid/light-grid.js';
+import type { LightGrid } from '../grid/light-grid.js';
+import { placedGrid } from '../grid/placement.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { voxelsOf } from '../quadtree/voxels.js';
 import type { Voxels } from '../quadtree/voxels.js';
@@ -23,14 +25,17 @@ export class Sampler {
   /** The bias that points are moved by, texels. */
   declare readonly bias: Bias;
   readonly #voxels: Voxels;
+  readonly #grid: LightGrid;
 
   /**
    * Creates look-ups with a filter of `filter` × `filter` texels.
    *
-   * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17.
+   * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17, or if the placement does anything but move, turn,
+   * and scale by one number.
    */
-  constructor(file: BakedShadowFile, { filter, bias = file.settings.bias }: LookUpOptions) {
+  constructor(file: BakedShadowFile, { filter, bias = file.settings.bias, placement }: LookUpOptions) {
     checkFilter(filter);
+    this.#grid = placedGrid(file.grid, placement);
     Object.assign(this, { file, filter, bias });
     this.#voxels = voxelsOf(file);
   }
@@ -65,7 +70,7 @@ export class Sampler {
    * and sunward of it are lit.
    */
   pointVisibility(point: PointLike): 0 | 1 {
-    const { grid } = this.file;
+    const grid = this.#grid;
     const [x, y, z] = toGrid(grid, [point.x, point.y, point.z]);
     const [sizeX, sizeY, sizeZ] = grid.size;
     const isInside = x >= 0 && x < sizeX && y >= 0 && y < sizeY && z >= 0;
@@ -75,6 +80,6 @@ export class Sampler {
   }
 
   #filtered(p: Vec3, normal: Vec3 | undefined): number {
-    return filteredVisibility(this.file.grid, this, this.#voxels, p, normal);
+    return filteredVisibility(this.#grid, this, this.#voxels, p, normal);
   }
 }

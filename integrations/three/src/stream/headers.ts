@@ -2,7 +2,6 @@
 
 import { PARAMETERS_AT, lookUpHeader } from '../gpu/look-up-header.js';
 import type { GpuLookUpOptions, LookUpHeader } from '../gpu/look-up-header.js';
-import { middle } from '../grid/light-grid.js';
 import type { LightGrid } from '../grid/light-grid.js';
 import type { FileSettings } from '../settings.js';
 import type { PoolLayout } from './layout.js';
@@ -21,17 +20,16 @@ export function poolHeaders({ levels, width, height }: PoolLayout, grids: readon
   /** Header word: the row of the next coarser level, 0 if there is none. */
   const COARSER_ROW = 106;
   const nothing = new Uint32Array();
-  const anchor = middle(grids[0]!);
   const count = width * height;
   return levels.map(({ rootLevel, topDims, tableAt, weightsAt, commonAt }, rank) => {
     const coarser = levels.length - 1 - rank;
-    const header = lookUpHeader({ grid: grids[rank]!, settings, top: nothing, code: nothing, topDims, rootLevel }, options, undefined, anchor);
+    const header = lookUpHeader({ grid: grids[rank]!, settings, top: nothing, code: nothing, topDims, rootLevel }, options, undefined, grids[0]);
     const { words } = header;
     words[WORD_COUNT] = count;
     words[COARSER_COUNT] = coarser;
     words[COARSER_ROW] = coarser === 0 ? 0 : rank + 1;
     // Table, number of coarser levels, that pages may be absent or that they fade, and code.
     words.set([tableAt, coarser, weightsAt === undefined ? 1 : 2, commonAt], PARAMETERS_AT + 76);
-    return { ...header, count };
+    return Object.assign(header, { count });
   });
 }

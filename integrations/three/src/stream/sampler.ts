@@ -1,6 +1,7 @@
 // Look-ups on the CPU in what is resident of a streamed file.
 
 import type { LightGrid } from '../grid/light-grid.js';
+import { placedGrid } from '../grid/placement.js';
 import type { PointLike } from '../grid/vec3.js';
 import { voxelsOf } from '../quadtree/voxels.js';
 import type { Voxels } from '../quadtree/voxels.js';
@@ -36,10 +37,10 @@ export class StreamedSampler {
   #weight = WHOLE;
 
   /** For {@link StreamedShadowFile.sampler}. */
-  constructor(file: SampledFile, { filter, bias = file.bias }: LookUpOptions) {
+  constructor(file: SampledFile, { filter, bias = file.bias, placement }: LookUpOptions) {
     checkFilter(filter);
     Object.assign(this, { filter, bias });
-    this.#file = file;
+    this.#file = { ...file, grids: file.grids.map((grid) => placedGrid(grid, placement)) };
   }
 
   /**

@@ -231,7 +231,9 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     /** The share of the words for pages that what is chosen may take. */
     const CHOSEN_SHARE = 0.9;
     this.#choice += 1;
-    this.#chosen = choose(this.#residency.comers, asList(cameras).map((camera) => viewOf(camera, rows)), {
+    const placements = this.#lights.size === 0 ? [undefined] : [...this.#lights].map(({ lookUps }) => lookUps[0]!.placement);
+    const views = placements.flatMap((placement) => asList(cameras).map((camera) => viewOf(camera, rows, placement)));
+    this.#chosen = choose(this.#residency.comers, views, {
       coarserTexel: ({ rank }) => this.#grids[rank + 1]!.voxelSize,
       detail: this.#detail,
       words: CHOSEN_SHARE * all - coarsest,

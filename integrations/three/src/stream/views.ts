@@ -3,6 +3,7 @@
 import { Matrix4, Vector3 } from 'three';
 import type { Camera } from 'three';
 
+import type { WorldFromFile } from '../grid/placement.js';
 import { dot } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Box } from './box.js';
@@ -24,12 +25,14 @@ export interface View {
   readonly pixelPerDistance: number;
 }
 
-/** Returns the view of a camera whose picture has so many rows of pixels. */
-export function viewOf(camera: Camera, rows: number): View {
+/** Returns what a camera whose picture has so many rows of pixels sees of a file, which the app may have placed. */
+export function viewOf(camera: Camera, rows: number, placement?: WorldFromFile): View {
   camera.updateWorldMatrix(true, false);
   const { projectionMatrix, matrixWorldInverse, matrixWorld } = camera;
-  const position = new Vector3().setFromMatrixPosition(matrixWorld).toArray();
-  const m = new Matrix4().multiplyMatrices(projectionMatrix, matrixWorldInverse).elements;
+  const place = new Matrix4();
+  if (placement !== undefined) place.fromArray(placement);
+  const m = new Matrix4().multiplyMatrices(projectionMatrix, matrixWorldInverse).multiply(place).elements;
+  const position = new Vector3().setFromMatrixPosition(matrixWorld).applyMatrix4(place.clone().invert()).toArray();
   /** A row of the matrix added to its last row, or taken from it: a side of the picture. */
   const side = (row: number, sign: number): Plane => {
     const sum = (column: number): number => m[4 * column + 3]! + sign * m[4 * column + row]!;
@@ -39,7 +42,7 @@ export function viewOf(camera: Camera, rows: number): View {
   // The last row of a perspective is the distance from the camera, of a parallel projection 1.
   const isPerspective = projectionMatrix.elements[11] !== 0;
   const size = 2 / (projectionMatrix.elements[5]! * rows);
-  return { position, planes, pixel: isPerspective ? 0 : size, pixelPerDistance: isPerspective ? size : 0 };
+  return { position, planes, pixel: isPerspective ? 0 : size / place.getMaxScaleOnAxis(), pixelPerDistance: isPerspective ? size : 0 };
 }
 
 /** Whether a box touches the inner sides of all planes of a view. */

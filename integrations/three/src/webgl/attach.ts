@@ -1,49 +1,54 @@
 // Baked shadows for the materials of a scene that WebGLRenderer draws.
 
-import { Material } from 'three';
-import type { IUniform, Object3D, Scene, WebGLRenderer } from 'three';
+import { Material, Object3D } from 'three';
+import type { IUniform, Scene, WebGLRenderer } from 'three';
 
 import { bakedLight } from '../light/baked-light.js';
+import { isInScene, shines } from '../light/direction.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
-import type { BakedShadow, BakedShadowOptions } from '../light/options.js';
-import type { LightFile } from '../light/streamed.js';
+import type { BakedShadow, BakedShadowOptions, FileChoice } from '../light/options.js';
+import { partsOf, takePart } from '../light/scene.js';
+import type { Part } from '../light/scene.js';
 import { checkThree } from '../light/three.js';
-import { hookIn } from './material-hook.js';
-import type { MaterialHook, ShaderChange } from './material-hook.js';
-import { beforeRender } from './scene-hook.js';
-import { shaderHooks, withLookUp } from './shader.js';
+import { warnOnce } from '../light/warn.js';
+import { addChange, hasChange, removeChange } from './material-hook.js';
+import type { ShaderChange } from './material-hook.js';
+import { isLit, shaderHooks, withLookUp } from './shader.js';
 
 /** Baked shadows that are attached to a scene. */
 export interface AttachedShadow extends BakedShadow {
-  /** Names of materials that are not lit as three's own are, and were left alone. Known once they were drawn. */
+  /** Names of lit materials that are not lit as three's own are, and were left alone. Known once they were drawn. */
   readonly skipped: readonly string[];
-  /** Gives the materials below an object that was added later the shadows too, or gives them back to what lost them. */
-  attach(object: Object3D): void;
-  /** Takes the shadows from the materials below an object, which are held until then: for parts of the world that go. */
-  detach(object: Object3D): void;
-  /** Gives materials and casters back as they were, and frees what the GPU holds. What is attached afterwards stays as it is. */
-  dispose(): void;
 }
+
+/** The part of an attached shadow in the drawing of its scene. */
+interface AttachedPart extends Part {
+  detach(): void;
+}
+
+type Uniforms = Record<string, IUniform>;
+
+/** A material that was met in none of so many drawings is let go. */
+const LONG_DRAWINGS = 100;
 
 /** The first revision of three with all that is needed. */
 const OLDEST = 166;
 
 /**
- * Gives all materials of a scene the shadows of a light from its files. Three's own shadow map goes on working beside
- * them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`.
+ * Gives all materials of a scene the shadows of a light from its files, those too that come later. Three's own shadow map goes on
+ * working beside them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`. What
+ * was attached to the light in this scene before is disposed.
  *
  * @throws MissingHookError if this version of three lacks what is needed.
+ * @throws TypeError if the scene is none, or comes from another copy of three.
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU.
  * @throws RangeError if an option is out of its range.
  */
-export function attachBakedShadow(
-  scene: Scene,
-  light: SunLike,
-  file: LightFile | readonly LightFile[],
-  options: BakedShadowOptions = {},
-): AttachedShadow {
+export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice, options: BakedShadowOptions = {}): AttachedShadow {
   const { onBeforeCompile, customProgramCacheKey } = Material.prototype;
+  if (!(scene instanceof Object3D)) throw new TypeError("the scene comes from another copy of three; have 'three' resolve to one, see the guide");
+  if (scene.isScene !== true) throw new TypeError('baked shadows are attached to the Scene that is drawn, not to a part of it');
   checkThree(OLDEST, {
     'Material.onBeforeCompile': onBeforeCompile,
     'Material.customProgramCacheKey': customProgramCacheKey,
@@ -52,70 +57,116 @@ export function attachBakedShadow(
     ...shaderHooks(),
   });
   const baked = bakedLight(light, file, options);
+  for (const part of partsOf(scene)) if (part.light === light && 'detach' in part) (part as AttachedPart).detach();
   const { lookUp, prefix } = baked;
   const intensity: IUniform<number> = { value: 1 };
-  const uniforms: Record<string, IUniform> = {
-    [`${prefix}_words`]: { value: baked.words },
-    [`${prefix}_headers`]: { value: baked.headers },
+  const words: IUniform = { value: null };
+  const headers: IUniform = { value: null };
+  const wordsName = `${prefix}_words`;
+  const uniforms: Uniforms = {
+    [wordsName]: words,
+    [`${prefix}_headers`]: headers,
     [`${prefix}_towards_light`]: { value: baked.towards },
     [`${prefix}_intensity`]: intensity,
   };
-  /** The hooks of the materials that have the shadows. */
-  const hooks = new Map<Material, MaterialHook>();
+  /** The materials that have the shadows, with the drawing that met them last. */
+  const materials = new Map<Material, number>();
   const skipped = new Set<string>();
-  let isDisposed = false;
+  let drawings = 0;
 
+  /** Returns uniforms of a material with those of the light. Those that a `ShaderMaterial` was given stay as they are. */
+  const withUniforms = (theirs: Uniforms, material: Material): Uniforms => {
+    const isGiven = theirs === (material as { uniforms?: Uniforms }).uniforms;
+    return Object.assign(isGiven ? (Object.create(theirs) as Uniforms) : theirs, uniforms);
+  };
   const change: ShaderChange = {
     key: `${prefix} ${lookUp.name}`,
     apply(shader, material) {
-      const text = withLookUp(shader.fragmentShader, lookUp.glsl, prefix);
+      if (shader.fragmentShader.includes(`${prefix}_visibility`) || !isLit(shader.fragmentShader)) return;
+      const text = withLookUp(shader, lookUp.glsl, prefix);
       if (text === null) {
-        skipped.add(material.name || material.type);
+        const name = material.name || material.type;
+        skipped.add(name);
+        warnOnce(`the material '${name}' is not lit as three's own are, and has no baked shadows`, `skipped ${name}`);
         return;
       }
-      Object.assign(shader.uniforms, uniforms);
-      shader.fragmentShader = text;
+      Object.assign(shader, text);
+      shader.uniforms = withUniforms(shader.uniforms, material);
     },
   };
-  const attach = (object: Object3D): void => {
-    if (isDisposed) return;
-    baked.warnOfMovers(object);
-    forEachMaterial(object, (material) => {
-      const hook = hooks.get(material);
-      if (hook?.isInPlace() === true) return;
-      hook?.remove(change);
-      hooks.set(material, hookIn(material, change));
-    });
+  const forget = ({ target }: { target: Material }): void => {
+    if (!materials.delete(target)) return;
+    target.removeEventListener('dispose', forget);
+    removeChange(target, change);
   };
-  const update = (renderer?: WebGLRenderer): void => {
-    baked.update(renderer);
-    intensity.value = light.shadow.intensity;
+  const meet = (material: Material): void => {
+    const last = materials.get(material);
+    if (last === drawings) return;
+    if (last === undefined) material.addEventListener('dispose', forget);
+    materials.set(material, drawings);
+    if (!hasChange(material, change)) addChange(material, change);
+  };
+  /** Three keeps a material's programs, but of their uniforms only those of the last one that it compiled. */
+  const giveUniforms = (properties: WebGLRenderer['properties']): void => {
+    for (const material of materials.keys()) {
+      const kept = properties.get(material) as { uniforms?: Uniforms; uniformsList?: unknown };
+      if (kept.uniforms === undefined || kept.uniforms[wordsName] === words) continue;
+      kept.uniforms = withUniforms(kept.uniforms, material);
+      kept.uniformsList = null;
+    }
+  };
+  const bind = (): void => {
+    const textures = baked.textures();
+    words.value = textures.words;
+    headers.value = textures.headers;
   };
 
-  const stopFollowing = beforeRender(scene, update);
-  attach(scene);
-  update();
+  const part: AttachedPart = {
+    ...baked,
+    update(renderer) {
+      if (drawings === 0) baked.warnOf(scene);
+      drawings += 1;
+      baked.update(renderer);
+      bind();
+      intensity.value = shines(light) && isInScene(light) ? light.shadow.intensity : 0;
+      if (renderer.isWebGLRenderer !== true) {
+        warnOnce('attachBakedShadow is for WebGLRenderer; with WebGPURenderer, use BakedShadowNode', 'renderer');
+        return;
+      }
+      giveUniforms((renderer as unknown as WebGLRenderer).properties);
+      if (drawings % LONG_DRAWINGS !== 0) return;
+      for (const [target, last] of materials) if (drawings - last > LONG_DRAWINGS) forget({ target });
+    },
+    meet,
+    detach() {
+      leave();
+      if (!baked.dispose()) return;
+      for (const target of [...materials.keys()]) forget({ target });
+      // Three holds on to the uniforms.
+      words.value = headers.value = null;
+    },
+  };
+  const leave = takePart(scene, part);
+  // What is compiled before it is drawn has them as well.
+  baked.update();
+  bind();
+  forEachMaterial(scene, meet);
 
   return {
     get isActive() {
-      return baked.isActive();
+      return baked.status().filesInUse > 0;
+    },
+    get status() {
+      return baked.status();
     },
     get skipped() {
       return [...skipped];
     },
-    attach,
-    detach(object) {
-      forEachMaterial(object, (material) => {
-        hooks.get(material)?.remove(change);
-        hooks.delete(material);
-      });
-    },
     setOptions: baked.setOptions,
-    dispose() {
-      isDisposed = true;
-      if (!baked.dispose()) return;
-      for (const hook of hooks.values()) hook.remove(change);
-      stopFollowing();
+    setFiles(choice) {
+      baked.setFiles(choice);
+      bind();
     },
+    dispose: part.detach,
   };
 }

@@ -1,5 +1,5 @@
 // adumbra-three/webgl: baked shadows for WebGLRenderer.
 
 export { attachBakedShadow } from './attach.js';
-export type { BakedShadow, BakedShadowOptions, ShadowOptions } from '../light/options.js';
+export type { BakedShadow, BakedShadowOptions, ShadowOptions, ShadowStatus } from '../light/options.js';
 export type { AttachedShadow } from './attach.js';

@@ -1,75 +1,79 @@
-// The hook in a material of WebGLRenderer, which changes its shader for one or several lights. Hooks of others, earlier
-// and later ones, go on being called.
+// The hook in a material of WebGLRenderer, which changes its shader for one or several lights. Hooks of the app, earlier and later
+// ones, go on being called, before those changes.
 
 import { Material } from 'three';
 import type { WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+
+import { wrap } from '../light/wrap.js';
 
 /** What a light does to shaders. */
 export interface ShaderChange {
   /** Tells its shaders from others. */
   readonly key: string;
-  /** Changes a shader. */
+  /** Changes a shader, unless it was changed before. */
   apply(shader: WebGLProgramParametersWithUniforms, material: Material): void;
 }
 
-/** A hook in one material. */
-export interface MaterialHook {
-  /** Has a change made to the material's shader. */
-  add(change: ShaderChange): void;
-  /** Has a change made no more. After the last one the material is as it was before. */
-  remove(change: ShaderChange): void;
-  /** Whether three calls the hook itself. Otherwise whoever has hooked in since may call it, or not. */
+/** What is hooked in a material. */
+interface Hook {
+  readonly changes: Set<ShaderChange>;
   isInPlace(): boolean;
+  end(): void;
 }
 
-/** The hooks by the functions that three calls. */
-const hooks = new WeakMap<Material['onBeforeCompile'], MaterialHook>();
+const hooks = new WeakMap<Material, Hook>();
 
-/** Has a change made to a material's shader. Returns the hook that does it. */
-export function hookIn(material: Material, change: ShaderChange): MaterialHook {
-  // Whoever has hooked in since may not call what was here.
-  const hook = hooks.get(material.onBeforeCompile) ?? install(material);
-  hook.add(change);
-  return hook;
+/** Whether a material's shader has a change, or will have it once it is compiled. */
+export function hasChange(material: Material, change: ShaderChange): boolean {
+  const hook = hooks.get(material);
+  return hook !== undefined && hook.changes.has(change) && hook.isInPlace();
 }
 
-function install(material: Material): MaterialHook {
-  const { onBeforeCompile, customProgramCacheKey } = material;
-  const changes = new Set<ShaderChange>();
-  const compile = (shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer): void => {
-    onBeforeCompile.call(material, shader, renderer);
-    for (const change of changes) change.apply(shader, material);
-  };
-  const key = (): string => {
-    // By default the key is the text of `onBeforeCompile`, which is another function from now on.
-    const parts = [String(onBeforeCompile)];
-    if (customProgramCacheKey !== Material.prototype.customProgramCacheKey) parts.push(customProgramCacheKey.call(material));
-    for (const change of changes) parts.push(change.key);
-    // Whoever has hooked in since changes the program too.
-    if (!isInPlace()) parts.push(String(material.onBeforeCompile));
-    return parts.join(' ');
-  };
-  const isInPlace = (): boolean => material.onBeforeCompile === compile;
-  material.onBeforeCompile = compile;
-  material.customProgramCacheKey = key;
-  const hook: MaterialHook = {
-    add(change) {
-      changes.add(change);
-      material.needsUpdate = true;
+/** Has a change made to a material's shader. */
+export function addChange(material: Material, change: ShaderChange): void {
+  let hook = hooks.get(material);
+  if (hook?.isInPlace() !== true) {
+    hook?.end();
+    hook = install(material, hook?.changes);
+  }
+  hook.changes.add(change);
+  material.needsUpdate = true;
+}
+
+/** Has a change made no more. After the last one the material is as the app left it. */
+export function removeChange(material: Material, change: ShaderChange): void {
+  const hook = hooks.get(material);
+  if (hook?.changes.delete(change) !== true) return;
+  if (hook.changes.size === 0) hook.end();
+  material.needsUpdate = true;
+}
+
+function install(material: Material, earlier: Iterable<ShaderChange> = []): Hook {
+  const changes = new Set(earlier);
+  const keys = (): string => [...changes].map(({ key }) => key).join(' ');
+  const compile = wrap(material, 'onBeforeCompile', (theirs) => {
+    const hooked = function (this: Material | undefined, shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer): void {
+      theirs.call(this ?? material, shader, renderer);
+      for (const change of changes) change.apply(shader, this ?? material);
+    };
+    // By default three tells programs apart by this text, in copies of the material too.
+    return Object.assign(hooked, { toString: () => `${String(theirs)} ${keys()}` });
+  });
+  const key = wrap(material, 'customProgramCacheKey', (theirs) => {
+    const isDefault = theirs === Material.prototype.customProgramCacheKey;
+    return function (this: Material): string {
+      return isDefault ? theirs.call(this) : `${theirs.call(this)} ${String(compile.theirs())} ${keys()}`;
+    };
+  });
+  const hook = {
+    changes,
+    isInPlace: compile.isInPlace,
+    end() {
+      hooks.delete(material);
+      compile.remove();
+      key.remove();
     },
-    remove(change) {
-      changes.delete(change);
-      if (changes.size === 0) {
-        // Whoever has hooked in since goes on calling what is here, which does nothing any more.
-        if (isInPlace()) material.onBeforeCompile = onBeforeCompile;
-        if (material.customProgramCacheKey === key) material.customProgramCacheKey = customProgramCacheKey;
-      }
-      // Otherwise three keeps the program, with its uniforms, for the next one that has its key.
-      material.dispose();
-      material.needsUpdate = true;
-    },
-    isInPlace,
   };
-  hooks.set(compile, hook);
+  hooks.set(material, hook);
   return hook;
 }

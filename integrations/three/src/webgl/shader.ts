@@ -1,11 +1,12 @@
 // The change of three's shaders: behind a light's own information, its colour is multiplied by the visibility from the
-// files. Whatever follows there, three's own shadow map or nothing, goes on multiplying.
+// files. Whatever follows there, three's own shadow map or nothing, goes on multiplying. So does a mask of all shadows.
 
 import { ShaderChunk, ShaderLib } from 'three';
+import type { WebGLProgramParametersWithUniforms } from 'three';
 
 import type { Hooks } from '../light/three.js';
 import { withPrefix } from '../look-ups/look-up.js';
-import { DECLARATIONS, shadowOf } from './light.shader.js';
+import { DECLARATIONS, MASK, MASK_HEAD, MASK_VERTEX, MASK_VERTEX_END, shadowOf } from './light.shader.js';
 
 /** As three finds it: what is commented out is none. */
 const INCLUDE = /^[ \t]*#include +<lights_fragment_begin>/m;
@@ -40,11 +41,33 @@ export function shaderHooks(): Hooks {
   return hooks;
 }
 
-/** Returns a fragment shader with a look-up, or `null` if it is not lit as three's own materials are. */
-export function withLookUp(fragmentShader: string, lookUp: string, prefix: string): string | null {
-  const text = fragmentShader.replace(INCLUDE, () => ShaderChunk.lights_fragment_begin);
-  if (NEEDS.some((pattern) => text.search(pattern) === -1)) return null;
-  return text
-    .replace(PLACES, (found, light: string) => `${found}\n${withPrefix(shadowOf(light), prefix)}`)
-    .replace(MAIN, (main) => `${withPrefix(DECLARATIONS + lookUp, prefix)}\n${main}`);
+/** Whether lights reach what a fragment shader draws. */
+export function isLit(fragmentShader: string): boolean {
+  return /lights_(?:pars|fragment)_begin|directionalLights|getShadowMask/.test(fragmentShader);
+}
+
+/** A mask of shadows, as `ShadowMaterial` and addons such as `Water` have it. */
+const MASK_INCLUDE = /^[ \t]*#include +<shadowmask_pars_fragment>/m;
+const MASK_FUNCTION = /float\s+getShadowMask\s*\(\s*\)\s*\{/;
+
+/** The text of a shader, and the precision that it asks for. */
+export type Shader = Pick<WebGLProgramParametersWithUniforms, 'fragmentShader' | 'vertexShader'> & { readonly precision?: string };
+
+/** Returns a shader with a look-up, or `null` if it is not lit as three's own materials are. */
+export function withLookUp({ fragmentShader, vertexShader, precision = 'highp' }: Shader, lookUp: string, prefix: string): Shader | null {
+  const text = fragmentShader.replace(INCLUDE, () => ShaderChunk.lights_fragment_begin).replace(MASK_INCLUDE, () => ShaderChunk.shadowmask_pars_fragment);
+  const isMask = MASK_FUNCTION.test(text) && /#include +<lights_pars_begin>|uniform bool receiveShadow/.test(text);
+  const isLightAlike = NEEDS.every((pattern) => text.search(pattern) !== -1);
+  if (!isMask && !isLightAlike) return null;
+  // The look-up counts on 32 bits, whatever the app's own text gets along with.
+  const [high, back] = ['highp', precision].map((each) => (precision === 'highp' ? '' : `precision ${each} float;\nprecision ${each} int;\n`));
+  const own = withPrefix(DECLARATIONS + high + lookUp + (isMask ? MASK : '') + back, prefix);
+  const mask = isMask ? text.replace(MASK_FUNCTION, withPrefix(MASK_HEAD, prefix)) : text;
+  return {
+    fragmentShader: mask
+      .replace(PLACES, (found, light: string) => (isLightAlike ? `${found}\n${withPrefix(shadowOf(light), prefix)}` : found))
+      .replace(MAIN, (main) => `${own}\n${main}`),
+    // One position serves all lights.
+    vertexShader: isMask && !vertexShader.includes(MASK_VERTEX) ? MASK_VERTEX + vertexShader + MASK_VERTEX_END : vertexShader,
+  };
 }

@@ -1,7 +1,7 @@
 // The shadow of a light from its files, as a node of WebGPURenderer.
 
 import { FrontSide, REVISION } from 'three';
-import type { Object3D } from 'three';
+import type { Object3D, Scene } from 'three';
 import * as TSL from 'three/tsl';
 import * as WEBGPU from 'three/webgpu';
 import type { Node, NodeBuilder, NodeFrame, ShadowBaseNode } from 'three/webgpu';
@@ -10,9 +10,13 @@ import { bakedLight } from '../light/baked-light.js';
 import type { BakedLight } from '../light/baked-light.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
-import type { BakedShadow, BakedShadowOptions, ShadowOptions } from '../light/options.js';
-import type { LightFile } from '../light/streamed.js';
+import type { BakedShadow, BakedShadowOptions, FileChoice, ShadowOptions, ShadowStatus } from '../light/options.js';
+import { takePart } from '../light/scene.js';
+import type { Part } from '../light/scene.js';
+import type { AnyRenderer } from '../light/streamed.js';
 import { checkThree } from '../light/three.js';
+import { wrap } from '../light/wrap.js';
+import type { Wrapped } from '../light/wrap.js';
 import { OLDEST, nodeHooks } from './hooks.js';
 import { visibilityNode } from './look-up-node.js';
 
@@ -21,8 +25,8 @@ export type Movers = 'shadow' | ShadowBaseNode;
 
 /** Options of a {@link BakedShadowNode}. */
 export interface BakedShadowNodeOptions extends BakedShadowOptions {
-  /** The light's file, or several: tiles, suns. A streamed file is alone. */
-  file: LightFile | readonly LightFile[];
+  /** The light's file, or several. */
+  file: FileChoice;
   /**
    * What casts besides the files. Without it the light draws no shadow map. `'shadow'` is for a `DirectionalLight`; a
    * `SunLight` takes `sunShadow(light)`, from three's addons.
@@ -52,8 +56,17 @@ const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 export class BakedShadowNode extends Base implements BakedShadow {
   readonly #sun: SunLike;
   readonly #baked: BakedLight;
+  /** Whether three is told to build the light's shadow anew, which disposes the one that it has. */
+  #isRenewing = false;
+  #isDisposed = false;
   readonly #movers: Node | null;
-  #hasLooked = false;
+  readonly #part: Part;
+  /** How many times over the light tells its listeners of its end, at the moment. */
+  #endings = 0;
+  readonly #events: Wrapped<SunLike['dispatchEvent']>;
+  /** The scene that is drawn, and what leaves it. */
+  #scene: Scene | null = null;
+  #leave: (() => void) | null = null;
 
   /**
    * Creates a node. Cost: one copy of the files' words.
@@ -75,15 +88,30 @@ export class BakedShadowNode extends Base implements BakedShadow {
     this.#baked = bakedLight(light, file, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
     this.#baked.update();
+    this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer) };
+    this.#events = wrap(light, 'dispatchEvent', (theirs) => (event) => {
+      const isEnd = Number(event.type === 'dispose');
+      this.#endings += isEnd;
+      try {
+        theirs.call(light, event);
+      } finally {
+        this.#endings -= isEnd;
+      }
+    });
     // What was in use until now is dropped, and materials are built anew.
     const before = light.shadow.shadowNode as unknown;
     if (before instanceof BakedShadowNode) before.dispose();
     else if (before === undefined || before !== movers) forgetShadow(light);
   }
 
-  /** Whether the light shines from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
+  /** Whether the light shines, and from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */
   get isActive(): boolean {
-    return this.#baked.isActive();
+    return this.#baked.status().filesInUse > 0;
+  }
+
+  /** How the light and its files do. */
+  get status(): ShadowStatus {
+    return this.#baked.status();
   }
 
   /**
@@ -93,6 +121,23 @@ export class BakedShadowNode extends Base implements BakedShadow {
    */
   setOptions(options: ShadowOptions): void {
     this.#baked.setOptions(options);
+  }
+
+  /**
+   * Takes other files in place of those until now, such as tiles that come and go. Cost: one copy of the files' words, and their
+   * upload; if they are more than ever before, three builds its materials anew. The files until now need not be kept.
+   *
+   * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU. Nothing is changed then.
+   * @throws RangeError if they are too many, or need another look-up, as a sun path does. Nothing is changed then.
+   */
+  setFiles(file: FileChoice): void {
+    const { words } = this.#baked.textures();
+    this.#baked.setFiles(file);
+    if (this.#baked.textures().words === words) return;
+    // Three binds the textures of an object that stays as it is only once.
+    this.#isRenewing = true;
+    forgetShadow(this.#sun);
+    this.#isRenewing = false;
   }
 
   /** For three: builds the shadow's node. */
@@ -120,28 +165,39 @@ export class BakedShadowNode extends Base implements BakedShadow {
     return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
   }
 
-  /** For three: follows the light before a frame. */
+  /** For three: takes part in the drawing of the scene. From then on its part is done around each drawing. */
   override updateBefore({ renderer, scene }: NodeFrame): undefined {
-    if (!this.#baked.update(renderer)) return;
-    // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
-    renderer?.initTexture(this.#baked.headers);
-    if (this.#hasLooked || scene === null) return;
-    this.#hasLooked = true;
-    this.#baked.warnOfMovers(scene);
+    if (this.#isDisposed) return;
+    this.#update(renderer);
+    if (scene === this.#scene || scene === null) return;
+    this.#leave?.();
+    this.#scene = scene;
+    this.#leave = takePart(scene, this.#part);
+    this.#baked.warnOf(scene);
   }
 
-  /** Frees what the GPU holds, gives casters their shadows back, and leaves the light. */
+  #update(renderer: AnyRenderer | null): void {
+    this.#baked.update(renderer);
+    // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
+    const { words, headers } = this.#baked.textures();
+    renderer?.initTexture?.(words);
+    renderer?.initTexture?.(headers);
+  }
+
+  /** Frees what the GPU holds, gives the light back as the app set it last, and leaves it. */
   override dispose(): void {
     // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
-    if (TSL.getCurrentStack() !== null) {
-      this.#baked.rest();
-      return;
-    }
+    if (TSL.getCurrentStack() !== null || this.#isRenewing) return;
+    // Three drops the shadow of a light that is disposed, and must not do so again within.
+    const isDropped = this.#endings > 0;
+    this.#isDisposed = true;
+    this.#leave?.();
     if (!this.#baked.dispose()) return;
+    this.#events.remove();
     this.#movers?.dispose();
     super.dispose();
     if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
-    forgetShadow(this.#sun);
+    if (!isDropped) forgetShadow(this.#sun);
   }
 }
 

@@ -1,5 +1,5 @@
 // adumbra-three/webgpu: baked shadows for WebGPURenderer, on WebGPU and on its WebGL2 fallback.
 
 export { BakedShadowNode } from './baked-shadow-node.js';
-export type { BakedShadow, BakedShadowOptions, ShadowOptions } from '../light/options.js';
+export type { BakedShadow, BakedShadowOptions, ShadowOptions, ShadowStatus } from '../light/options.js';
 export type { BakedShadowNodeOptions, Movers } from './baked-shadow-node.js';

@@ -19,8 +19,10 @@ export interface LookedUp {
 }
 
 /** Returns a node for the visibility of a point under a light, 1 = lit. */
-export function visibilityNode(builder: NodeBuilder, { lookUp, prefix, words, headers }: BakedLight, { pWorld, normal, pixel }: LookedUp): Node<'float'> {
-  const isWebGPU = 'isWebGPUBackend' in builder.renderer.backend;
+export function visibilityNode(builder: NodeBuilder, { lookUp, prefix, textures }: BakedLight, { pWorld, normal, pixel }: LookedUp): Node<'float'> {
+  const { words, headers } = textures();
+  // Three's bridge to WebGLRenderer says false.
+  const isWebGPU = (builder.renderer.backend as { isWebGPUBackend?: boolean }).isWebGPUBackend === true;
   const language = isWebGPU ? 'wgsl' : 'glsl';
   const text = TSL.code(withPrefix(lookUp[language], prefix), [], language);
   const look = (isWebGPU ? TSL.wgslFn : TSL.glslFn)(withPrefix(isWebGPU ? WGSL : GLSL, prefix), [text]);

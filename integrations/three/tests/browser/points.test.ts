@@ -9,6 +9,7 @@ import { join } from 'node:path';
 
 import { decode } from 'fast-png';
 import type { Page } from 'playwright-core';
+import { Euler, Matrix4, Quaternion, Vector3 } from 'three';
 import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 
 import { BakedShadowFile, Sampler } from '../../src/index.js';
@@ -33,6 +34,7 @@ interface Task {
   side?: string;
   depth?: string;
   cycles?: number;
+  placements?: number[][];
   height?: number;
 }
 
@@ -122,15 +124,37 @@ function read(name: string): BakedShadowFile {
   return new BakedShadowFile(bytes);
 }
 
-/** The visibility of each pixel's point, by look-ups on the CPU. */
+/** The visibility of each pixel's point, by look-ups on the CPU. The points are placed as the file is. */
 function expected(file: BakedShadowFile, options: LookUpOptions): Float32Array {
   const sampler = new Sampler(file, options);
   const across = (n: number) => ((n + 0.5) / SIDE - 0.5) * SQUARE.width;
+  const placement = new Matrix4().fromArray(options.placement ?? new Matrix4().elements);
+  const normal = new Vector3(0, 1, 0).transformDirection(placement);
   return Float32Array.from({ length: SIDE * SIDE }, (_, i) => {
-    const point = { x: across(i % SIDE), y: SQUARE.height, z: across(Math.floor(i / SIDE)) };
-    return sampler.visibility(point, { x: 0, y: 1, z: 0 });
+    const point = new Vector3(across(i % SIDE), SQUARE.height, across(Math.floor(i / SIDE)));
+    return sampler.visibility(point.applyMatrix4(placement), normal);
   });
 }
+
+/** Ten places that an app may give a file: moved, turned, scaled, and all of that. */
+const PLACEMENTS = [
+  [[0, 0, 0], [0, 0, 0], 1],
+  [[100, -20, 3000], [0, 0, 0], 1],
+  [[0, 0, 0], [0, 1.1, 0], 1],
+  [[0, 0, 0], [-Math.PI / 2, 0, 0], 1],
+  [[0, 0, 0], [0, 0, 0], 0.01],
+  [[0, 0, 0], [0, 0, 0], 100],
+  [[5, 7, -9], [0.3, -2, 0.5], 1],
+  [[-40, 2, 16], [0, 0.4, 0], 0.1],
+  [[1000, 0, -500], [1, 2, 3], 0.5],
+  [[-3, 0.5, 8], [-0.2, 0.1, 2.8], 3.28084],
+].map(([position, angles, scale]) =>
+  new Matrix4().compose(
+    new Vector3(...(position as [number, number, number])),
+    new Quaternion().setFromEuler(new Euler(...(angles as [number, number, number]))),
+    new Vector3().setScalar(scale as number),
+  ).elements,
+);
 
 function expectAlike(found: Float32Array, wanted: Float32Array, filter: number): void {
   let [off, most, shadowed] = [0, 0, 0];
@@ -175,6 +199,14 @@ describe.each(BACKENDS)('%s', (backend) => {
     alike(files[0]!, pictures[0]!, 5);
     alike(files[0]!, pictures[1]!, 1);
     alike(files[0]!, pictures[2]!, 9, bias);
+  });
+
+  test('follows its root, and that of its copy', async () => {
+    const task = { backend, files: ['city.adumbra'], lookUp: 'filtered', settings: { filter: 5 } };
+    const { pictures } = await draw({ ...task, placements: PLACEMENTS });
+    expect(pictures).toHaveLength(1 + PLACEMENTS.length);
+    const file = read('city.adumbra');
+    PLACEMENTS.forEach((placement, i) => expectAlike(pictures[i + 1]!, expected(file, { filter: 5, placement }), 5));
   });
 
   test('softens as the program does', async () => {

@@ -57,8 +57,8 @@ async function brightness(page: Page): Promise<{ west: number; east: number; awa
   return { west: at(-2.5, -5), east: at(2.5, -5), away: at(0, 5) };
 }
 
-test('the sun of the example has the shadows of its file, of another, and goes', async () => {
-  const { page, complaints } = await stage.open(VERSIONS['0.187.0'], '/files/app/app.js');
+test.each(['webgpu', 'webgl'])('the sun of the example for %s has the shadows of its file, of another, and goes', async (renderer) => {
+  const { page, complaints } = await stage.open(VERSIONS['0.187.0'], `/files/app/app.js&renderer=${renderer}`);
   const seen = (url: string | null) => ({
     async toBe(west: boolean, east: boolean, away: boolean): Promise<void> {
       await page.evaluate((to) => (window as unknown as { setUrl(url: string | null): void }).setUrl(to), url);

@@ -1,12 +1,28 @@
 // What attaching a file does to lights, materials and scenes of WebGLRenderer, without a GPU.
 
-import { DirectionalLight, Group, Material, Mesh, MeshLambertMaterial, Scene, ShaderChunk, ShaderLib, ShaderMaterial, Vector3 } from 'three';
-import type { WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
-import { afterEach, expect, test } from 'vitest';
+import {
+  DirectionalLight,
+  Group,
+  Material,
+  Matrix3,
+  Mesh,
+  MeshLambertMaterial,
+  Object3D,
+  Scene,
+  ShaderChunk,
+  ShaderLib,
+  ShaderMaterial,
+  Vector3,
+} from 'three';
+import type { Matrix4, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+import type { NodeFrame } from 'three/webgpu';
+import { afterEach, expect, test, vi } from 'vitest';
 
 import { BakedShadowFile } from '../../src/index.js';
 import { attachBakedShadow } from '../../src/webgl/index.js';
+import { BakedShadowNode } from '../../src/webgpu/index.js';
 import type { AttachedShadow } from '../../src/webgl/index.js';
+import { drawWithWebGL, webglRenderer } from './shown.js';
 import { validBytes } from './vectors.js';
 
 const file = new BakedShadowFile(validBytes('upright_depths'));
@@ -32,8 +48,8 @@ function world(material: Material = new MeshLambertMaterial()) {
 }
 
 /** What three would compile. */
-function compiled(material: Material, fragmentShader = LAMBERT) {
-  const shader = { fragmentShader, uniforms: {} as Record<string, { value: unknown }> };
+function compiled(material: Material, fragmentShader = LAMBERT, vertexShader = 'void main() {}') {
+  const shader = { fragmentShader, vertexShader, uniforms: {} as Record<string, { value: unknown }> };
   material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
   return shader;
 }
@@ -77,73 +93,241 @@ test('what is attached after dispose stays as it is', () => {
   expect(lookUps(compiled(material).fragmentShader)).toBeGreaterThan(0);
   shadow.dispose();
   expect(shadow.isActive).toBe(false);
-  shadow.attach(scene);
+  (scene.onBeforeRender as () => void)();
   expect(compiled(material).fragmentShader).toBe(LAMBERT);
   expect(material.onBeforeCompile).toBe(Material.prototype.onBeforeCompile);
 });
 
 test('a scene is as it was, in whatever order its shadows come and go', () => {
   const { scene } = world();
-  const before = scene.onBeforeRender;
+  const { onBeforeRender, onAfterRender } = scene;
   let last = attach(scene);
-  const hook = scene.onBeforeRender;
   for (let swap = 0; swap < 3; swap += 1) {
     const next = attach(scene);
     last.dispose();
-    expect(scene.onBeforeRender).toBe(hook);
     last = next;
   }
   last.dispose();
-  expect(scene.onBeforeRender).toBe(before);
+  expect(scene).toMatchObject({ onBeforeRender, onAfterRender });
+  for (const name of ['onBeforeRender', 'onAfterRender']) expect(Object.hasOwn(scene, name)).toBe(false);
 });
 
-test('a hook of a scene that comes later goes on being called', () => {
-  const { scene } = world();
-  const shadow = attach(scene);
-  const ours = scene.onBeforeRender;
-  const calls: string[] = [];
-  scene.onBeforeRender = (...all) => {
-    calls.push('later');
-    ours.apply(scene, all);
-  };
-  shadow.dispose();
+/** Draws a frame. */
+function frame(scene: Scene): void {
+  drawWithWebGL(scene, webglRenderer());
+}
+
+test.each([
+  ['that comes later', (_: Material, later: Material) => later],
+  ['that is a clone', (material: Material) => material.clone()],
+])('a material %s has the shadows from the next frame on', (_, make) => {
+  const { scene, mesh, material } = world();
   attach(scene);
-  (scene.onBeforeRender as () => void)();
-  expect(calls).toEqual(['later']);
+  frame(scene);
+  mesh.material = make(material, new MeshLambertMaterial());
+  frame(scene);
+  expect(lookUps(compiled(mesh.material).fragmentShader)).toBe(2);
+  // Whatever a page copies.
+  const copied = Object.assign(material.clone(), { onBeforeCompile: material.onBeforeCompile });
+  mesh.material = copied;
+  frame(scene);
+  expect(lookUps(compiled(copied).fragmentShader)).toBe(2);
 });
 
-test('attach gives a material its shadow back that another hook has overwritten', () => {
+test('copies of hooks tell the programs of their materials apart', () => {
+  const { scene, mesh, material } = world();
+  const { mesh: other, material: second } = world();
+  scene.add(other);
+  material.onBeforeCompile = (shader) => void (shader.fragmentShader += '// red');
+  second.onBeforeCompile = (shader) => void (shader.fragmentShader += '// green');
+  attach(scene);
+  const [red, green] = [material, second].map((each) => Object.assign(each.clone(), { onBeforeCompile: each.onBeforeCompile }));
+  expect(red!.customProgramCacheKey()).not.toBe(green!.customProgramCacheKey());
+  mesh.material = red!;
+  other.material = green!;
+  frame(scene);
+  expect(red!.customProgramCacheKey()).not.toBe(green!.customProgramCacheKey());
+  expect(compiled(green!).fragmentShader).toContain('// green');
+});
+
+test('a hook that somebody deletes is there again in the next frame', () => {
+  const { scene, material } = world();
+  attach(scene);
+  // As three's addon CSM does when it goes.
+  delete (material as Partial<Material>).onBeforeCompile;
+  expect(lookUps(compiled(material).fragmentShader)).toBe(0);
+  frame(scene);
+  expect(lookUps(compiled(material).fragmentShader)).toBe(2);
+});
+
+test('uniforms may be spread by a later hook', () => {
+  const { scene, material } = world();
+  attach(scene);
+  const ours = material.onBeforeCompile;
+  const shader = { fragmentShader: LAMBERT, vertexShader: '', uniforms: { diffuse: { value: 1 } } as Record<string, { value: unknown }> };
+  material.onBeforeCompile = (each, renderer) => {
+    ours(each, renderer);
+    each.uniforms = { ...each.uniforms, time: { value: 0 } };
+  };
+  material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
+  expect(Object.keys(shader.uniforms)).toEqual(expect.arrayContaining(['diffuse', 'adumbra1_words', 'time']));
+});
+
+test('materials that are missing are no fault, and that of a whole scene has the shadows', () => {
+  const { scene, mesh } = world();
+  attach(scene);
+  Object.assign(mesh, { material: [undefined, new MeshLambertMaterial()] });
+  scene.add(Object.assign(new Object3D(), { material: null, visible: false }));
+  scene.overrideMaterial = new MeshLambertMaterial();
+  frame(scene);
+  expect(lookUps(compiled(scene.overrideMaterial).fragmentShader)).toBe(2);
+});
+
+test('a material that is met no more is let go in the end', () => {
+  const { scene, mesh, material } = world();
+  attach(scene);
+  scene.remove(mesh);
+  for (let i = 0; i < 250; i += 1) frame(scene);
+  expect(Object.hasOwn(material, 'onBeforeCompile')).toBe(false);
+  scene.add(mesh);
+  frame(scene);
+  expect(lookUps(compiled(material).fragmentShader)).toBe(2);
+});
+
+test('another renderer and another kind of shadow on the same light are no fault', () => {
+  const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+  const { scene } = world();
+  const light = new DirectionalLight();
+  scene.add(light);
+  const node = new BakedShadowNode(light, { file });
+  node.updateBefore({ renderer: null, scene } as unknown as NodeFrame);
+  attached.push(attachBakedShadow(scene, light, file));
+  drawWithWebGL(scene, {});
+  expect(warn.mock.calls.filter(([text]) => String(text).includes('is for WebGLRenderer'))).toHaveLength(1);
+  node.dispose();
+  // What three may still call does not bring it back.
+  node.updateBefore({ renderer: null, scene } as unknown as NodeFrame);
+  attached.pop()!.dispose();
+  expect(Object.hasOwn(scene, 'onBeforeRender')).toBe(false);
+  warn.mockRestore();
+});
+
+test('a material that is disposed is let go, and has the shadows again if it is drawn again', () => {
+  const { scene, mesh, material } = world();
+  attach(scene);
+  const { length } = listenersOf(material);
+  expect(length).toBe(1);
+  material.dispose();
+  expect([Object.hasOwn(material, 'onBeforeCompile'), listenersOf(material).length]).toEqual([false, 0]);
+  scene.remove(mesh);
+  frame(scene);
+  expect(Object.hasOwn(material, 'onBeforeCompile')).toBe(false);
+  scene.add(mesh);
+  frame(scene);
+  expect(lookUps(compiled(material).fragmentShader)).toBe(2);
+});
+
+/** What listens to the end of a material. */
+function listenersOf(material: Material): unknown[] {
+  return (material as unknown as { _listeners?: Record<string, unknown[]> })._listeners?.['dispose'] ?? [];
+}
+
+test('materials are not disposed, and are as they were after dispose', () => {
+  const { scene, material } = world();
+  let isDisposed = false;
+  material.addEventListener('dispose', () => (isDisposed = true));
+  const shadow = attach(scene);
+  shadow.dispose();
+  expect(isDisposed).toBe(false);
+  for (const name of ['onBeforeCompile', 'customProgramCacheKey']) expect(Object.hasOwn(material, name)).toBe(false);
+  expect(listenersOf(material)).toHaveLength(1);
+});
+
+test('a program that three has kept gets the uniforms of a shadow that comes again', () => {
+  const { scene, material } = world();
+  const renderer = webglRenderer();
+  const first = attach(scene);
+  const [{ uniforms }, key] = [compiled(material), material.customProgramCacheKey()];
+  const kept = renderer.properties.get(material);
+  kept['uniforms'] = uniforms;
+  first.dispose();
+  expect(uniforms['adumbra1_words']!.value).toBeNull();
+  // Three compiles the material without it meanwhile, or it does not.
+  for (const between of [{ diffuse: { value: 1 } }, uniforms]) {
+    kept['uniforms'] = between;
+    kept['uniformsList'] = [];
+    const again = attach(scene);
+    expect(material.customProgramCacheKey()).toBe(key);
+    drawWithWebGL(scene, renderer);
+    const now = kept['uniforms'] as typeof uniforms;
+    expect(now['adumbra1_words']!.value).not.toBeNull();
+    expect([kept['uniformsList'], now['diffuse']]).toEqual([null, between['diffuse']]);
+    again.dispose();
+  }
+});
+
+test('the uniforms of a ShaderMaterial stay as they are, and a clone of it has the shadows', () => {
+  const { scene, mesh, material } = world(new ShaderMaterial({ lights: true, uniforms: { height: { value: 3 } } }));
+  const shadow = attach(scene);
+  const { uniforms } = material as ShaderMaterial;
+  const shader = { fragmentShader: OWN_LOOP, vertexShader: '', uniforms };
+  material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
+  expect(Object.keys(uniforms)).toEqual(['height']);
+  // What the page sets later is what three finds.
+  uniforms['height'] = { value: 4 };
+  expect(shader.uniforms['height']).toBe(uniforms['height']);
+  expect(shader.uniforms).toHaveProperty('adumbra1_words');
+  mesh.material = material.clone();
+  frame(scene);
+  expect(lookUps(compiled(mesh.material, OWN_LOOP).fragmentShader)).toBe(1);
+  shadow.dispose();
+  expect(Object.keys((mesh.material as ShaderMaterial).uniforms)).toEqual(['height']);
+});
+
+test('a light that is attached again has its shadow once', () => {
+  const { scene, material } = world();
+  const light = new DirectionalLight();
+  scene.add(light);
+  const [first, second] = [0, 1].map(() => attachBakedShadow(scene, light, file));
+  attached.push(second!);
+  const { fragmentShader, uniforms } = compiled(material);
+  expect(fragmentShader.match(/adumbra\d+_visibility\( adumbra\d+_p/g)).toHaveLength(2);
+  expect(Object.keys(uniforms)).toHaveLength(4);
+  expect([first!.isActive, second!.isActive]).toEqual([false, true]);
+  first!.dispose();
+  expect(second!.isActive).toBe(true);
+});
+
+test('what is no scene, or of another three, is refused by name', () => {
+  const light = new DirectionalLight();
+  expect(() => attachBakedShadow(new Group() as unknown as Scene, light, file)).toThrow(/to the Scene that is drawn/);
+  const { scene } = world();
+  const foreign = Object.setPrototypeOf(Object.assign({}, scene), {}) as Scene;
+  expect(() => attachBakedShadow(foreign, light, file)).toThrow(/another copy of three/);
+});
+
+test('hooks that a page gives a material later are called, and stay after dispose', () => {
   const { scene, material } = world();
   const shadow = attach(scene);
   const once = lookUps(compiled(material).fragmentShader);
-  material.onBeforeCompile = (shader) => void (shader.fragmentShader = `// theirs\n${shader.fragmentShader}`);
-  expect(lookUps(compiled(material).fragmentShader)).toBe(0);
-  shadow.attach(scene);
-  shadow.attach(scene);
+  const theirs: Material['onBeforeCompile'] = (shader) => void (shader.fragmentShader = `// theirs\n${shader.fragmentShader}`);
+  const before = material.customProgramCacheKey();
+  material.onBeforeCompile = theirs;
+  expect(material.customProgramCacheKey()).not.toBe(before);
   const { fragmentShader } = compiled(material);
   expect(fragmentShader).toContain('// theirs');
   expect(lookUps(fragmentShader)).toBe(once);
+  shadow.dispose();
+  expect(material.onBeforeCompile).toBe(theirs);
 });
 
-test('attach does not look up twice where a later hook calls the earlier one', () => {
+test('there is no second look-up where a later hook calls the earlier one', () => {
   const { scene, material } = world();
-  const shadow = attach(scene);
+  attach(scene);
   const once = lookUps(compiled(material).fragmentShader);
   const ours = material.onBeforeCompile;
   material.onBeforeCompile = (shader, renderer) => ours.call(material, shader, renderer);
-  shadow.attach(scene);
   expect(lookUps(compiled(material).fragmentShader)).toBe(once);
-});
-
-test('detach takes the shadows from a part of the world', () => {
-  const { scene, mesh, material } = world();
-  const other = world();
-  scene.add(new Group().add(other.mesh));
-  const shadow = attach(scene);
-  shadow.detach(mesh);
-  expect(compiled(material).fragmentShader).toBe(LAMBERT);
-  expect(material.onBeforeCompile).toBe(Material.prototype.onBeforeCompile);
-  expect(lookUps(compiled(other.material).fragmentShader)).toBeGreaterThan(0);
 });
 
 test('hooks of others between those of two lights tell programs apart', () => {
@@ -219,3 +403,123 @@ test.each([
     ShaderChunk.lights_fragment_begin = lights_fragment_begin;
   }
 });
+
+/** A shader with a mask, as the addon `Water` has one. */
+const WATER = `
+#include <lights_pars_begin>
+#include <shadowmask_pars_fragment>
+void main() {
+  gl_FragColor = vec4( getShadowMask() );
+}`;
+
+test.each([
+  ['ShadowMaterial', ShaderLib.shadow.fragmentShader, ShaderLib.shadow.vertexShader],
+  ['a mask', WATER, 'void main() {\n  gl_Position = projectionMatrix * modelViewMatrix * vec4( position, 1.0 );\n}'],
+])('%s has the look-ups of two lights in its mask', (_, fragment, vertex) => {
+  const { scene, material } = world(new ShaderMaterial({ lights: true }));
+  const shadows = [attach(scene), attach(scene)];
+  const { fragmentShader, vertexShader, uniforms } = compiled(material, fragment, vertex);
+  for (const prefix of ['adumbra1', 'adumbra2']) {
+    expect(fragmentShader.split(`${prefix}_visibility( bakedShadowPosition`)).toHaveLength(2);
+    expect(uniforms).toHaveProperty(`${prefix}_headers`);
+    // What was called until now goes on being called.
+    expect(fragmentShader).toContain(`float ${prefix}_mask() {`);
+    expect(fragmentShader).toContain(`return ${prefix}_mask() * mix`);
+  }
+  expect(fragmentShader.match(/float getShadowMask\(\) \{/g)).toHaveLength(1);
+  expect(vertexShader.match(/varying highp vec3 bakedShadowPosition;/g)).toHaveLength(1);
+  expect(vertexShader.trimEnd().endsWith('}')).toBe(true);
+  expect(shadows.flatMap(({ skipped }) => skipped)).toEqual([]);
+});
+
+test('a mask has no shadow of a sun that does not shine', () => {
+  const { scene, material } = world();
+  const light = new DirectionalLight();
+  scene.add(light);
+  attached.push(attachBakedShadow(scene, light, file));
+  const { value } = { value: () => compiled(material).uniforms['adumbra1_intensity']!.value };
+  frame(scene);
+  expect(value()).toBe(1);
+  light.visible = false;
+  frame(scene);
+  expect(value()).toBe(0);
+  light.visible = true;
+  frame(scene);
+  expect(value()).toBe(1);
+  scene.remove(light);
+  frame(scene);
+  expect(value()).toBe(0);
+});
+
+test('materials without lights are left alone, and not listed', () => {
+  const { scene, material } = world(new ShaderMaterial());
+  const shadow = attach(scene);
+  for (const name of ['basic', 'points', 'sprite'] as const) {
+    const text = ShaderLib[name].fragmentShader;
+    expect(compiled(material, text)).toMatchObject({ fragmentShader: text, uniforms: {} });
+  }
+  expect(shadow.skipped).toEqual([]);
+});
+
+test('a material that is skipped is warned of once', () => {
+  const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+  const { scene, material } = world(new ShaderMaterial({ lights: true, name: 'grass' }));
+  attach(scene);
+  for (let time = 0; time < 2; time += 1) compiled(material, OWN_LOOP.replace('vec3 geometryPosition', 'vec3 p'));
+  expect(warn.mock.calls).toEqual([[expect.stringContaining("'grass' is not lit as three's own are")]]);
+  warn.mockRestore();
+});
+
+test('the look-up asks for 32 bits, and gives the rest of a shader its precision back', () => {
+  const { scene, material } = world(new MeshLambertMaterial({ precision: 'mediump' }));
+  attach(scene);
+  const shader = { fragmentShader: LAMBERT, vertexShader: 'void main() {}', uniforms: {}, precision: 'mediump' };
+  material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
+  const [high, look, back, main] = ['precision highp int;', 'float adumbra1_visibility(', 'precision mediump int;', 'void main()'].map((part) =>
+    shader.fragmentShader.indexOf(part),
+  );
+  expect([high! >= 0, high! < look!, look! < back!, back! < main!]).toEqual([true, true, true, true]);
+});
+
+/** The position and the direction that the GLSL computes from what three gives it, of a view matrix. */
+function worldFromView(view: Matrix4, pView: Vector3, nView: Vector3): { p: Vector3; n: Vector3 } {
+  const m = new Matrix3().setFromMatrix4(view);
+  const columns = [0, 1, 2].map((i) => new Vector3().fromArray(m.elements, 3 * i));
+  const s = columns.reduce((sum, column) => sum.add(column.clone().multiply(column)), new Vector3());
+  const rows = m.clone().transpose();
+  const from = pView.clone().sub(new Vector3().setFromMatrixPosition(view)).divide(s);
+  return { p: from.applyMatrix3(rows), n: nView.clone().applyMatrix3(rows).normalize() };
+}
+
+test('a camera below a scaled rig has the same positions and normals', () => {
+  const rig = new Group();
+  rig.scale.set(2, 0.5, 3);
+  rig.rotation.set(0.3, 1, -0.4);
+  rig.position.set(5, -7, 11);
+  const camera = new Object3D();
+  camera.position.set(1, 2, 3);
+  rig.add(camera).updateMatrixWorld(true);
+  const view = camera.matrixWorld.clone().invert();
+  const [p, n] = [new Vector3(30, 4, -20), new Vector3(1, 2, -2).normalize()];
+  const nView = n.clone().applyMatrix3(new Matrix3().getNormalMatrix(view)).normalize();
+  const found = worldFromView(view, p.clone().applyMatrix4(view), nView);
+  expect(found.p.distanceTo(p)).toBeLessThan(1e-9);
+  expect(found.n.distanceTo(n)).toBeLessThan(1e-9);
+  // What is computed above is what the shader has.
+  const { fragmentShader } = compiled(attachedWorld());
+  for (const line of [
+    'mat3 adumbra1_m = mat3( viewMatrix );',
+    'vec3 adumbra1_s = adumbra1_m[ 0 ] * adumbra1_m[ 0 ] + adumbra1_m[ 1 ] * adumbra1_m[ 1 ] + adumbra1_m[ 2 ] * adumbra1_m[ 2 ];',
+    'vec3 adumbra1_p = ( ( geometryPosition - viewMatrix[ 3 ].xyz ) / adumbra1_s ) * adumbra1_m;',
+    'vec3 adumbra1_n = normalize( nonPerturbedNormal * adumbra1_m );',
+  ]) {
+    expect(fragmentShader).toContain(line);
+  }
+});
+
+/** A material of a scene that has a shadow. */
+function attachedWorld(): Material {
+  const { scene, material } = world();
+  attach(scene);
+  return material;
+}

@@ -9,6 +9,7 @@ const read = (path: string): string => readFileSync(new URL(path, import.meta.ur
 test.each([
   ['use-it-on-a-web-page', 'ts', 'first-page.ts'],
   ['use-it-on-a-web-page', 'tsx', 'react-three-fiber.tsx'],
+  ['use-it-on-a-web-page', 'tsx', 'react-three-fiber-webgl.tsx'],
   ['a-day-of-suns', 'ts', 'day.ts'],
 ])('the guide %s has, as %s, %s word for word', (topic, language, name) => {
   const guide = read(`../../../../docs/guides/${topic}.md`);

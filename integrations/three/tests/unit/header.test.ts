@@ -207,3 +207,14 @@ it('damage in the header and in each part is found by checksums', () => {
     expect(errorOf(flipped(offset))).toMatchObject({ kind: 'SectionChecksum', details: { section } });
   }
 });
+
+it.each([
+  ['a web page', '<!doctype html><title>Not found</title>', /it is a web page, .*; check the address/],
+  ['a web page with a blank line', '\n<HTML><body>', /it is a web page/],
+  ['a pointer of Git LFS', 'version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n', /git lfs pull/],
+  ['another file', 'glTF\x02\0\0\0', /it begins with "glTF/],
+])('%s is named as what it is', (_, text, message) => {
+  const error = caught(() => new BakedShadowFile(new TextEncoder().encode(text.padEnd(300))));
+  expect(error).toMatchObject({ kind: 'Magic' });
+  expect((error as Error).message).toMatch(message);
+});

@@ -20,6 +20,14 @@ const FILES: Record<string, Uint8Array> = {
   '/city/magic.adumbra': invalidVector('magic').bytes,
 };
 
+const PROGRESS_EVENT = class extends Event {
+  readonly loaded: number;
+  constructor(type: string, { loaded = 0 }: ProgressEventInit) {
+    super(type);
+    this.loaded = loaded;
+  }
+};
+
 const requests: string[] = [];
 const server = createServer((request, response) => {
   requests.push(`${request.url} ${request.headers['x-token'] ?? ''}`);
@@ -32,16 +40,7 @@ let address = '';
 
 beforeAll(async () => {
   // Node has no progress events, with which three.js reports progress.
-  vi.stubGlobal(
-    'ProgressEvent',
-    class extends Event {
-      readonly loaded: number;
-      constructor(type: string, { loaded = 0 }: ProgressEventInit) {
-        super(type);
-        this.loaded = loaded;
-      }
-    },
-  );
+  vi.stubGlobal('ProgressEvent', PROGRESS_EVENT);
   await new Promise<void>((resolve) => server.listen(0, '127.0.0.1', resolve));
   address = `http://127.0.0.1:${(server.address() as AddressInfo).port}`;
 });
@@ -160,6 +159,14 @@ it('two loads of a URL are both aborted by their manager', async () => {
   const loads = [0, 1].map(() => new ShadowFileLoader(manager).loadAsync(`${address}/never`));
   manager.abort();
   for (const load of loads) await expect(load).rejects.toMatchObject({ name: 'AbortError' });
+});
+
+it('outside of browsers, which alone have what three loads files with, says what to do', async () => {
+  vi.stubGlobal('ProgressEvent', undefined);
+  const error = await new ShadowFileLoader().loadAsync(`${address}/city/good.adumbra`).catch((reason: unknown) => reason);
+  expect(error).toMatchObject({ name: 'ShadowFileError', kind: 'Io', url: `${address}/city/good.adumbra` });
+  expect((error as Error).message).toContain('new BakedShadowFile(bytes)');
+  vi.stubGlobal('ProgressEvent', PROGRESS_EVENT);
 });
 
 it('without onError, errors are printed', async () => {

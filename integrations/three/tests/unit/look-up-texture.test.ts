@@ -33,6 +33,8 @@ const OPTIONS: GpuLookUpOptions[] = [
     bias: { constantTexels: 0.7, slopeTexels: 1.3, normalOffsetTexels: 0.1 },
     penumbra: { angleDegrees: 0.53, maxRadiusTexels: 20.5 },
   },
+  { filter: 5, placement: [0, 0, -0.5, 0, 0, 0.5, 0, 0, 0.5, 0, 0, 0, 12.5, -3, 40.25, 1] },
+  { filter: 5, placement: [4.8, 6.4, 0, 0, -6.4, 4.8, 0, 0, 0, 0, 8, 0, -7, 0.25, 1e5, 1] },
 ];
 
 function vector(name: string, level = 0): BakedShadowFile {

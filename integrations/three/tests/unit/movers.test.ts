@@ -5,6 +5,7 @@ import type { NodeFrame } from 'three/webgpu';
 import { beforeEach, expect, it, vi } from 'vitest';
 
 import { BakedShadowFile } from '../../src/index.js';
+import { drawWithWebGL, webglRenderer } from './shown.js';
 import { validBytes } from './vectors.js';
 
 const ofStatics = new BakedShadowFile(validBytes('sphere_depths'));
@@ -33,7 +34,9 @@ type World = ReturnType<typeof world>;
 
 async function attach({ scene }: World, file: BakedShadowFile, statics?: Group): Promise<void> {
   const { attachBakedShadow } = await import('../../src/webgl/index.js');
-  attachBakedShadow(scene, new DirectionalLight(), file, statics && { statics }).dispose();
+  const shadow = attachBakedShadow(scene, new DirectionalLight(), file, statics && { statics });
+  for (let frame = 0; frame < 2; frame += 1) drawWithWebGL(scene, webglRenderer());
+  shadow.dispose();
 }
 
 async function draw({ scene }: World, file: BakedShadowFile, statics?: Group): Promise<void> {

@@ -1,10 +1,10 @@
 // Look-ups on the CPU, on their own: worked values of the specification, and filters tap by tap.
 
-import { Vector3 } from 'three';
+import { Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 
 import { BakedShadowFile, FILTER_WIDTHS, Sampler, toWorld } from '../../src/index.js';
-import type { FilterWidth, LightGrid, Vec3 } from '../../src/index.js';
+import type { FilterWidth, LightGrid, LookUpOptions, Vec3 } from '../../src/index.js';
 import { layerAt, receiverAt } from '../../src/sampler/receiver.js';
 import { surfacesOf } from './points.js';
 import { caught, validBytes } from './vectors.js';
@@ -100,6 +100,26 @@ it('points one by one have the answers of all at once', () => {
   together.forEach((answer, i) => expect(sampler.visibility(named(points, i), named(normals, i))).toBe(answer));
   const airborne = sampler.visibilities(points);
   airborne.forEach((answer, i) => expect(sampler.visibility(named(points, i))).toBe(answer));
+});
+
+it.each([
+  ['moved far', new Matrix4().makeTranslation(250_000, 10, -480_000)],
+  ['upside down', new Matrix4().makeRotationX(Math.PI)],
+  ['a model on a table', new Matrix4().makeScale(0.01, 0.01, 0.01).setPosition(0.4, 0.7, -0.3)],
+  ['larger, tilted and moved', new Matrix4().compose(new Vector3(100, -40, 15), new Quaternion(-0.5, 0.4, 0.1, 0.7).normalize(), new Vector3(8.5, 8.5, 8.5))],
+])('%s, look-ups answer in the app as in the file', (_, matrix) => {
+  const file = open('upright_turned_low_depths');
+  const { points, normals } = surfacesOf(file, 1000, 9);
+  const options: LookUpOptions = { filter: 5, bias: { constantTexels: 0.7, slopeTexels: 1.3, normalOffsetTexels: 0.4 } };
+  const placed = new Sampler(file, { ...options, placement: matrix.elements });
+  const expected = new Sampler(file, options).visibilities(points, normals);
+  expect(new Set(expected).size).toBeGreaterThan(5);
+  const toWorld = (all: ArrayLike<number>, i: number): Vector3 => new Vector3(...at(all, i));
+  expected.forEach((answer, i) => {
+    const normal = toWorld(normals, i);
+    if (normal.length() > 0) normal.transformDirection(matrix);
+    expect(placed.visibility(toWorld(points, i).applyMatrix4(matrix), normal)).toBe(answer);
+  });
 });
 
 it('a filter of another width is refused', () => {

@@ -1,63 +1,18 @@
 // What a shadow does with either renderer, without a GPU: both are the same to a page.
 
-import { DirectionalLight, Group, Mesh, MeshLambertMaterial, Scene, SkinnedMesh } from 'three';
-import type { DataTexture, Object3D, Texture, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
-import type { NodeFrame } from 'three/webgpu';
-import { describe, expect, test } from 'vitest';
+import { Group } from 'three';
+import { describe, expect, test, vi } from 'vitest';
 
-import { BakedShadowFile } from '../../src/index.js';
+import { BakedShadowFile, LookUpTexture, placedGrid } from '../../src/index.js';
 import { soft } from '../../src/look-ups/index.js';
-import { attachBakedShadow } from '../../src/webgl/index.js';
-import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
-import { BakedShadowNode } from '../../src/webgpu/index.js';
+import { RENDERERS } from './shown.js';
+import type { Shown } from './shown.js';
 import { validBytes } from './vectors.js';
 
 const file = new BakedShadowFile(validBytes('upright_depths'));
 
 /** Words of a row of parameters: width of the filter, first term of the bias, cone of the sun, number of files in use. */
 const [FILTER, BIAS, CONE, FILE_COUNT] = [96, 88, 97, 105];
-
-/** A shadow in a scene of its own. */
-interface Shown {
-  readonly shadow: BakedShadow;
-  readonly light: DirectionalLight;
-  /** The texture of parameters that the GPU has. */
-  readonly headers: DataTexture;
-  /** Has done what comes before a frame. */
-  frame(): void;
-}
-
-/** A light in a scene that WebGLRenderer draws. */
-function webgl(options: BakedShadowOptions): Shown {
-  const material = new MeshLambertMaterial();
-  const light = new DirectionalLight();
-  const scene = new Scene().add(light, light.target, new Mesh(undefined, material)) as Scene;
-  const shadow = attachBakedShadow(scene, light, file, options);
-  const shader = { fragmentShader: '#include <lights_fragment_begin>\n#include <normal_fragment_begin>\nvoid main() {}', uniforms: {} };
-  material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
-  const uniforms = Object.entries(shader.uniforms as Record<string, { value: DataTexture }>);
-  const headers = uniforms.find(([name]) => name.endsWith('_headers'))![1].value;
-  const frame = (): void => {
-    scene.updateMatrixWorld();
-    (scene.onBeforeRender as () => void)();
-  };
-  return { shadow, light, headers, frame };
-}
-
-/** A light in a scene that WebGPURenderer draws. */
-function webgpu(options: BakedShadowOptions): Shown {
-  const light = new DirectionalLight();
-  const scene = new Scene().add(light, light.target) as Scene;
-  const shadow = new BakedShadowNode(light, { file, ...options });
-  let headers: Texture | null = null;
-  const renderer = { initTexture: (texture: Texture) => (headers = texture) };
-  const frame = (): void => {
-    scene.updateMatrixWorld();
-    shadow.updateBefore({ renderer, scene } as unknown as NodeFrame);
-  };
-  frame();
-  return { shadow, light, headers: headers! as DataTexture, frame };
-}
 
 /** The words of the parameters. */
 function wordsOf({ headers }: Shown): Uint32Array {
@@ -69,10 +24,7 @@ function bitsOf(value: number): number {
   return new Uint32Array(new Float32Array([value]).buffer)[0]!;
 }
 
-describe.each([
-  ['WebGLRenderer', webgl],
-  ['WebGPURenderer', webgpu],
-])('%s', (_, show) => {
+describe.each(RENDERERS)('%s', (name, show) => {
   test('options that are left out stay, and undefined is the default', () => {
     const shown = show({ filter: 9 });
     const words = wordsOf(shown);
@@ -112,8 +64,9 @@ describe.each([
   );
 
   test('isActive tells where the light is, and changes nothing', () => {
-    const shown = show({});
+    const shown = show({ align: false });
     const { shadow, light, headers } = shown;
+    light.position.set(...file.grid.sun);
     shown.frame();
     const [words, version] = [wordsOf(shown).slice(), headers.version];
     expect([shadow.isActive, words[FILE_COUNT]]).toEqual([true, 1]);
@@ -130,139 +83,121 @@ describe.each([
     expect(shadow.isActive).toBe(false);
   });
 
-  test('what is added below a static root later casts no more from the next frame on', () => {
-    const [city, street, house, lamp] = [new Group(), new Group(), caster(), caster()];
-    const shown = show({ statics: city.add(street) });
-    street.add(house.add(lamp));
-    // As a page may do after it has added it.
-    const late = new Mesh();
-    street.add(late);
-    late.castShadow = true;
-    shown.frame();
-    expect([house, lamp, late].map(({ castShadow }) => castShadow)).toEqual([false, false, false]);
-    const sign = caster();
-    lamp.add(sign);
-    shown.frame();
-    expect(sign.castShadow).toBe(false);
-    shown.shadow.dispose();
-    expect([house, lamp, late, sign].map(({ castShadow }) => castShadow)).toEqual([true, true, true, true]);
-  });
-
-  test('what moves, and what does not cast, stays as it is below a static root', () => {
+  test('a file follows its root, and the light is turned to the sun there', () => {
     const city = new Group();
-    const shown = show({ statics: city });
-    const [walker, car, glass] = [Object.assign(new SkinnedMesh(), { castShadow: true }), caster(), new Mesh()];
-    car.userData['adumbra'] = { cast: true };
-    city.add(walker, car, glass);
+    city.position.set(30, -2, 7);
+    city.rotation.y = 0.7;
+    city.scale.setScalar(0.1);
+    const shown = show({}, { file, root: city });
     shown.frame();
-    expect([walker, car, glass].map(({ castShadow }) => castShadow)).toEqual([true, true, false]);
-    shown.shadow.dispose();
-    expect([walker, car, glass].map(({ castShadow }) => castShadow)).toEqual([true, true, false]);
-  });
-
-  test('what goes from a static root casts again, with all below it', () => {
-    const [city, street, house, lamp] = [new Group(), new Group(), caster(), caster()];
-    const shown = show({ statics: city.add(street.add(house.add(lamp))) });
+    expect([shown.shadow.isActive, wordsOf(shown)[FILE_COUNT]]).toEqual([true, 1]);
+    const sun = placedGrid(file.grid, city.matrixWorld.elements).sun;
+    const towards = shown.light.position.clone().normalize();
+    expect(Math.hypot(towards.x - sun[0], towards.y - sun[1], towards.z - sun[2])).toBeLessThan(1e-6);
+    const expected = (): number[] => {
+      const placement = city.matrixWorld.elements;
+      return [...new LookUpTexture(file, 8192, { filter: 5, placement }).header.subarray(0, 104)];
+    };
+    expect([...wordsOf(shown).subarray(0, 104)]).toEqual(expected());
+    // It moves on, and options stay apart from where it is.
+    city.position.x += 5;
+    city.scale.setScalar(3);
     shown.frame();
-    expect([house, lamp].map(({ castShadow }) => castShadow)).toEqual([false, false]);
-    street.remove(house);
-    expect([house, lamp].map(({ castShadow }) => castShadow)).toEqual([true, true]);
-    // Nothing is left behind that would follow it.
-    const sign = caster();
-    lamp.add(sign);
+    expect([...wordsOf(shown).subarray(0, 104)]).toEqual(expected());
+    shown.shadow.setOptions({ filter: 5 });
+    expect([...wordsOf(shown).subarray(0, 104)]).toEqual(expected());
+    // The sun turns with it, and the light, which the app has not turned.
+    const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+    city.rotation.y += 0.3;
     shown.frame();
-    expect([house, lamp, sign].map(({ castShadow }) => castShadow)).toEqual([true, true, true]);
-    for (const object of [house, lamp]) expect(listeners(object)).toBe(0);
-    city.add(house);
-    shown.frame();
-    expect([house, lamp, sign].map(({ castShadow }) => castShadow)).toEqual([false, false, false]);
-    shown.shadow.dispose();
-    expect([house, lamp, sign].map(({ castShadow }) => castShadow)).toEqual([true, true, true]);
-    for (const object of [city, street, house, lamp, sign]) expect(listeners(object)).toBe(0);
-  });
-
-  test('what is added and goes again before a frame casts, alone or with what it is below', () => {
-    const [city, street, house, lamp] = [new Group(), new Group(), caster(), caster()];
-    const shown = show({ statics: city.add(street) });
-    street.add(lamp);
-    city.remove(street);
-    city.add(house).remove(house);
-    shown.frame();
-    expect([house, lamp].map(({ castShadow }) => castShadow)).toEqual([true, true]);
+    expect([shown.shadow.isActive, wordsOf(shown)[FILE_COUNT]]).toEqual([true, 1]);
+    expect(warn).not.toHaveBeenCalled();
+    warn.mockRestore();
     shown.shadow.dispose();
   });
 
-  test('what was added and drawn goes with what it is below', () => {
-    const [city, street, lamp] = [new Group(), new Group(), caster()];
-    const shown = show({ statics: city.add(street) });
-    street.add(lamp);
+  test('one file may be in several places, and in none that it cannot follow', () => {
+    const [here, there, wide] = [new Group(), new Group(), new Group()];
+    there.position.x = 500;
+    wide.scale.x = 2;
+    wide.name = 'wide';
+    const said = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+    const shown = show({}, [{ file, root: here }, { file, root: there }, { file, root: wide }]);
     shown.frame();
-    city.remove(street);
     shown.frame();
-    expect(lamp.castShadow).toBe(true);
+    expect(wordsOf(shown)[FILE_COUNT]).toBe(2);
+    const anchors = [0, 1].map((row) => new Float32Array(wordsOf(shown).buffer)[128 * row + 4]!);
+    expect(anchors[1]! - anchors[0]!).toBeCloseTo(500, 3);
+    expect(said.mock.calls.filter(([text]) => /'wide'.*scales by 2, 1, 1/.test(String(text)))).toHaveLength(1);
+    said.mockRestore();
     shown.shadow.dispose();
   });
 
-  test('what is added after the last frame is let go as well', () => {
-    const [city, house] = [new Group(), caster()];
-    const shown = show({ statics: city });
-    city.add(house);
-    shown.shadow.dispose();
+  test('other files take the place of those until now', () => {
+    const shown = show({ filter: 3 }, [file, file]);
+    const [city, turned] = [new Group(), new Group()];
+    turned.rotation.y = 0.5;
     shown.frame();
-    expect([house.castShadow, listeners(house), listeners(city)]).toEqual([true, 0, 0]);
+    expect(shown.shadow.status).toEqual({ filesInUse: 2, missing: 0, degrees: expect.closeTo(0, 4) as number });
+    shown.shadow.setOptions({ filter: 9 });
+    shown.shadow.setFiles({ file, root: city });
+    city.position.x = 70;
+    shown.frame();
+    expect(shown.shadow.status.filesInUse).toBe(1);
+    const words = wordsOf(shown);
+    expect([words[FILTER], words[FILE_COUNT]]).toEqual([9, 1]);
+    const { header } = new LookUpTexture(file, 8192, { filter: 9, placement: city.matrixWorld.elements });
+    expect([...words.subarray(0, 96)]).toEqual([...header.subarray(0, 96)]);
+    const before = shown.headers;
+    expect(() => shown.shadow.setFiles(Array.from({ length: 9 }, () => file))).toThrow(/1 to 8 files/);
+    expect(shown.headers).toBe(before);
+    // There is room for fewer in the textures that there are, and not for more.
+    expect(shown.headers).toBe(before);
+    // Nothing is in use that has another sun.
+    shown.shadow.setFiles([file, { file, root: turned }]);
+    shown.light.position.set(...file.grid.sun);
+    shown.frame();
+    expect(shown.shadow.status).toMatchObject({ filesInUse: 1, missing: 0 });
+    shown.shadow.dispose();
+    shown.shadow.setFiles(file);
+    expect(shown.shadow.status.filesInUse).toBe(0);
   });
 
-  test('what is added while the light is elsewhere casts until it comes back', () => {
-    const [city, house] = [new Group(), caster()];
-    const shown = show({ statics: city });
-    shown.light.position.negate();
-    city.add(house);
+  test('a root that is stretched while it runs leaves the others alone', () => {
+    const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+    const [here, there] = [new Group(), new Group()];
+    const shown = show({}, [{ file, root: here }, { file, root: there }]);
     shown.frame();
-    expect(house.castShadow).toBe(true);
-    shown.light.position.negate();
+    there.scale.x = 2;
     shown.frame();
-    expect(house.castShadow).toBe(false);
+    here.position.x = 5;
+    shown.frame();
+    expect(shown.shadow.status).toMatchObject({ filesInUse: 1, missing: 1 });
+    shown.shadow.setOptions({ filter: 9 });
+    expect(wordsOf(shown)[FILTER]).toBe(9);
+    there.scale.x = 1;
+    shown.frame();
+    expect(shown.shadow.status).toMatchObject({ filesInUse: 2, missing: 0 });
     shown.shadow.dispose();
-    expect(house.castShadow).toBe(true);
+    warn.mockRestore();
   });
 
-  test('a root below another one stays a root when it goes from there', () => {
-    const [city, house] = [new Group(), caster()];
-    const shown = show({ statics: [city.add(house), house] });
-    city.remove(house);
+  test('a static root that is not at rest is warned of, unless a file follows it', () => {
+    const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+    const said = (): number => warn.mock.calls.filter(([text]) => String(text).includes("in statics is moved, turned or scaled")).length;
+    const [still, small] = [new Group(), new Group()];
+    small.scale.setScalar(0.01);
+    for (const shown of [show({ statics: still }), show({}, { file, root: small })]) {
+      shown.frame();
+      shown.shadow.dispose();
+    }
+    expect(said()).toBe(0);
+    const shown = show({ statics: [still, small] });
     shown.frame();
-    expect(house.castShadow).toBe(false);
+    shown.frame();
+    // Once in a page, with whichever renderer.
+    expect(said()).toBe(name === 'WebGLRenderer' ? 1 : 0);
     shown.shadow.dispose();
-    expect(house.castShadow).toBe(true);
-  });
-
-  test('two lights share what is added later', () => {
-    const [city, house] = [new Group(), caster()];
-    const [first, second] = [show({ statics: city }), show({ statics: city })];
-    second.light.position.negate();
-    city.add(house);
-    for (const each of [first, second]) each.frame();
-    expect(house.castShadow).toBe(true);
-    second.light.position.negate();
-    second.frame();
-    expect(house.castShadow).toBe(false);
-    first.shadow.dispose();
-    expect(house.castShadow).toBe(false);
-    second.light.position.negate();
-    second.frame();
-    expect(house.castShadow).toBe(true);
-    second.shadow.dispose();
-    expect(house.castShadow).toBe(true);
+    warn.mockRestore();
   });
 });
-
-/** An object that casts. */
-function caster(): Mesh {
-  return Object.assign(new Mesh(), { castShadow: true });
-}
-
-/** How many listeners an object has for children that come and go. */
-function listeners(object: Object3D): number {
-  const { _listeners: all = {} } = object as unknown as { _listeners?: Record<string, unknown[]> };
-  return (all['childadded']?.length ?? 0) + (all['childremoved']?.length ?? 0);
-}

@@ -1,6 +1,6 @@
-// What the package adds to a page, with one renderer or with both: at most 21 KB gzip without shaders, 31 KB with one,
-// and nothing but three besides. A shader goes on to coarser levels where a streamed file lacks pages, which took it above
-// 30 KB.
+// What the package adds to a page, with one renderer or with both: at most 25 KB gzip without shaders, 35 KB with one,
+// and nothing but three besides. The aim is 17 KB. Reading, decoding and checking files are some six
+// tenths of it, and a tenth are the texts of errors.
 
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -53,16 +53,16 @@ const PAGES = {
 /** The files whose text is GLSL or WGSL: look-ups, and what calls them. */
 const SHADERS = [/generated/, /\.shader\.js$/];
 
-test.each(Object.entries(PAGES))('all of %s takes at most 21 KB, 31 KB with a shader', async (page, names) => {
+test.each(Object.entries(PAGES))('all of %s takes at most 25 KB, 35 KB with a shader', async (page, names) => {
   const { bytes, imports } = await bundled(exportAll(...names), SHADERS);
   console.log(`all of ${page} without shaders: ${bytes} bytes after gzip`);
   expect(bytes).toBeGreaterThan(5 * KB);
-  expect(bytes).toBeLessThanOrEqual(21 * KB);
+  expect(bytes).toBeLessThanOrEqual(25 * KB);
   expect(imports.filter((name) => !SHADERS.some((shader) => shader.test(name))).every((name) => name.startsWith('three'))).toBe(true);
   for (const [kept, left] of [['wgsl', /glsl/], ['glsl', /wgsl/]] as const) {
     const { bytes: withShader } = await bundled(exportAll(...names), [left]);
     console.log(`all of ${page} with the shader in ${kept}: ${withShader} bytes after gzip`);
-    expect(withShader).toBeLessThanOrEqual(31 * KB);
+    expect(withShader).toBeLessThanOrEqual(35 * KB);
   }
 });
 

@@ -5,8 +5,8 @@ import { mkdtempSync, rmSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join, resolve } from 'node:path';
 
-import { DirectionalLight, Scene } from 'three';
-import type { Box2, Texture, Vector2 } from 'three';
+import { DirectionalLight, Scene, Texture } from 'three';
+import type { Box2, Vector2 } from 'three';
 import { afterAll, afterEach, beforeAll, describe, expect, it, vi } from 'vitest';
 
 import { BakedShadowFile, LookUpTexture, Sampler } from '../../src/index.js';
@@ -101,6 +101,12 @@ describe('a light', () => {
     const attached = attachBakedShadow(new Scene(), light, file);
     expect(attached.isActive).toBe(true);
     attached.setOptions({ filter: 3 });
+    // Another file has words of its own, not the stream's.
+    const words = vi.spyOn(Texture.prototype, 'dispose');
+    attached.setFiles(new BakedShadowFile(bytes));
+    expect(words.mock.instances).not.toHaveLength(0);
+    expect(attached.isActive).toBe(true);
+    words.mockRestore();
     attached.dispose();
     file.dispose();
   });

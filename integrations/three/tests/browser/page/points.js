@@ -100,8 +100,20 @@ window.draw = async (task) => {
   };
   const texts = await lookUps();
   const options = { lookUp: texts[lookUp], ...task.settings };
-  let baked = parts.attach({ scene, light, files, ...options });
+  const root = new THREE.Group();
+  const twin = new THREE.Group();
+  scene.add(root, twin);
+  const choice = task.placements ? [files[0], files[0]].map((file, i) => ({ file, root: [root, twin][i] })) : files;
+  let baked = parts.attach({ scene, light, files: choice, ...options });
   const drawn = [await picture()];
+  for (const [i, placement] of (task.placements ?? []).entries()) {
+    // Every other time one copy answers, and then the other.
+    const [here, there] = i % 2 === 0 ? [root, twin] : [twin, root];
+    here.matrix.fromArray(placement).decompose(here.position, here.quaternion, here.scale);
+    there.copy(here).position.x += 1e4 * here.scale.x;
+    see(here, { object, camera, height, middle, width });
+    drawn.push(await picture());
+  }
   for (const settings of task.later ?? []) {
     baked.setOptions(settings);
     drawn.push(await picture());
@@ -132,6 +144,22 @@ window.draw = async (task) => {
   if (task.stream) files[0].dispose();
   return { visibility: drawn.map(visibility).map(encode), memory, places };
 };
+
+/** Moves what is drawn and the camera with a root. */
+function see({ matrix, position, quaternion, scale: { x: scale } }, { object, camera, height, middle, width }) {
+  for (const [each, y] of [
+    [object, height],
+    [camera, height + 90],
+  ]) {
+    each.position.set(middle[0], y, middle[1]).applyMatrix4(matrix);
+    each.quaternion.copy(quaternion);
+  }
+  object.scale.setScalar(width * scale);
+  camera.quaternion.multiply(new THREE.Quaternion().setFromAxisAngle(new THREE.Vector3(1, 0, 0), -Math.PI / 2));
+  const half = (width / 2) * scale;
+  Object.assign(camera, { left: -half, right: half, top: half, bottom: -half, near: scale, far: 200 * scale });
+  camera.updateProjectionMatrix();
+}
 
 async function openStreamed(url, options) {
   const { StreamedShadowFile } = await import('adumbra-three/stream');

@@ -7,7 +7,12 @@ import { createRoot } from 'react-dom/client';
 import { WebGPURenderer } from 'three/webgpu';
 import type { WebGPURendererParameters } from 'three/webgpu';
 
-import { Sun } from '../../../examples/react-three-fiber.js';
+import { Sun as SunOfWebGL } from '../../../examples/react-three-fiber-webgl.js';
+import { Sun as SunOfWebGPU } from '../../../examples/react-three-fiber.js';
+
+/** Whether the canvas has the renderer of its own choice. */
+const isWebGL = new URLSearchParams(location.search).get('renderer') === 'webgl';
+const Sun = isWebGL ? SunOfWebGL : SunOfWebGPU;
 
 type Page = Window & { isReady?: boolean; setUrl: (url: string | null) => void };
 
@@ -35,11 +40,15 @@ createRoot(root).render(
       flat
       orthographic
       camera={{ position: [0, 50, 0], up: [0, 0, -1], zoom: 10 }}
-      gl={async (canvas) => {
-        const renderer = new WebGPURenderer(canvas as WebGPURendererParameters);
-        await renderer.init();
-        return renderer;
-      }}
+      {...(isWebGL
+        ? {}
+        : {
+            gl: async (canvas) => {
+              const renderer = new WebGPURenderer(canvas as WebGPURendererParameters);
+              await renderer.init();
+              return renderer;
+            },
+          })}
       onCreated={() => void ((window as unknown as Page).isReady = true)}
     >
       <World />

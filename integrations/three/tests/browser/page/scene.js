@@ -174,8 +174,7 @@ const plays = {
     const cast = w.wall.castShadow;
     baked.dispose();
     light.castShadow = false;
-    const gone = await w.look();
-    return { beside, half, cast, gone, castAfter: w.wall.castShadow };
+    return { beside, half, cast, gone: await w.look() };
   },
 
   async filesAlone(backend) {
@@ -198,11 +197,11 @@ const plays = {
     const [file] = await load('a');
     const light = w.sunLight();
     w.mover.visible = true;
-    const baked = w.bake(light, file, { statics: w.statics, movers: 'shadow' });
+    const baked = w.bake(light, file, { statics: w.statics, movers: 'shadow', align: false });
     const states = [];
     for (const sun of ['a', 'none', 'a', 'b']) {
       turn(light, sun);
-      states.push({ ...(await w.look()), isActive: baked.isActive, cast: w.wall.castShadow });
+      states.push({ ...(await w.look()), isActive: baked.isActive });
     }
     return states;
   },
@@ -238,7 +237,8 @@ const plays = {
     const w = await world(backend);
     const [a, b] = await load('a', 'b');
     const lights = [w.sunLight(0xff0000), w.sunLight(0x00ff00)];
-    const bakes = [a, b].map((file, i) => w.bake(lights[i], file, { statics: w.statics, movers: 'shadow' }));
+    turn(lights[1], 'b');
+    const bakes = [a, b].map((file, i) => w.bake(lights[i], file, { statics: w.statics, movers: 'shadow', align: false }));
     const look = async () => {
       const { colours, casters } = await w.draw();
       return { red: lookAt(colours, 0), green: lookAt(colours, 1), casters };
@@ -253,7 +253,7 @@ const plays = {
     const first = await look();
     bakes[0].dispose();
     lights[0].castShadow = false;
-    return { both, oneTurned, back, first, none: await look(), cast: w.wall.castShadow };
+    return { both, oneTurned, back, first, none: await look() };
   },
 
   async sunLight(backend) {
@@ -265,17 +265,19 @@ const plays = {
     w.scene.add(light);
     turn(light, 'b');
     w.mover.visible = true;
-    let movers = 'shadow';
+    let movers = () => 'shadow';
     let refusal = '';
     if (backend !== 'webgl') {
       const { SunLightNode } = await import('three/addons/lights/SunLightNode.js');
       const { sunShadow } = await import('three/addons/lights/SunShadowNode.js');
       SunLight.registerNode(SunLightNode);
-      refusal = thrown(() => w.bake(light, file, { movers })).message;
-      movers = sunShadow(light);
+      refusal = thrown(() => w.bake(light, file, { movers: movers() })).message;
+      movers = () => sunShadow(light);
     }
-    const baked = w.bake(light, file, { statics: w.statics, movers });
+    let baked = w.bake(light, file, { statics: w.statics, movers: movers() });
     const aligned = await w.look();
+    baked.dispose();
+    baked = w.bake(light, file, { statics: w.statics, movers: movers(), align: false });
     turn(light, 'none');
     return { refusal, aligned, turned: await w.look(), isActive: baked.isActive };
   },
@@ -288,7 +290,7 @@ const plays = {
     w.mover.visible = true;
     light.shadow.camera.far = 300;
     const movers = new CSMShadowNode(light, { cascades: 2, maxFar: 100 });
-    const baked = w.bake(light, file, { statics: w.statics, movers });
+    const baked = w.bake(light, file, { statics: w.statics, movers, align: false });
     const beside = await w.look();
     turn(light, 'none');
     const turned = await w.look();
@@ -361,14 +363,14 @@ const plays = {
     const states = [];
     for (const castShadow of [true, false, true]) {
       light.castShadow = castShadow;
-      states.push({ ...(await w.look()), cast: w.wall.castShadow });
+      states.push(await w.look());
     }
     // Another in its place, without a word to the one before.
     baked = w.bake(light, b, { statics: w.statics, movers: 'shadow' });
-    states.push({ ...(await w.look()), cast: w.wall.castShadow });
+    states.push(await w.look());
     baked.dispose();
     light.castShadow = false;
-    states.push({ ...(await w.look()), cast: w.wall.castShadow });
+    states.push(await w.look());
     return states;
   },
 
@@ -386,7 +388,7 @@ const plays = {
     const light = w.sunLight();
     // So large a step along the normal shows which normal it is.
     const bias = { constantTexels: 1, slopeTexels: 1, normalOffsetTexels: 12 };
-    const baked = w.bake(light, file, { filter: 1, bias });
+    w.bake(light, file, { filter: 1, bias });
     /** The visibility of all pixels that are lit. */
     const visibility = async () => {
       const pictures = [];
@@ -410,8 +412,6 @@ const plays = {
       const { material, geometry = plane(), fog = null } = make();
       Object.assign(w.ground, { material, geometry });
       w.scene.fog = fog;
-      // Materials that come later are given the shadows by hand in WebGLRenderer.
-      baked.attach?.(w.ground);
       const found = await visibility();
       off[name] = found.filter((value, i) => !(Math.abs(value - plain[i]) < 0.01)).length;
     }
@@ -509,14 +509,109 @@ const plays = {
     patch.visible = false;
     const { skipped } = baked;
     const bare = await w.look();
-    // What comes later has no shadows until it is attached.
     const late = new THREE.Mesh(plane(), white());
     late.position.y = 0.01;
     late.receiveShadow = true;
     w.scene.add(late);
-    const before = await w.look();
-    baked.attach(late);
-    return { covered, skipped, bare, before, after: await w.look() };
+    return { covered, skipped, bare, late: await w.look() };
+  },
+
+  /** Grounds that show a mask of all shadows: three's own, and as the addon Water has it. */
+  async masks() {
+    const w = await world('webgl');
+    const [file] = await load('a');
+    const light = w.sunLight();
+    w.mover.visible = true;
+    w.bake(light, file, { statics: w.statics, movers: 'shadow' });
+    w.scene.background = new THREE.Color(LIT, LIT, LIT);
+    w.wall.material.colorWrite = w.mover.material.colorWrite = false;
+    w.wall.material.depthWrite = w.mover.material.depthWrite = false;
+    const { uniforms } = THREE.ShaderLib.lambert;
+    const water = new THREE.ShaderMaterial({
+      lights: true,
+      uniforms: THREE.UniformsUtils.clone(uniforms),
+      vertexShader: `#include <common>
+#include <shadowmap_pars_vertex>
+void main() {
+  #include <beginnormal_vertex>
+  #include <defaultnormal_vertex>
+  #include <begin_vertex>
+  #include <project_vertex>
+  #include <worldpos_vertex>
+  #include <shadowmap_vertex>
+}`,
+      fragmentShader: `#include <common>
+#include <packing>
+#include <lights_pars_begin>
+#include <shadowmap_pars_fragment>
+#include <shadowmask_pars_fragment>
+void main() {
+  gl_FragColor = vec4( vec3( ${LIT.toFixed(1)} * getShadowMask() ), 1.0 );
+}`,
+    });
+    const states = [];
+    for (const material of [new THREE.ShadowMaterial(), water]) {
+      w.ground.material = material;
+      states.push(await w.look());
+      light.shadow.intensity = 0.5;
+      states.push(await w.look());
+      light.shadow.intensity = 1;
+      light.visible = false;
+      states.push(await w.look());
+      light.visible = true;
+      w.ground.receiveShadow = false;
+      states.push(await w.look());
+      w.ground.receiveShadow = true;
+    }
+    return states;
+  },
+
+  /** What an app does after it has attached a file. */
+  async afterwards(backend) {
+    const w = await world(backend);
+    const [a, b] = await load('a', 'b');
+    const light = w.sunLight();
+    w.mover.visible = true;
+    w.wall.castShadow = false;
+    const baked = w.bake(light, a, { statics: w.statics, movers: 'shadow' });
+    const states = { atFirst: await w.look() };
+    w.wall.castShadow = true;
+    w.ground.material = white();
+    states.late = await w.look();
+    // A clone casts, for it is in no file.
+    const clone = w.wall.clone();
+    clone.position.set(-8, 2, 10);
+    clone.onBeforeShadow = () => (states.clones = (states.clones ?? 0) + 1);
+    w.scene.add(clone);
+    await w.draw();
+    w.scene.remove(clone);
+    // The light follows something.
+    light.target.position.set(3, 0, 1);
+    light.position.set(30, 43, 9);
+    states.followed = await w.look();
+    light.target.position.set(0, 0, 0);
+    turn(light, 'a');
+    baked.setFiles([a, b]);
+    states.two = await w.look();
+    baked.setFiles(b);
+    states.other = await w.look();
+    baked.setFiles(a);
+    await w.draw();
+    // The map is frozen while the file is in use, and then the sun goes down and the moon comes.
+    light.shadow.autoUpdate = false;
+    states.frozen = await w.look();
+    light.visible = false;
+    const moon = w.sunLight();
+    turn(moon, 'none');
+    moon.castShadow = true;
+    states.night = await w.look();
+    w.scene.remove(moon);
+    light.visible = true;
+    light.shadow.autoUpdate = true;
+    light.dispose();
+    light.castShadow = false;
+    states.disposed = await w.look();
+    return states;
   },
 
   async gltf(backend, name) {
@@ -560,7 +655,10 @@ const plays = {
     const { GLTFLoader } = await import('three/addons/loaders/GLTFLoader.js');
     const { GLTFBakedShadow } = await import('adumbra-three/gltf');
     const loader = new GLTFLoader();
-    loader.register((parser) => new GLTFBakedShadow(parser, () => undefined));
+    const fail = (error) => {
+      throw error;
+    };
+    loader.register((parser) => new GLTFBakedShadow(parser, () => undefined, fail));
     return rejection(loader.loadAsync(`/files/${name}`));
   },
 

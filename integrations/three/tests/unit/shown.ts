@@ -1,0 +1,114 @@
+// A baked shadow in a scene of its own, and drawings of it without a GPU: what three calls around and within a drawing.
+
+import { DirectionalLight, Mesh, MeshLambertMaterial, OrthographicCamera, Scene } from 'three';
+import type { Camera, DataTexture, Object3D, Texture, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
+import type { NodeFrame } from 'three/webgpu';
+
+import { BakedShadowFile } from '../../src/index.js';
+import { asPlaced } from '../../src/light/options.js';
+import type { FileChoice } from '../../src/light/options.js';
+import { attachBakedShadow } from '../../src/webgl/index.js';
+import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
+import { BakedShadowNode } from '../../src/webgpu/index.js';
+import { validBytes } from './vectors.js';
+
+const upright = new BakedShadowFile(validBytes('upright_depths'));
+
+/** A shadow in a scene of its own. */
+export interface Shown {
+  readonly scene: Scene;
+  readonly shadow: BakedShadow;
+  readonly light: DirectionalLight;
+  /** The texture of parameters that the GPU has. */
+  readonly headers: DataTexture;
+  /** What stands for the renderer. */
+  readonly renderer: { shadowMap: { needsUpdate?: boolean } };
+  /** Draws. Has `drawMap` done where three would draw the light's shadow map. */
+  frame(drawMap?: () => void): void;
+}
+
+/** What stands for a WebGLRenderer, with what it keeps of materials. */
+export function webglRenderer() {
+  const kept = new WeakMap<object, object>();
+  const get = (material: object): Record<string, unknown> => {
+    if (!kept.has(material)) kept.set(material, {});
+    return kept.get(material) as Record<string, unknown>;
+  };
+  return { isWebGLRenderer: true, shadowMap: {}, properties: { get } };
+}
+
+/** Has a scene drawn as WebGLRenderer does: once for all maps. */
+export function drawWithWebGL(scene: Scene, renderer: object, drawMap?: () => void): void {
+  scene.updateMatrixWorld();
+  const hooks = scene as unknown as Record<'onBeforeRender' | 'onAfterRender', (renderer: object, scene: Scene, camera: Camera) => void>;
+  hooks.onBeforeRender(renderer, scene, new OrthographicCamera());
+  drawMap?.();
+  hooks.onAfterRender(renderer, scene, new OrthographicCamera());
+}
+
+/** Has a scene drawn as WebGPURenderer does: each map by itself, within the drawing of the scene, from the light's camera. */
+export function drawWithWebGPU(scene: Scene, renderer: object, node: BakedShadowNode, light: DirectionalLight, drawMap?: () => void): void {
+  scene.updateMatrixWorld();
+  const hooks = scene as unknown as Record<'onBeforeRender' | 'onAfterRender', (renderer: object, scene: Scene, camera: Camera) => void>;
+  hooks.onBeforeRender(renderer, scene, new OrthographicCamera());
+  node.updateBefore({ renderer, scene } as unknown as NodeFrame);
+  light.shadow.updateMatrices(light);
+  hooks.onBeforeRender(renderer, scene, light.shadow.camera);
+  drawMap?.();
+  hooks.onAfterRender(renderer, scene, light.shadow.camera);
+  hooks.onAfterRender(renderer, scene, new OrthographicCamera());
+}
+
+/** Adds what an app has in its scene: the light, and roots that are nowhere yet. */
+function sceneOf(light: DirectionalLight, files: FileChoice, options: BakedShadowOptions): Scene {
+  const roots: Object3D[] = [...asPlaced(files).flatMap(({ root }) => root ?? []), ...[options.statics ?? []].flat()];
+  return new Scene().add(light, light.target, ...roots.filter(({ parent }) => parent === null)) as Scene;
+}
+
+/** A light in a scene that WebGLRenderer draws. */
+function webgl(options: BakedShadowOptions, files: FileChoice = upright, light = new DirectionalLight()): Shown {
+  const material = new MeshLambertMaterial();
+  const scene = sceneOf(light, files, options).add(new Mesh(undefined, material)) as Scene;
+  const shadow = attachBakedShadow(scene, light, files, options);
+  const shader = { fragmentShader: '#include <lights_fragment_begin>\n#include <normal_fragment_begin>\nvoid main() {}', vertexShader: '', uniforms: {} };
+  material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
+  const uniforms = Object.entries(shader.uniforms as Record<string, { value: DataTexture }>);
+  const headers = uniforms.find(([name]) => name.endsWith('_headers'))![1];
+  const renderer = webglRenderer();
+  return {
+    scene,
+    shadow,
+    light,
+    renderer,
+    get headers() {
+      return headers.value;
+    },
+    frame: (drawMap) => drawWithWebGL(scene, renderer, drawMap),
+  };
+}
+
+/** A light in a scene that WebGPURenderer draws. */
+function webgpu(options: BakedShadowOptions, files: FileChoice = upright, light = new DirectionalLight()): Shown {
+  const scene = sceneOf(light, files, options);
+  const shadow = new BakedShadowNode(light, { file: files, ...options });
+  let headers: Texture | null = null;
+  const renderer = { shadowMap: {}, initTexture: (texture: Texture) => (headers = texture) };
+  const frame: Shown['frame'] = (drawMap) => drawWithWebGPU(scene, renderer, shadow, light, drawMap);
+  frame();
+  return {
+    scene,
+    shadow,
+    light,
+    renderer,
+    get headers() {
+      return headers as unknown as DataTexture;
+    },
+    frame,
+  };
+}
+
+/** Both renderers, by name. */
+export const RENDERERS = [
+  ['WebGLRenderer', webgl],
+  ['WebGPURenderer', webgpu],
+] as const;
