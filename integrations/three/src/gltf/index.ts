@@ -30,7 +30,7 @@ export interface NamedShadow {
  * each light that names a file, before the loader's promise resolves. With WebGPURenderer it is
  * `({ light, ...options }) => { light.shadow.shadowNode = new BakedShadowNode(light, options); light.castShadow = true; }`.
  *
- * Without its file, a light is as the glTF file has it, and `onError` is told why.
+ * Without its file, a light is as the glTF file has it, and `onError` gets the reason.
  */
 export class GLTFBakedShadow implements GLTFLoaderPlugin {
   /** For three: the name of what is read. */

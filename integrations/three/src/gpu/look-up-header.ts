@@ -28,7 +28,8 @@ export interface Penumbra {
 /** Settings of look-ups on a GPU. */
 export interface GpuLookUpOptions extends LookUpOptions {
   /** Penumbrae, for which the filter must be 1. */
-  readonly penumbra?: Penumbra;}
+  readonly penumbra?: Penumbra;
+}
 
 /** The header of a file. Its words change with the settings of look-ups, and with nothing else. */
 export interface LookUpHeader {

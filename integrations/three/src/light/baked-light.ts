@@ -49,7 +49,7 @@ const AT_REST = new Matrix4();
 /** Numbers in use. A number that is free is used again, so that shaders are too. */
 const inUse = new Set<number>();
 
-/** Reads the options of a light, and prepares its files. */
+/** Reads the options of a light, and prepares its files. The light stays as it is until the first update. */
 export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowOptions): BakedLight {
   let options = first;
   const lookUp = lookUpOf(file) ?? options.lookUp ?? filtered;
@@ -76,8 +76,12 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
   const distancesTo = ({ x, y, z }: Vector3): number[] => files.suns().map((sun) => (sun ? distance(sun, [x, y, z]) : Infinity));
   /** The numbers of the files whose sun is in a direction. */
   const filesTowards = (direction: Vector3): number[] => distancesTo(direction).flatMap((each, i) => (each <= SAME_SUN ? i : []));
-  files.follow();
-  align();
+  const update = (renderer?: AnyRenderer | null): void => {
+    if (isDisposed) return;
+    files.follow(renderer);
+    align();
+    files.textures.use(filesTowards(towardsLight(light, towards)));
+  };
   return {
     light,
     lookUp,
@@ -94,7 +98,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       const next = openFiles(choice, lookUp, options, files);
       files.textures.dispose(next.textures);
       files = next;
-      this.update();
+      update();
     },
     status() {
       const distances = distancesTo(towardsLight(light, new Vector3()));
@@ -104,12 +108,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
         degrees: (Math.asin(Math.min(1, Math.min(...distances) / 2)) * 360) / Math.PI,
       };
     },
-    update(renderer) {
-      if (isDisposed) return;
-      files.follow(renderer);
-      align();
-      files.textures.use(filesTowards(towardsLight(light, towards)));
-    },
+    update,
     casters() {
       const [resting, needed]: [Object3D[], Object3D[]] = [[], []];
       if (isDisposed || !shines(light) || !isInScene(light)) return { resting, needed };

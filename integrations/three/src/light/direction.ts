@@ -98,19 +98,15 @@ function isSame<T extends Vector3 | Quaternion | Matrix4>(value: T, known: T | u
 /** Directions that differ by less are the same: what rounding does. */
 const TURNED = 1e-6;
 
-/** Turns a light to a sun. It moves around its target, at a distance, by default its own; a light that carries its target, as those of glTF files do, turns. */
-export function alignLight(light: SunLike, sun: Vec3, distance?: number): void {
-  light.updateWorldMatrix(true, false);
-  light.target?.updateWorldMatrix(true, false);
+/** Turns a light to a sun. It moves around its target, at a distance; a light that carries its target, as those of glTF files do, turns. Matrices must be up to date. */
+function alignLight(light: SunLike, sun: Vec3, distance: number): void {
   if (light.target?.parent === light) {
     const world = new Quaternion();
     light.parent?.getWorldQuaternion(world);
     to.set(...sun).applyQuaternion(world.invert());
     light.quaternion.setFromUnitVectors(from.copy(light.target.position).negate().normalize(), to);
   } else {
-    const target = targetOf(light);
-    const away = distance ?? (from.setFromMatrixPosition(light.matrixWorld).distanceTo(target) || 1);
-    from.set(...sun).multiplyScalar(away).add(target);
+    from.set(...sun).multiplyScalar(distance).add(targetOf(light));
     light.position.copy(light.parent === null ? from : light.parent.worldToLocal(from));
   }
   light.updateMatrix();

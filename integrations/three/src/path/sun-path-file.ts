@@ -8,8 +8,6 @@ import { wordCount } from '../gpu/look-up-header.js';
 import type { GpuLookUpOptions } from '../gpu/look-up-header.js';
 import type { LightGrid } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { alignLight } from '../light/direction.js';
-import type { SunLike } from '../light/direction.js';
 import type { StreamedFile, StreamedWords } from '../light/streamed.js';
 import { warnOnce } from '../light/warn.js';
 import type { FileSettings, LookUpOptions } from '../settings.js';
@@ -228,11 +226,6 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
     this.update(seconds);
     await Promise.all((keysAt(this.#front, seconds) ?? []).map((key) => this.#keys.load(key)));
     if (this.#seconds === seconds) this.update(seconds);
-  }
-
-  /** Turns a light to the sun of the last update, around its target. At night it stays as it is. */
-  align(light: SunLike): void {
-    if (this.#answering !== undefined) alignLight(light, this.#answering.towardsSun);
   }
 
   /** Has what failed loaded again by the next update, without waiting any longer. */

@@ -147,7 +147,7 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     },
   };
   const leave = takePart(scene, part);
-  // What is compiled before it is drawn has them as well.
+  // Once what was attached before has given the light back. What is compiled before it is drawn has the shadows as well.
   baked.update();
   bind();
   forEachMaterial(scene, meet);

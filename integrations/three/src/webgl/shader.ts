@@ -57,15 +57,15 @@ export type Shader = Pick<WebGLProgramParametersWithUniforms, 'fragmentShader' |
 export function withLookUp({ fragmentShader, vertexShader, precision = 'highp' }: Shader, lookUp: string, prefix: string): Shader | null {
   const text = fragmentShader.replace(INCLUDE, () => ShaderChunk.lights_fragment_begin).replace(MASK_INCLUDE, () => ShaderChunk.shadowmask_pars_fragment);
   const isMask = MASK_FUNCTION.test(text) && /#include +<lights_pars_begin>|uniform bool receiveShadow/.test(text);
-  const isLightAlike = NEEDS.every((pattern) => text.search(pattern) !== -1);
-  if (!isMask && !isLightAlike) return null;
+  const hasLights = NEEDS.every((pattern) => text.search(pattern) !== -1);
+  if (!isMask && !hasLights) return null;
   // The look-up counts on 32 bits, whatever the app's own text gets along with.
-  const [high, back] = ['highp', precision].map((each) => (precision === 'highp' ? '' : `precision ${each} float;\nprecision ${each} int;\n`));
-  const own = withPrefix(DECLARATIONS + high + lookUp + (isMask ? MASK : '') + back, prefix);
+  const from = (each: string): string => (precision === 'highp' ? '' : `precision ${each} float;\nprecision ${each} int;\n`);
+  const own = withPrefix(DECLARATIONS + from('highp') + lookUp + (isMask ? MASK : '') + from(precision), prefix);
   const mask = isMask ? text.replace(MASK_FUNCTION, withPrefix(MASK_HEAD, prefix)) : text;
   return {
     fragmentShader: mask
-      .replace(PLACES, (found, light: string) => (isLightAlike ? `${found}\n${withPrefix(shadowOf(light), prefix)}` : found))
+      .replace(PLACES, (found, light: string) => (hasLights ? `${found}\n${withPrefix(shadowOf(light), prefix)}` : found))
       .replace(MAIN, (main) => `${own}\n${main}`),
     // One position serves all lights.
     vertexShader: isMask && !vertexShader.includes(MASK_VERTEX) ? MASK_VERTEX + vertexShader + MASK_VERTEX_END : vertexShader,

@@ -56,7 +56,7 @@ const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 export class BakedShadowNode extends Base implements BakedShadow {
   readonly #sun: SunLike;
   readonly #baked: BakedLight;
-  /** Whether three is told to build the light's shadow anew, which disposes the one that it has. */
+  /** Whether three is about to rebuild the light's shadow, which disposes the one that it has. */
   #isRenewing = false;
   #isDisposed = false;
   readonly #movers: Node | null;
@@ -87,7 +87,6 @@ export class BakedShadowNode extends Base implements BakedShadow {
     this.#sun = light;
     this.#baked = bakedLight(light, file, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
-    this.#baked.update();
     this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer) };
     this.#events = wrap(light, 'dispatchEvent', (theirs) => (event) => {
       const isEnd = Number(event.type === 'dispose');
@@ -102,6 +101,8 @@ export class BakedShadowNode extends Base implements BakedShadow {
     const before = light.shadow.shadowNode as unknown;
     if (before instanceof BakedShadowNode) before.dispose();
     else if (before === undefined || before !== movers) forgetShadow(light);
+    // Once it has given the light back.
+    this.#baked.update();
   }
 
   /** Whether the light shines, and from the sun of a file. Otherwise shadows are those of `movers`, if there are any. */

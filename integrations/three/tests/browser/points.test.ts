@@ -35,6 +35,7 @@ interface Task {
   depth?: string;
   cycles?: number;
   placements?: number[][];
+  rig?: number;
   height?: number;
 }
 
@@ -274,6 +275,15 @@ describe.each(BACKENDS)('%s', (backend) => {
     expect(other.complaints).toEqual([]);
     await other.page.close();
   });
+});
+
+test.each(['0.187.0', '0.166.0'] as const)('a camera below a scaled rig sees the same with three %s', async (version) => {
+  const other = await stage.open(VERSIONS[version], 'points.js');
+  const task = { backend: 'webgl', files: ['city.adumbra'], lookUp: 'filtered', settings: { filter: 5 } } as const;
+  const { pictures } = await draw({ ...task, files: [...task.files], rig: 2.5 }, other.page);
+  alike('city.adumbra', pictures[0]!, 5);
+  expect(other.complaints).toEqual([]);
+  await other.page.close();
 });
 
 test('the console is silent', () => {

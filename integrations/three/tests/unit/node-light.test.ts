@@ -49,6 +49,16 @@ test.each([
   expect(Object.hasOwn(light, 'dispatchEvent')).toBe(false);
 });
 
+test('a light is at the sun of its file at once, whatever it had before', () => {
+  const { light } = built();
+  const where = light.position.clone();
+  const again = new BakedShadowNode(light, { file });
+  expect(again.isActive).toBe(true);
+  expect(light.position.distanceTo(where)).toBeLessThan(1e-6);
+  again.dispose();
+  expect(light.position.toArray()).toEqual([0, 1, 0]);
+});
+
 test('a shadow that ends while the light tells of something else is dropped by three', () => {
   const { light, shadow, node, lit } = built();
   light.addEventListener('removed', () => shadow.dispose());
@@ -76,14 +86,14 @@ test('the camera of a lamp is none of the sun, wherever it looks', () => {
   shadow.dispose();
 });
 
-test('a light that has no shadow any more is not told again', () => {
+test('a light that has no shadow any more gets no second event', () => {
   const { light, shadow } = built();
-  const told = vi.fn();
-  light.addEventListener('dispose', told);
+  const listener = vi.fn();
+  light.addEventListener('dispose', listener);
   light.dispose();
   shadow.dispose();
   shadow.updateBefore({ renderer: null, scene: light.parent } as unknown as NodeFrame);
-  expect(told).toHaveBeenCalledTimes(1);
+  expect(listener).toHaveBeenCalledTimes(1);
 });
 
 test('a backend that says that it is none of WebGPU gets GLSL', () => {

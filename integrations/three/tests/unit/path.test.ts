@@ -10,6 +10,7 @@ import { SunPathFile } from '../../src/path/index.js';
 import { attachBakedShadow } from '../../src/webgl/index.js';
 import { pathFile, repairPath } from './path-files.js';
 import { surfacesOf } from './points.js';
+import { drawWithWebGL, webglRenderer } from './shown.js';
 import { pause, serve } from './stream-server.js';
 import { validBytes } from './vectors.js';
 
@@ -235,12 +236,17 @@ describe('a light', () => {
     serve(BYTES);
     const file = await SunPathFile.open('day');
     const light = new DirectionalLight();
-    const attached = attachBakedShadow(new Scene(), light, file);
+    const scene = new Scene().add(light) as Scene;
+    const attached = attachBakedShadow(scene, light, file);
     expect(attached.isActive).toBe(true);
     await settle(file, 250);
     expect(attached.isActive).toBe(false);
-    file.align(light);
+    const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
+    drawWithWebGL(scene, { ...webglRenderer(), copyTextureToTexture: () => undefined });
     expect(attached.isActive).toBe(true);
+    expect(light.position.clone().normalize().distanceTo({ x: ASIDE[0], y: ASIDE[1], z: ASIDE[2] })).toBeLessThan(1e-6);
+    expect(warn).not.toHaveBeenCalled();
+    warn.mockRestore();
     expect(() => attachBakedShadow(new Scene(), light, [file, WHOLE])).toThrow(/only one of its light/);
     expect(() => file.openWords({ filter: 5 }, 128)).toThrow(/but a side may have 128 texels/);
     attached.dispose();

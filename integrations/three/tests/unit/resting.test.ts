@@ -30,7 +30,7 @@ function castIn(shown: Shown, ...objects: Object3D[]): boolean[] {
 const turnAway = (shown: Shown): void => void shown.light.position.negate();
 
 describe.each(RENDERERS)('%s', (name, show) => {
-  test('what is below a static root rests, whenever it was added or told to cast', () => {
+  test('what is below a static root rests, whenever it was added or given castShadow', () => {
     const [city, street, house, lamp] = [new Group(), new Group(), caster(), caster()];
     const shown = show({ statics: city.add(street) });
     street.add(house.add(lamp));

@@ -19,8 +19,8 @@ export interface Shown {
   readonly scene: Scene;
   readonly shadow: BakedShadow;
   readonly light: DirectionalLight;
-  /** The texture of parameters that the GPU has. */
-  readonly headers: DataTexture;
+  /** Returns the texture of parameters that the GPU has. */
+  headers(): DataTexture;
   /** What stands for the renderer. */
   readonly renderer: { shadowMap: { needsUpdate?: boolean } };
   /** Draws. Has `drawMap` done where three would draw the light's shadow map. */
@@ -37,26 +37,28 @@ export function webglRenderer() {
   return { isWebGLRenderer: true, shadowMap: {}, properties: { get } };
 }
 
+/** Has a scene drawn from a camera, and something done meanwhile. */
+function draw(scene: Scene, renderer: object, camera: Camera, meanwhile?: () => void): void {
+  const hooks = scene as unknown as Record<'onBeforeRender' | 'onAfterRender', (renderer: object, scene: Scene, camera: Camera) => void>;
+  hooks.onBeforeRender(renderer, scene, camera);
+  meanwhile?.();
+  hooks.onAfterRender(renderer, scene, camera);
+}
+
 /** Has a scene drawn as WebGLRenderer does: once for all maps. */
 export function drawWithWebGL(scene: Scene, renderer: object, drawMap?: () => void): void {
   scene.updateMatrixWorld();
-  const hooks = scene as unknown as Record<'onBeforeRender' | 'onAfterRender', (renderer: object, scene: Scene, camera: Camera) => void>;
-  hooks.onBeforeRender(renderer, scene, new OrthographicCamera());
-  drawMap?.();
-  hooks.onAfterRender(renderer, scene, new OrthographicCamera());
+  draw(scene, renderer, new OrthographicCamera(), drawMap);
 }
 
 /** Has a scene drawn as WebGPURenderer does: each map by itself, within the drawing of the scene, from the light's camera. */
 export function drawWithWebGPU(scene: Scene, renderer: object, node: BakedShadowNode, light: DirectionalLight, drawMap?: () => void): void {
   scene.updateMatrixWorld();
-  const hooks = scene as unknown as Record<'onBeforeRender' | 'onAfterRender', (renderer: object, scene: Scene, camera: Camera) => void>;
-  hooks.onBeforeRender(renderer, scene, new OrthographicCamera());
-  node.updateBefore({ renderer, scene } as unknown as NodeFrame);
-  light.shadow.updateMatrices(light);
-  hooks.onBeforeRender(renderer, scene, light.shadow.camera);
-  drawMap?.();
-  hooks.onAfterRender(renderer, scene, light.shadow.camera);
-  hooks.onAfterRender(renderer, scene, new OrthographicCamera());
+  draw(scene, renderer, new OrthographicCamera(), () => {
+    node.updateBefore({ renderer, scene } as unknown as NodeFrame);
+    light.shadow.updateMatrices(light);
+    draw(scene, renderer, light.shadow.camera, drawMap);
+  });
 }
 
 /** Adds what an app has in its scene: the light, and roots that are nowhere yet. */
@@ -75,16 +77,8 @@ function webgl(options: BakedShadowOptions, files: FileChoice = upright, light =
   const uniforms = Object.entries(shader.uniforms as Record<string, { value: DataTexture }>);
   const headers = uniforms.find(([name]) => name.endsWith('_headers'))![1];
   const renderer = webglRenderer();
-  return {
-    scene,
-    shadow,
-    light,
-    renderer,
-    get headers() {
-      return headers.value;
-    },
-    frame: (drawMap) => drawWithWebGL(scene, renderer, drawMap),
-  };
+  const frame: Shown['frame'] = (drawMap) => drawWithWebGL(scene, renderer, drawMap);
+  return { scene, shadow, light, renderer, headers: () => headers.value, frame };
 }
 
 /** A light in a scene that WebGPURenderer draws. */
@@ -95,16 +89,7 @@ function webgpu(options: BakedShadowOptions, files: FileChoice = upright, light 
   const renderer = { shadowMap: {}, initTexture: (texture: Texture) => (headers = texture) };
   const frame: Shown['frame'] = (drawMap) => drawWithWebGPU(scene, renderer, shadow, light, drawMap);
   frame();
-  return {
-    scene,
-    shadow,
-    light,
-    renderer,
-    get headers() {
-      return headers as unknown as DataTexture;
-    },
-    frame,
-  };
+  return { scene, shadow, light, renderer, headers: () => headers as unknown as DataTexture, frame };
 }
 
 /** Both renderers, by name. */

@@ -30,11 +30,12 @@ window.draw = async ({ backend, url, moments, height, width, filter }) => {
   for (const { seconds, waits } of moments) {
     if (waits) await path.load(seconds);
     else path.update(seconds);
-    path.align(light);
     // Keys come while pixels are read.
-    const [{ isActive }, { stats }, sampler] = [baked, path, path.sampler({ filter })];
+    const [{ stats }, sampler] = [path, path.sampler({ filter })];
     parts.renderer.setRenderTarget(parts.target);
     parts.renderer.render(scene, camera);
+    // The light has followed the path.
+    const { isActive } = baked;
     const { pixels, isBottomFirst } = await parts.read();
     const [found, expected] = [new Float32Array(SIDE * SIDE), new Float32Array(SIDE * SIDE)];
     for (let y = 0; y < SIDE; y += 1) {

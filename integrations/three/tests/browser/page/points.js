@@ -84,6 +84,8 @@ window.draw = async (task) => {
   camera.up.set(0, 0, -1);
   camera.lookAt(middle[0], height, middle[1]);
 
+  if (task.rig) putInRig(camera, scene, task.rig);
+
   const frame = () => {
     parts.renderer.setRenderTarget(parts.target);
     parts.renderer.render(scene, camera);
@@ -144,6 +146,20 @@ window.draw = async (task) => {
   if (task.stream) files[0].dispose();
   return { visibility: drawn.map(visibility).map(encode), memory, places };
 };
+
+/** Puts a camera, where it is, below a group with a scale. Until 0.180 three's views are scaled with it. */
+function putInRig(camera, scene, scale) {
+  const rig = new THREE.Group();
+  rig.position.set(7, -3, 5);
+  rig.scale.setScalar(scale);
+  scene.add(rig);
+  rig.updateMatrixWorld();
+  rig.attach(camera);
+  camera.scale.setScalar(1);
+  if (parseInt(THREE.REVISION, 10) >= 180) return;
+  for (const side of ['left', 'right', 'top', 'bottom', 'near', 'far']) camera[side] /= scale;
+  camera.updateProjectionMatrix();
+}
 
 /** Moves what is drawn and the camera with a root. */
 function see({ matrix, position, quaternion, scale: { x: scale } }, { object, camera, height, middle, width }) {
