@@ -5,7 +5,8 @@ use std::path::Path;
 
 use crate::steps::{self, Cargo, PROFILE, Steps};
 
-/// Checks formatting, lints, documentation, what the lean program links, the fuzz targets, and what all packages depend on.
+/// Checks formatting, lints, documentation, what the lean program links, each crate alone, the fuzz targets, and what all packages
+/// depend on.
 pub(crate) fn run(root: &Path, steps: &mut Steps) {
     steps.run("format", || format(root));
     let clippy = ["clippy", "--quiet", "--profile", PROFILE];
@@ -19,6 +20,7 @@ pub(crate) fn run(root: &Path, steps: &mut Steps) {
         lint(&LEAN_PROGRAM)?;
         lean_program(root)
     });
+    steps.run("crates alone", || crates_alone(root));
     steps.run("fuzz targets", || {
         Cargo::new(&root.join("fuzz")).with("RUSTFLAGS", "-D warnings").run(&["check", "--quiet", "--locked"])
     });
@@ -46,6 +48,28 @@ fn dependencies(root: &Path) -> Result<(), String> {
 
 /// The program without its features.
 const LEAN_PROGRAM: [&str; 3] = ["-p", "adumbra-cli", "--no-default-features"];
+
+/// Checks each crate with the features that it asks for itself. In the whole workspace it has those of all others.
+fn crates_alone(root: &Path) -> Result<(), String> {
+    let names = Cargo::new(root).output(&[
+        "tree",
+        "--workspace",
+        "--depth",
+        "0",
+        "--prefix",
+        "none",
+        "--format",
+        "{p}",
+    ])?;
+    let names: BTreeSet<&str> =
+        names.lines().filter_map(|line| line.split(' ').next()).filter(|name| !name.is_empty()).collect();
+    if !names.contains("adumbra-program") {
+        return Err("cargo tree does not list the crates of the workspace".to_owned());
+    }
+    names
+        .into_iter()
+        .try_for_each(|name| Cargo::new(root).run(&["check", "--quiet", "--profile", PROFILE, "-p", name]))
+}
 
 /// Crates that the program must not link without its features.
 const DRAWING: [&str; 6] = ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];

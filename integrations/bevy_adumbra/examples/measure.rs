@@ -194,7 +194,8 @@ fn frames(app: &mut App, light: Entity, count: usize) -> Vec<(String, String)> {
         distinct.dedup();
         bins += distinct.len();
     }
-    let cascades = world.get::<CascadeShadowConfig>(light).expect("a light").bounds.len();
+    let most = world.get::<CascadeShadowConfig>(light).expect("a light").bounds.len();
+    let cascades = if casters == 0 && world.get::<BakedShadow>(light).is_some() { 0 } else { most };
     let ms = |values: &mut Vec<f64>| format!("{:.1} ms", median(values));
     let mut rows = vec![
         ("depth passes".to_owned(), cascades.to_string()),

@@ -164,6 +164,32 @@ impl From<ShadowBias> for Bias {
 #[reflect(Component, Default, Clone, Debug)]
 pub struct BakedStatic;
 
+/// The root of what a file was baked from: the file's world is that of this entity. Shadows follow it wherever the app moves
+/// it, turns it, or scales it by one number, at any time, and so does the file's sun. Without one, a file's world is the app's.
+///
+/// A file with several roots is in several places, each of which is one of the at most eight files in use, with a copy of the
+/// words on the GPU.
+#[derive(Component, Clone, Debug, PartialEq, Reflect)]
+#[reflect(Component, Clone, Debug, PartialEq)]
+pub enum FileRoot {
+    /// The root of a file that is loaded whole, as in [`BakedShadow::files`].
+    Whole(Handle<BakedShadowFile>),
+    /// The root of a file that is streamed, as in [`BakedShadow::streams`].
+    Streamed(StreamSource),
+}
+
+impl FileRoot {
+    /// The root of a file that is loaded whole.
+    pub fn new(file: Handle<BakedShadowFile>) -> Self {
+        Self::Whole(file)
+    }
+
+    /// The root of a file that is streamed.
+    pub fn streamed(source: impl Into<StreamSource>) -> Self {
+        Self::Streamed(source.into())
+    }
+}
+
 /// This entity and everything below it moves after all, although it is below a [`BakedStatic`].
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]

@@ -45,6 +45,9 @@ pub enum BakedShadowError {
     /// A file is too large for look-ups on this device.
     #[error(transparent)]
     File(RangeError),
+    /// A file's root is mirrored, or scaled by more than one number.
+    #[error("a file cannot follow its FileRoot: {0}")]
+    Root(RangeError),
     /// A setting of the light is out of range.
     #[error("BakedShadow: {0}")]
     Setting(#[source] SharedError<adumbra::Error>),

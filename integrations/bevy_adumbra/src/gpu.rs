@@ -3,7 +3,7 @@
 //! Bevy's view bind group has no place for a plugin. Binding 24 is in every view's layout, and Bevy puts a texture there
 //! only where something transmissive is drawn. So a view without that gets the words as they are, in `Rgba8Unorm`. A
 //! view with it gets one texture of the format that Bevy needs: the picture's rows above, as Bevy copies them, and the
-//! words below. Transmission divides by the texture's own size, so it looks up the same texels as before.
+//! words below. Transmission divides by the texture's own size, and takes its texels from the picture alone.
 
 use std::borrow::Cow;
 
@@ -13,6 +13,7 @@ use bevy::log::warn_once;
 use bevy::math::UVec2;
 use bevy::pbr::{Transmissive3d, ViewTransmissionTexture};
 use bevy::platform::collections::HashMap;
+use bevy::platform::collections::hash_map::Entry;
 use bevy::render::Extract;
 use bevy::render::camera::ExtractedCamera;
 use bevy::render::render_phase::ViewSortedRenderPhases;
@@ -26,6 +27,7 @@ use bevy::render::view::ExtractedView;
 use crate::DeviceLimits;
 use crate::encode::encoded;
 use crate::in_use::{FileInUse, FilesInUse, March};
+use crate::layout::Layout;
 use crate::pools::Pools;
 use crate::texels::{PoolTexels, Texels, rectangles};
 
@@ -66,6 +68,7 @@ impl WordTextures {
     fn take(
         &mut self,
         (device, queue): (&RenderDevice, &RenderQueue),
+        max_side: u32,
         (version, files): (u64, &[FileInUse]),
         pools: &Pools,
     ) {
@@ -73,17 +76,20 @@ impl WordTextures {
             && self.files.iter().zip(files).all(|(a, b)| a.texels == b.texels);
         match &self.words {
             Some(_) if has_words => {
-                for Part { row, width, first, bytes } in parameters(files) {
-                    self.write(queue, row, width, first, &bytes);
+                for words in self.all() {
+                    words.write_parameters(queue, files);
                 }
             }
             _ => {
                 self.below.clear();
-                let has_size = size(&self.files) == size(files);
-                let same = self.words.take().filter(|_| has_size);
-                let words =
-                    same.unwrap_or_else(|| word_texture(device, size(files), TextureFormat::Rgba8Unorm));
-                write_all(queue, &words.texture, 0, files, pools);
+                // Files that do not fit are not in use.
+                let layout = Layout::below(UVec2::ZERO, all_texels(files), max_side).unwrap_or_default();
+                let size = layout.size(all_texels(files));
+                let same = self.words.take().filter(|words| words.texture.size() == extent(size));
+                let mut words =
+                    same.unwrap_or_else(|| WordTexture::new(device, size, layout, TextureFormat::Rgba8Unorm));
+                words.layout = layout;
+                words.write_all(queue, files, pools);
                 self.words = Some(words);
             }
         }
@@ -91,53 +97,42 @@ impl WordTextures {
         self.files = files.to_vec();
     }
 
-    /// Writes some texels of a file, which begins in a row and has a width, to all textures.
-    fn write(&self, queue: &RenderQueue, row: u32, width: u32, first: u32, bytes: &[u8]) {
-        if let Some(words) = &self.words {
-            write(queue, &words.texture, row, width, first, bytes);
-        }
-        for ((picture, _), below) in &self.below {
-            write(queue, &below.texture, picture.y + row, width, first, bytes);
-        }
+    /// All textures with the words.
+    fn all(&self) -> impl Iterator<Item = &WordTexture> {
+        self.words.iter().chain(self.below.values())
     }
 
     /// Writes what has come to pools in this frame.
     fn take_writes(&self, queue: &RenderQueue, pools: &mut Pools) {
-        let mut row = 0;
-        let rows: Vec<_> = self
-            .files
-            .iter()
-            .map(|file| {
-                let at = row;
-                row += file.texels.height();
-                at
-            })
-            .collect();
         pools.take_writes(|pool, first, bytes| {
-            let is_pool = |file: &FileInUse| file.texels == Texels::Pool(pool);
-            if let Some(file) = self.files.iter().position(is_pool) {
-                self.write(queue, rows[file], pool.width, first, bytes);
+            for words in self.all() {
+                // Each place of a streamed file has the words.
+                for (file, row) in self.files.iter().zip(words.layout.first_rows(all_texels(&self.files))) {
+                    if file.texels == Texels::Pool(pool) {
+                        words.write(queue, row, words.layout.width(&file.texels), first, bytes);
+                    }
+                }
             }
         });
     }
 }
 
+fn all_texels(files: &[FileInUse]) -> impl Iterator<Item = &Texels> + Clone {
+    files.iter().map(|file| &file.texels)
+}
+
+/// A texture with words.
 #[derive(Clone)]
 struct WordTexture {
     texture: Texture,
     view: TextureView,
     sampler: Sampler,
+    layout: Layout,
 }
 
 /// On views whose binding has the words.
 #[derive(Component)]
 pub(crate) struct HasWords;
-
-/// Width and rows of the words of all files and the directory.
-fn size(files: &[FileInUse]) -> UVec2 {
-    let width = files.iter().map(|file| file.texels.width()).max().unwrap_or(1);
-    UVec2::new(width, 1 + files.iter().map(|file| file.texels.height()).sum::<u32>())
-}
 
 /// Bytes of texels in a row of all texels of a file, or of the directory.
 struct Part<'a> {
@@ -150,47 +145,32 @@ struct Part<'a> {
 }
 
 /// What depends on settings: each file's headers and the directory.
-fn parameters(files: &[FileInUse]) -> Vec<Part<'_>> {
+fn parameters(files: &[FileInUse], layout: Layout) -> Vec<Part<'_>> {
     let listed = files.iter().filter(|file| file.is_ready).count();
-    let mut directory = vec![DIRECTORY_MAGIC, listed as u32, size(files).y];
+    let all_rows = layout.all_rows(all_texels(files));
+    let mut directory = vec![DIRECTORY_MAGIC, listed as u32, all_rows, layout.picture.x, layout.picture.y];
     directory.resize(FILE_WORDS[0], 0);
     let place = |texels: PoolTexels| {
         let mut listed = files.iter().filter(|file| file.is_ready);
         listed.position(|file| file.texels == Texels::Pool(texels)).unwrap_or(0) as u32
     };
-    let (mut row, mut parts) = (0, Vec::new());
-    for file in files {
-        let width = file.texels.width();
+    let mut parts = Vec::new();
+    for (file, row) in files.iter().zip(layout.first_rows(all_texels(files))) {
+        let width = layout.width(&file.texels);
         if file.is_ready {
             let alone = u32::from(file.is_alone(files));
-            directory.extend([row, width.ilog2(), file.way.code(), alone]);
+            directory.extend([row - layout.picture.y, width.ilog2(), file.way.code(), alone]);
             if let Some(March { slope: [x, y], other }) = file.march {
                 directory.extend([x as u32, y as u32, place(other)]);
             }
             directory.resize(directory.len().next_multiple_of(FILE_WORDS[1]), 0);
         }
         parts.push(Part { row, width, first: 0, bytes: Cow::from(&file.header) });
-        row += file.texels.height();
     }
     let bytes: Vec<u8> = directory.into_iter().flat_map(u32::to_le_bytes).collect();
-    parts.push(Part { row, width: size(files).x, first: 0, bytes: bytes.into() });
+    let row = layout.picture.y + all_rows - 1;
+    parts.push(Part { row, width: layout.size(all_texels(files)).x, first: 0, bytes: bytes.into() });
     parts
-}
-
-/// Writes all files and the directory to a texture, from a row on. Of pools, that is what has been written to them.
-fn write_all(queue: &RenderQueue, texture: &Texture, row: u32, files: &[FileInUse], pools: &Pools) {
-    let mut at = row;
-    for file in files {
-        let bytes = match &file.texels {
-            Texels::Whole(texture) => texture.bytes(),
-            Texels::Pool(pool) => pools.bytes(*pool),
-        };
-        write(queue, texture, at, file.texels.width(), 0, bytes);
-        at += file.texels.height();
-    }
-    for part in parameters(files) {
-        write(queue, texture, row + part.row, part.width, part.first, &part.bytes);
-    }
 }
 
 /// Gives every 3D view the words of the files in use.
@@ -220,7 +200,7 @@ pub(crate) fn give_words(
         return;
     }
     if textures.version != files.version {
-        textures.take((&device, &queue), (files.version, &files.files), &pools);
+        textures.take((&device, &queue), limits.max_texture_side, (files.version, &files.files), &pools);
     }
     textures.take_writes(&queue, &mut pools);
     let mut used = Vec::new();
@@ -233,82 +213,109 @@ pub(crate) fn give_words(
             let key = (picture, view.target_format);
             used.push(key);
             let known = textures.below.get(&key).cloned();
-            known.or_else(|| {
-                let words = below_a_picture(&device, &queue, *limits, (&files.files, &pools), key)?;
-                textures.below.insert(key, words.clone());
-                Some(words)
-            })
+            match known.map_or_else(|| below_a_picture(&device, *limits, &files.files, key), Ok) {
+                Ok(words) => {
+                    if let Entry::Vacant(entry) = textures.below.entry(key) {
+                        words.write_all(&queue, &files.files, &pools);
+                        entry.insert(words.clone());
+                    }
+                    Some(words)
+                }
+                Err(reason) => {
+                    warn_once!(
+                        "a view with transmissive materials has no baked shadows: {reason}; its surfaces are lit as if \
+                         nothing baked cast a shadow"
+                    );
+                    None
+                }
+            }
         };
-        let Some(WordTexture { texture, view, sampler }) = words else {
-            warn_once!(
-                "a view with transmissive materials draws into {:?}, which cannot hold baked shadows; its surfaces are \
-                 lit as if nothing baked cast a shadow",
-                view.target_format
-            );
-            continue;
-        };
+        let Some(WordTexture { texture, view, sampler, .. }) = words else { continue };
         commands.entity(entity).insert((HasWords, ViewTransmissionTexture { texture, view, sampler }));
     }
     textures.below.retain(|key, _| used.contains(key));
 }
 
-/// Returns a texture with a picture's rows above and the words below.
+/// Returns a texture with a picture's rows above and room for the words below, or why there can be none.
 fn below_a_picture(
     device: &RenderDevice,
-    queue: &RenderQueue,
     limits: DeviceLimits,
-    (files, pools): (&[FileInUse], &Pools),
+    files: &[FileInUse],
     (picture, format): (UVec2, TextureFormat),
-) -> Option<WordTexture> {
-    encoded(&[], format)?;
-    let size = size(files);
-    let whole = UVec2::new(picture.x.max(size.x), picture.y + size.y);
-    if whole.max_element() > limits.max_texture_side {
-        return None;
+) -> Result<WordTexture, String> {
+    if encoded(&[], format).is_none() {
+        return Err(format!("it draws into {format:?}, which cannot hold them"));
     }
-    let words = word_texture(device, whole, format);
-    write_all(queue, &words.texture, picture.y, files, pools);
-    Some(words)
+    let max_side = limits.max_texture_side;
+    let layout = Layout::below(picture, all_texels(files), max_side).ok_or_else(|| {
+        format!(
+            "its picture of {} x {} and the files' words do not fit a texture with sides of {max_side}",
+            picture.x, picture.y
+        )
+    })?;
+    Ok(WordTexture::new(device, layout.size(all_texels(files)), layout, format))
 }
 
-fn word_texture(device: &RenderDevice, size: UVec2, format: TextureFormat) -> WordTexture {
-    let texture = device.create_texture(&TextureDescriptor {
-        label: Some("baked shadows"),
-        size: extent(size),
-        mip_level_count: 1,
-        sample_count: 1,
-        dimension: TextureDimension::D2,
-        format,
-        usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
-        view_formats: &[],
-    });
-    let view = texture.create_view(&Default::default());
-    // As Bevy's own for transmission.
-    let sampler = device.create_sampler(&SamplerDescriptor {
-        mag_filter: FilterMode::Linear,
-        min_filter: FilterMode::Linear,
-        ..Default::default()
-    });
-    WordTexture { texture, view, sampler }
-}
+impl WordTexture {
+    fn new(device: &RenderDevice, size: UVec2, layout: Layout, format: TextureFormat) -> Self {
+        let texture = device.create_texture(&TextureDescriptor {
+            label: Some("baked shadows"),
+            size: extent(size),
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: TextureDimension::D2,
+            format,
+            usage: TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_DST,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        // As Bevy's own for transmission.
+        let sampler = device.create_sampler(&SamplerDescriptor {
+            mag_filter: FilterMode::Linear,
+            min_filter: FilterMode::Linear,
+            ..Default::default()
+        });
+        Self { texture, view, sampler, layout }
+    }
 
-/// Writes texels of a file, which begins in a row of a texture and has a width, in the texture's format.
-fn write(queue: &RenderQueue, texture: &Texture, row: u32, width: u32, first: u32, bytes: &[u8]) {
-    // A texture without a format for words is not made.
-    let Some(bytes) = encoded(bytes, texture.format()) else { return };
-    let texel_bytes = texture.format().pixel_size().unwrap_or(4);
-    let mut offset = 0;
-    for (at, size) in rectangles(first, (bytes.len() / texel_bytes) as u32, width) {
-        let to = TexelCopyTextureInfo {
-            texture,
-            mip_level: 0,
-            origin: Origin3d { x: at.x, y: row + at.y, z: 0 },
-            aspect: TextureAspect::All,
-        };
-        let bytes_per_row = Some(texel_bytes as u32 * size.x);
-        let layout = TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None };
-        queue.write_texture(to, &bytes, layout, extent(size));
-        offset += u64::from(size.x * size.y) * texel_bytes as u64;
+    /// Writes what depends on settings.
+    fn write_parameters(&self, queue: &RenderQueue, files: &[FileInUse]) {
+        for part in parameters(files, self.layout) {
+            self.write(queue, part.row, part.width, part.first, &part.bytes);
+        }
+    }
+
+    /// Writes all files and the directory. Of pools, that is what has been written to them.
+    fn write_all(&self, queue: &RenderQueue, files: &[FileInUse], pools: &Pools) {
+        for (file, row) in files.iter().zip(self.layout.first_rows(all_texels(files))) {
+            let bytes = match &file.texels {
+                Texels::Whole(texture) => texture.bytes(),
+                Texels::Pool(pool) => pools.bytes(*pool),
+            };
+            self.write(queue, row, self.layout.width(&file.texels), 0, bytes);
+        }
+        self.write_parameters(queue, files);
+    }
+
+    /// Writes texels of a file, which begins in a row and has a width, in the texture's format.
+    fn write(&self, queue: &RenderQueue, row: u32, width: u32, first: u32, bytes: &[u8]) {
+        let texture = &self.texture;
+        // A texture without a format for words is not made.
+        let Some(bytes) = encoded(bytes, texture.format()) else { return };
+        let texel_bytes = texture.format().pixel_size().unwrap_or(4);
+        let mut offset = 0;
+        for (at, size) in rectangles(first, (bytes.len() / texel_bytes) as u32, width) {
+            let to = TexelCopyTextureInfo {
+                texture,
+                mip_level: 0,
+                origin: Origin3d { x: at.x, y: row + at.y, z: 0 },
+                aspect: TextureAspect::All,
+            };
+            let bytes_per_row = Some(texel_bytes as u32 * size.x);
+            let layout = TexelCopyBufferLayout { offset, bytes_per_row, rows_per_image: None };
+            queue.write_texture(to, &bytes, layout, extent(size));
+            offset += u64::from(size.x * size.y) * texel_bytes as u64;
+        }
     }
 }
 

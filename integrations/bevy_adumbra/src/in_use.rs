@@ -1,11 +1,16 @@
 //! The files in use in an app, and how a light's files are added to them.
 
+use std::iter::once;
+
 use adumbra::gpu::{LookUp, Penumbra};
+use adumbra::{LightGrid, Placement};
 use bevy::ecs::prelude::*;
-use bevy::math::Vec3;
+use bevy::math::{UVec2, Vec3};
 
 use crate::components::BakedShadow;
 use crate::error::BakedShadowError;
+use crate::layout::Layout;
+use crate::placing::turned;
 use crate::shaders::Way;
 use crate::texels::{PoolTexels, Texels};
 use crate::{BakedShadowFile, DeviceLimits};
@@ -20,6 +25,10 @@ const SAME_SUN: f32 = 1e-3;
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FileInUse {
     pub(crate) texels: Texels,
+    /// Where the app has the file's world.
+    pub(crate) placement: Placement,
+    /// Its grid there. A key that answers through another one has none.
+    pub(crate) grid: Option<LightGrid>,
     pub(crate) way: Way,
     /// The first texels: the headers of a look-up texture, with the light's filter and bias.
     pub(crate) header: Vec<u8>,
@@ -40,19 +49,31 @@ pub(crate) struct March {
 }
 
 impl FileInUse {
-    /// A whole file with a light's settings.
-    pub(crate) fn whole(file: &BakedShadowFile, shadow: &BakedShadow) -> Result<Self, BakedShadowError> {
+    /// A whole file in a place, with a light's settings.
+    pub(crate) fn whole(
+        file: &BakedShadowFile,
+        placement: Placement,
+        shadow: &BakedShadow,
+    ) -> Result<Self, BakedShadowError> {
         let texture = file.texture().map_err(|error| BakedShadowError::File(error.clone()))?;
-        let anchor = texture.anchor_world().map(f64::from);
-        let parameters = file.file().gpu().parameters(&look_up(shadow), anchor);
-        let parameters = parameters.map_err(|error| BakedShadowError::Setting(error.into()))?;
+        let header = file.file().gpu().texture_header(&look_up(shadow, placement));
         Ok(Self {
             texels: Texels::Whole(texture.clone()),
+            placement,
+            grid: Some(file.grid().placed(&placement)),
             way: way(shadow),
-            header: texture.header_with(parameters),
-            towards_sun: file.towards_sun(),
+            header: header.map_err(|error| BakedShadowError::Setting(error.into()))?,
+            towards_sun: turned(&placement, file.file().sun().towards()),
             is_ready: true,
             march: None,
+        })
+    }
+
+    /// Whether a point is inside of the file.
+    pub(crate) fn contains(&self, p_world: Vec3) -> bool {
+        self.grid.is_some_and(|grid| {
+            let p = grid.to_grid(p_world.to_array().map(f64::from));
+            p.iter().zip(grid.size).all(|(&p, size)| p >= 0.0 && p < f64::from(size))
         })
     }
 
@@ -64,10 +85,10 @@ impl FileInUse {
     }
 }
 
-/// Returns what a light asks of look-ups.
-pub(crate) fn look_up(shadow: &BakedShadow) -> LookUp {
+/// Returns what a light asks of look-ups in a file in its place.
+pub(crate) fn look_up(shadow: &BakedShadow, placement: Placement) -> LookUp {
     let penumbra = shadow.softness.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
-    LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra, ..LookUp::default() }
+    LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra, placement }
 }
 
 /// Returns the way in which a light's files are looked up.
@@ -79,6 +100,13 @@ pub(crate) fn way(shadow: &BakedShadow) -> Way {
 #[derive(Resource, Default, PartialEq)]
 pub(crate) struct FilesInUse(pub(crate) Vec<FileInUse>);
 
+impl FilesInUse {
+    /// Returns the files of a light's sun.
+    pub(crate) fn of_sun(&self, towards_light: Vec3) -> impl Iterator<Item = &FileInUse> + Clone {
+        self.0.iter().filter(move |file| file.towards_sun.distance(towards_light) <= SAME_SUN)
+    }
+}
+
 /// Adds a light's files to those in use.
 pub(crate) struct LightFiles<'a> {
     pub(crate) in_use: &'a mut Vec<FileInUse>,
@@ -87,6 +115,8 @@ pub(crate) struct LightFiles<'a> {
     pub(crate) towards_light: Vec3,
     /// Files that are looked up.
     pub(crate) added: usize,
+    /// Files that the light has the sun of, and that are not in use.
+    pub(crate) missing: usize,
     /// Angle to the nearest sun of a file that the light does not have.
     pub(crate) nearest_degrees: f32,
     /// Why a file is not in use.
@@ -107,20 +137,27 @@ impl LightFiles<'_> {
         }
         match file().and_then(|file| self.put(file)) {
             Ok(is_ready) => self.added += usize::from(is_ready),
-            Err(error) => self.error = Some(error),
+            Err(error) => self.miss(error),
         }
+    }
+
+    /// Counts a file that is not in use.
+    pub(crate) fn miss(&mut self, error: BakedShadowError) {
+        self.missing += 1;
+        self.error.get_or_insert(error);
     }
 
     /// Puts a file in use. Returns whether it is looked up.
     pub(crate) fn put(&mut self, new: FileInUse) -> Result<bool, BakedShadowError> {
         let limit = self.limits.max_texture_side;
-        let rows: u32 = self.in_use.iter().chain([&new]).map(|file| file.texels.height()).sum();
-        if let Some(known) = self.in_use.iter().find(|other| other.texels == new.texels) {
+        let all = self.in_use.iter().chain(once(&new)).map(|file| &file.texels);
+        let is_same = |other: &&FileInUse| (&other.texels, other.placement) == (&new.texels, new.placement);
+        if let Some(known) = self.in_use.iter().find(is_same) {
             Ok(known.is_ready)
         } else if self.in_use.len() == MAX_FILES {
             Err(BakedShadowError::TooManyFiles { limit: MAX_FILES })
-        } else if rows >= limit {
-            Err(BakedShadowError::TooManyRows { rows, limit })
+        } else if Layout::below(UVec2::ZERO, all.clone(), limit).is_none() {
+            Err(BakedShadowError::TooManyRows { rows: all.map(Texels::height).sum(), limit })
         } else {
             let is_ready = new.is_ready;
             self.in_use.push(new);

@@ -26,7 +26,7 @@
 //! | [`prelude`] | what most apps need |
 //! | `file` | the asset and its loader |
 //! | `shaders`, `patch` | the WGSL of look-ups, and the places in Bevy's shaders that call it |
-//! | `in_use`, `lights` | which files are in use |
+//! | `in_use`, `placing`, `lights` | which files are in use, and where |
 //! | `source`, `stream` | files that are streamed: where from, and what is resident of them |
 //! | `status`, `error` | what a light's shadows come from, and why not from its files |
 //! | `systems` | where the plugin's systems run |
@@ -50,10 +50,12 @@ mod file;
 mod gltf;
 mod gpu;
 mod in_use;
+mod layout;
 mod lights;
 mod limits;
 mod moving;
 mod patch;
+mod placing;
 mod pools;
 pub mod prelude;
 #[cfg(feature = "processor")]
@@ -67,17 +69,23 @@ mod systems;
 mod texels;
 #[cfg(any(feature = "bake", feature = "processor"))]
 mod threads;
+mod warnings;
 
 use bevy::app::{App, Plugin, PostUpdate, PreUpdate};
-use bevy::asset::{AssetApp, Assets};
+use bevy::asset::{AssetApp, AssetServer, Assets};
 use bevy::ecs::schedule::IntoScheduleConfigs;
+use bevy::ecs::system::IntoSystem;
+use bevy::light::SimulationLightSystems;
+use bevy::pbr::prepare_lights;
 use bevy::render::renderer::RenderDevice;
 use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
 use bevy::shader::Shader;
 
 #[cfg(feature = "bake")]
 pub use bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
-pub use components::{BakedShadow, BakedStatic, InBake, NotBaked, ShadowBias, ShadowFilter, StaticCasters};
+pub use components::{
+    BakedShadow, BakedStatic, FileRoot, InBake, NotBaked, ShadowBias, ShadowFilter, StaticCasters,
+};
 pub use error::{BakedShadowError, SharedError};
 pub use file::{BakedShadowFile, ShadowFileError, ShadowFileLoader, ShadowFileSettings};
 pub use limits::DeviceLimits;
@@ -98,6 +106,7 @@ fn register_types(app: &mut App) {
         .register_type::<BakedStatic>()
         .register_type::<NotBaked>()
         .register_type::<InBake>()
+        .register_type::<FileRoot>()
         .register_type::<StaticCasters>()
         .register_type::<CascadeCasters>()
         .register_type::<StreamSource>()
@@ -113,6 +122,12 @@ pub struct AdumbraPlugin;
 
 impl Plugin for AdumbraPlugin {
     fn build(&self, app: &mut App) {
+        if !app.world().contains_resource::<AssetServer>() {
+            bevy::log::error!(
+                "AdumbraPlugin does nothing, because there are no assets; add it after DefaultPlugins"
+            );
+            return;
+        }
         register_types(app);
         app.init_asset::<BakedShadowFile>()
             .register_asset_reflect::<BakedShadowFile>()
@@ -125,14 +140,14 @@ impl Plugin for AdumbraPlugin {
             .init_resource::<StaticCasters>()
             .init_resource::<CascadeCasters>()
             .init_resource::<in_use::FilesInUse>()
+            .init_resource::<statics::RestingLights>()
             .init_resource::<StreamBudget>()
             .init_resource::<ShadowStreams>()
             .init_resource::<stream::PoolUploads>();
         StreamDiagnostics::register(app);
         let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
-            bevy::log::error!(
-                "AdumbraPlugin draws nothing, because there is no renderer; add it after DefaultPlugins"
-            );
+            // As on a server.
+            bevy::log::info!("AdumbraPlugin draws nothing, because there is no renderer before it");
             return;
         };
         let patch = patch::ShaderPatch::new(&mut shaders);
@@ -148,20 +163,29 @@ impl Plugin for AdumbraPlugin {
                     (
                         lights::find_files_in_use,
                         lights::add_ways,
-                        statics::warn_of_movers,
-                        statics::rest_cascades,
+                        warnings::warn_of_movers,
+                        warnings::find_moved_root.pipe(warnings::warn_of_moved_root),
                     )
                         .chain()
                         .in_set(AdumbraSystems::ApplyFiles),
+                    statics::skip_cascades
+                        .after(SimulationLightSystems::UpdateDirectionalLightCascades)
+                        .before(SimulationLightSystems::UpdateLightFrusta),
                     statics::leave_out.in_set(AdumbraSystems::LeaveCascades),
                 ),
             );
         #[cfg(feature = "gltf")]
         app.add_systems(PreUpdate, gltf::attach_files.in_set(AdumbraSystems::AttachFiles));
         #[cfg(feature = "bake")]
-        app.init_resource::<bake::StaticKeys>().add_systems(
+        app.init_resource::<bake::StaticKeys>().init_resource::<bake::AssetVersions>().add_systems(
             PostUpdate,
-            (bake::find_meshes, bake::bake_shadows, bake::follow_suns, bake::mark_changes)
+            (
+                bake::count_changes,
+                bake::find_meshes,
+                bake::bake_shadows,
+                bake::follow_suns,
+                bake::mark_changes,
+            )
                 .chain()
                 .in_set(AdumbraSystems::Bake),
         );
@@ -171,9 +195,15 @@ impl Plugin for AdumbraPlugin {
             .init_resource::<gpu::ExtractedFiles>()
             .init_resource::<gpu::WordTextures>()
             .init_resource::<pools::Pools>()
+            .init_resource::<statics::RestingLights>()
             .add_systems(
                 ExtractSchedule,
-                (gpu::extract_files, pools::extract_pools).in_set(AdumbraSystems::Upload),
+                (gpu::extract_files, pools::extract_pools, statics::extract_resting)
+                    .in_set(AdumbraSystems::Upload),
+            )
+            .add_systems(
+                Render,
+                statics::rest_cascades.before(prepare_lights).in_set(RenderSystems::CreateViews),
             )
             // After Bevy's own transmission textures, and before bind groups.
             .add_systems(
@@ -186,6 +216,9 @@ impl Plugin for AdumbraPlugin {
 
     /// Registers the loaders, which need the limits of the device. It is known by now.
     fn finish(&self, app: &mut App) {
+        if !app.world().contains_resource::<DeviceLimits>() {
+            return;
+        }
         if let Some(limits) = app.world().get_resource::<RenderDevice>().map(DeviceLimits::from) {
             app.insert_resource(limits);
             if let Some(render) = app.get_sub_app_mut(RenderApp) {

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use adumbra::gpu::HEADER_WORDS;
 use adumbra::query::MarchSlope;
 use adumbra::stream::PoolWrite;
-use adumbra::{Filter, PathSampler, ShadowFile};
+use adumbra::{Filter, PathSampler, Placement, ShadowFile};
 use bevy::ecs::prelude::*;
 use bevy::math::Vec3;
 
@@ -151,7 +151,7 @@ impl SunKeys {
             let place = shown.and_then(|shown| shown.iter().position(|s| s.pool == slot.pool));
             files.push(match (place, shown, &slot.file) {
                 (Some(place), Some([_, other]), Some(file)) => {
-                    let header = file.gpu().texture_header(&look_up(shadow));
+                    let header = file.gpu().texture_header(&look_up(shadow, Placement::BAKED));
                     let mut header = header.map_err(|error| BakedShadowError::Setting(error.into()))?;
                     // The other key is found through the first one, and has no light's sun.
                     let towards_sun = if place == 0 { towards_light } else { Vec3::ZERO };
@@ -208,6 +208,8 @@ impl Slot {
     fn empty(&self, header: Vec<u8>, towards_sun: Vec3, is_ready: bool) -> FileInUse {
         FileInUse {
             texels: Texels::Pool(self.pool),
+            placement: Placement::BAKED,
+            grid: self.file.as_ref().filter(|_| is_ready).map(|file| file.grid),
             way: Way::March,
             header,
             towards_sun,

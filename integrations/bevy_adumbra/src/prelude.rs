@@ -3,7 +3,7 @@
 pub use crate::AdumbraPlugin;
 #[cfg(feature = "bake")]
 pub use crate::bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
-pub use crate::components::{BakedShadow, BakedStatic, NotBaked, ShadowBias, ShadowFilter};
+pub use crate::components::{BakedShadow, BakedStatic, FileRoot, NotBaked, ShadowBias, ShadowFilter};
 pub use crate::error::BakedShadowError;
 pub use crate::file::BakedShadowFile;
 pub use crate::moving::SunKeys;

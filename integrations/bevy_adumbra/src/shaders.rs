@@ -108,10 +108,10 @@ pub(crate) struct Patch {
 }
 
 /// Marks a text that is already patched.
-const MARK: &str = "#import adumbra::look_up";
+const MARK: &str = "#import adumbra::";
 
 /// The changes of Bevy 0.19's shaders.
-pub(crate) const PATCHES: [Patch; 2] = [
+pub(crate) const PATCHES: [Patch; 3] = [
     Patch {
         asset: "embedded://bevy_pbr/render/shadows.wgsl",
         replacements: &[
@@ -151,6 +151,36 @@ fn fetch_directional_shadow(
                 "#import bevy_pbr::lighting::getDistanceAttenuation;",
                 "#import bevy_pbr::lighting::getDistanceAttenuation;\n#import adumbra::look_up",
             ],
+        ],
+        end: "",
+    },
+    // The words are below the picture, and alone where there is none.
+    Patch {
+        asset: "embedded://bevy_pbr/transmission/transmission.wgsl",
+        replacements: &[
+            [
+                "    var background_color = textureSampleLevel(
+        view_bindings::view_transmission_texture,
+        view_bindings::view_transmission_sampler,
+        offset_position,
+        0.0
+    );",
+                "    var background_color = words::transmitted(offset_position);",
+            ],
+            [
+                "        var sample = textureSampleLevel(
+            view_bindings::view_transmission_texture,
+            view_bindings::view_transmission_sampler,
+            modified_offset_position,
+            0.0
+        );",
+                "        var sample = words::transmitted(modified_offset_position);",
+            ],
+            [
+                "vec2<f32>(textureDimensions(view_bindings::view_transmission_texture))",
+                "words::picture_size()",
+            ],
+            ["#import bevy_render::maths::PI", "#import bevy_render::maths::PI\n#import adumbra::words"],
         ],
         end: "",
     },

@@ -1,20 +1,25 @@
 //! Which meshes are in the files, and how they are kept out of the cascades.
 
-use adumbra::Receivers;
-use bevy::camera::visibility::CascadesVisibleEntities;
+use bevy::camera::primitives::Aabb;
+use bevy::camera::visibility::{CascadesVisibleEntities, NoCpuCulling};
+use bevy::ecs::archetype::Archetypes;
+use bevy::ecs::component::Components;
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::prelude::*;
-use bevy::light::{CascadeShadowConfig, NotShadowCaster, NotShadowReceiver};
-use bevy::log::warn;
+use bevy::ecs::system::SystemParam;
+use bevy::light::{Cascades, NotShadowCaster};
+use bevy::math::Vec3A;
 use bevy::mesh::Mesh3d;
 use bevy::mesh::skinning::SkinnedMesh;
-use bevy::prelude::{Assets, ChildOf, Children, DirectionalLight};
+use bevy::pbr::ExtractedDirectionalLight;
+use bevy::prelude::{ChildOf, Children, DirectionalLight, GlobalTransform};
 use bevy::reflect::prelude::*;
+use bevy::render::Extract;
+use bevy::render::sync_world::MainEntity;
 
-use crate::BakedShadowFile;
 use crate::components::{BakedShadow, BakedStatic, InBake, NotBaked, StaticCasters};
+use crate::in_use::FilesInUse;
 use crate::status::BakedShadowStatus;
-use crate::stream::ShadowStreams;
 
 /// Whether an entity is moved by an animation.
 #[cfg(feature = "animation")]
@@ -23,16 +28,28 @@ type Animated = Or<(With<bevy::animation::AnimatedBy>, With<SkinnedMesh>)>;
 type Animated = With<SkinnedMesh>;
 
 /// What may change which meshes are in the files.
-type Changes = Or<(Added<Mesh3d>, Added<BakedStatic>, Added<NotBaked>, Changed<ChildOf>)>;
+#[cfg(feature = "animation")]
+type Changes = Or<(
+    Added<Mesh3d>,
+    Added<BakedStatic>,
+    Added<NotBaked>,
+    Changed<ChildOf>,
+    Added<SkinnedMesh>,
+    Added<bevy::animation::AnimatedBy>,
+)>;
+#[cfg(not(feature = "animation"))]
+type Changes = Or<(Added<Mesh3d>, Added<BakedStatic>, Added<NotBaked>, Changed<ChildOf>, Added<SkinnedMesh>)>;
 
 /// Keeps [`InBake`] on the meshes below a [`BakedStatic`]. Cost: nothing while the hierarchy does not change; then one
 /// walk over what is below the entities that changed.
 pub(crate) fn mark_meshes(
     mut commands: Commands,
     changed: Query<Entity, Changes>,
-    (mut roots_removed, mut exceptions_removed): (
+    (mut roots_removed, mut exceptions_removed, mut parents_removed, mut skins_removed): (
         RemovedComponents<BakedStatic>,
         RemovedComponents<NotBaked>,
+        RemovedComponents<ChildOf>,
+        RemovedComponents<SkinnedMesh>,
     ),
     parents: Query<&ChildOf>,
     children: Query<&Children>,
@@ -41,7 +58,9 @@ pub(crate) fn mark_meshes(
     meshes: Query<Has<InBake>, With<Mesh3d>>,
 ) {
     let mut seen = EntityHashSet::default();
-    for from in changed.iter().chain(roots_removed.read()).chain(exceptions_removed.read()) {
+    let removed = roots_removed.read().chain(exceptions_removed.read());
+    let removed = removed.chain(parents_removed.read()).chain(skins_removed.read());
+    for from in changed.iter().chain(removed) {
         let mut open = vec![from];
         while let Some(entity) = open.pop() {
             if !seen.insert(entity) {
@@ -86,65 +105,51 @@ fn is_in_bake(
 #[derive(Component, Debug)]
 pub(crate) struct NotYetBaked;
 
-/// The cascades of a light that has nothing to draw into them.
-#[derive(Component, Debug)]
-pub(crate) struct RestingCascades(CascadeShadowConfig);
+/// The lights whose cascades have nothing to draw in this frame, so that the render world makes no depth pass. Their components
+/// stay as the app has them.
+#[derive(Resource, Default, Debug)]
+pub(crate) struct RestingLights(pub(crate) EntityHashSet);
 
-/// Takes a light's cascades away while its files are in use and no mesh moves, so that no depth pass is made, and gives
-/// them back in the frame in which that ends. A change of the configuration in between is kept.
-pub(crate) fn rest_cascades(
-    mut commands: Commands,
-    choice: Res<StaticCasters>,
-    mut lights: Query<
-        (Entity, Option<&BakedShadowStatus>, &mut CascadeShadowConfig, Option<&RestingCascades>),
-        Or<(With<BakedShadow>, With<RestingCascades>)>,
-    >,
-    with_files: Query<(), With<BakedShadow>>,
-    movers: Query<(), (With<Mesh3d>, Without<NotShadowCaster>, Or<(Without<InBake>, With<NotYetBaked>)>)>,
-) {
-    if lights.is_empty() {
-        return;
-    }
-    let nothing_moves = movers.is_empty() && *choice == StaticCasters::LeaveOut;
-    for (entity, status, mut config, resting) in &mut lights {
-        let is_active = with_files.contains(entity) && status.is_some_and(BakedShadowStatus::is_active);
-        if nothing_moves && is_active {
-            if !config.bounds.is_empty() {
-                commands.entity(entity).try_insert(RestingCascades(config.clone()));
-                config.bounds.clear();
-            }
-        } else if let Some(RestingCascades(before)) = resting {
-            if config.bounds.is_empty() {
-                *config = before.clone();
-            }
-            commands.entity(entity).try_remove::<RestingCascades>();
-        }
+/// Which casters besides meshes there are. Bevy does not list them by cascade.
+#[derive(SystemParam)]
+pub(crate) struct OtherCasters<'w, 's> {
+    unculled:
+        Query<'w, 's, (), (With<Mesh3d>, With<NoCpuCulling>, Without<NotShadowCaster>, Without<InBake>)>,
+    components: &'w Components,
+    archetypes: &'w Archetypes,
+}
+
+impl OtherCasters<'_, '_> {
+    /// Whether there are some: meshes that the GPU culls alone, or meshlets.
+    fn exist(&self) -> bool {
+        // Meshlets are a feature of Bevy that this crate does not ask for, so their type may not exist.
+        let is_meshlet = |id| {
+            self.components.get_name(id).is_some_and(|name| name.to_string().ends_with("::MeshletMesh3d"))
+        };
+        !self.unculled.is_empty()
+            || self.archetypes.iter().any(|archetype| {
+                !archetype.is_empty() && archetype.components().iter().copied().any(is_meshlet)
+            })
     }
 }
 
-/// Warns once if something moves and receives a file that answers only static surfaces. Without a [`BakedStatic`] it is
-/// not known what moves.
-pub(crate) fn warn_of_movers(
-    mut done: Local<bool>,
-    lights: Query<(Entity, &BakedShadow, &BakedShadowStatus)>,
-    (files, streams): (Res<Assets<BakedShadowFile>>, Res<ShadowStreams>),
-    in_bake: Query<(), With<InBake>>,
-    movers: Query<(), (With<Mesh3d>, Without<NotShadowReceiver>, Without<InBake>)>,
+/// Spares lights whose files are in use the search for what is in their cascades, where there is nothing that may move. Between
+/// Bevy's cascades and their frusta.
+pub(crate) fn skip_cascades(
+    choice: Res<StaticCasters>,
+    mut lights: Query<(&BakedShadowStatus, &mut Cascades), With<BakedShadow>>,
+    movers: Query<(), (With<Mesh3d>, Without<NotShadowCaster>, Or<(Without<InBake>, With<NotYetBaked>)>)>,
+    others: OtherCasters,
 ) {
-    if *done || in_bake.is_empty() || movers.is_empty() {
+    if *choice == StaticCasters::Keep || !movers.is_empty() || others.exist() {
         return;
     }
-    for (entity, shadow, status) in &lights {
-        let whole = shadow.files.iter().filter_map(|file| files.get(file)).map(BakedShadowFile::receivers);
-        let streamed = shadow.streams.iter().filter_map(|source| streams.open_file(source)?.receivers());
-        let is_static = whole.chain(streamed).any(|receivers| receivers == Receivers::Static);
-        if status.is_active() && is_static {
-            warn!(
-                "a file of light {entity} was baked with --receivers static, so what moves has wrong shadows in 1 to 3 % \
-                 of its points; bake it without that option"
-            );
-            *done = true;
-            return;
+    for (status, mut cascades) in &mut lights {
+        if matches!(status, BakedShadowStatus::Active { .. }) {
+            // Bevy wants an entry for every view.
+            for of_view in cascades.cascades.values_mut() {
+                of_view.clear();
+            }
         }
     }
 }
@@ -159,28 +164,65 @@ pub struct CascadeCasters {
     pub kept: usize,
 }
 
-/// Removes the meshes in the files from the cascades of lights whose files are in use.
+/// Removes the meshes in the files from the cascades of lights whose files are in use, and finds the lights with nothing left.
 pub(crate) fn leave_out(
     choice: Res<StaticCasters>,
     mut lights: Query<
-        (&BakedShadowStatus, &mut CascadesVisibleEntities),
+        (Entity, &GlobalTransform, &BakedShadowStatus, &mut CascadesVisibleEntities),
         (With<DirectionalLight>, With<BakedShadow>),
     >,
-    in_bake: Query<(), (With<InBake>, Without<NotYetBaked>)>,
+    in_bake: Query<(&GlobalTransform, Option<&Aabb>), (With<InBake>, Without<NotYetBaked>)>,
+    files: Res<FilesInUse>,
+    others: OtherCasters,
     mut casters: ResMut<CascadeCasters>,
+    mut resting: ResMut<RestingLights>,
 ) {
+    resting.0.clear();
     let mut counts = CascadeCasters::default();
-    for (status, mut visible) in &mut lights {
-        if !status.is_active() || visible.entities.is_empty() {
+    for (light, transform, status, mut visible) in &mut lights {
+        if !status.is_active() {
             continue;
         }
+        let of_light = files.of_sun(transform.back().as_vec3());
+        // Where files are missing, meshes outside of the others have no other shadow.
+        let is_complete = !matches!(status, BakedShadowStatus::Incomplete { missing: 1.., .. });
+        let is_in_file = |entity: Entity| {
+            in_bake.get(entity).is_ok_and(|(transform, bounds)| {
+                let middle = bounds.map_or(Vec3A::ZERO, |bounds| bounds.center);
+                is_complete
+                    || of_light.clone().any(|file| file.contains(transform.transform_point(middle.into())))
+            })
+        };
+        let mut kept = 0;
         for cascade in visible.entities.values_mut().flatten() {
             counts.found += cascade.entities.len();
             if *choice == StaticCasters::LeaveOut {
-                cascade.entities.retain(|entity| !in_bake.contains(*entity));
+                cascade.entities.retain(|entity| !is_in_file(*entity));
             }
-            counts.kept += cascade.entities.len();
+            kept += cascade.entities.len();
+        }
+        counts.kept += kept;
+        if kept == 0 && *choice == StaticCasters::LeaveOut && !others.exist() {
+            resting.0.insert(light);
         }
     }
     casters.set_if_neq(counts);
+}
+
+/// Tells the render world which lights have nothing to draw into their cascades.
+pub(crate) fn extract_resting(main: Extract<Res<RestingLights>>, mut resting: ResMut<RestingLights>) {
+    resting.0.clone_from(&main.0);
+}
+
+/// Takes the cascades from the render world's copies of those lights.
+pub(crate) fn rest_cascades(
+    resting: Res<RestingLights>,
+    mut lights: Query<(&MainEntity, &mut ExtractedDirectionalLight)>,
+) {
+    for (light, mut extracted) in &mut lights {
+        if resting.0.contains(&light.id()) {
+            // As many cascades are drawn as have a bound.
+            extracted.cascade_shadow_config.bounds.clear();
+        }
+    }
 }

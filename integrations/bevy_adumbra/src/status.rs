@@ -21,11 +21,14 @@ pub enum BakedShadowStatus {
         /// How many of the light's files are.
         files: usize,
     },
-    /// Files are in use, and a part of a streamed one could not be had. A coarser level of it answers there.
+    /// Files are in use, and others are missing, or a part of a streamed one could not be had. What is static and outside of
+    /// the files in use casts through the cascades.
     Incomplete {
         /// How many of the light's files are in use.
         files: usize,
-        /// What is missing.
+        /// How many are not. Zero if a part of a streamed file is missing, where a coarser level of it answers.
+        missing: usize,
+        /// Why the first of them is not, or what is missing.
         fault: BakedShadowError,
     },
     /// The light points away from the sun of every loaded file. Shadows come from the light's cascades.
@@ -53,8 +56,11 @@ impl fmt::Display for BakedShadowStatus {
             Self::Waiting => f.write_str("loading"),
             Self::Active { files: 1 } => f.write_str("in use"),
             Self::Active { files } => write!(f, "in use, with {files} files"),
-            Self::Incomplete { fault, .. } => {
+            Self::Incomplete { missing: 0, fault, .. } => {
                 write!(f, "in use, but not complete: {fault}. A coarser level answers there")
+            }
+            Self::Incomplete { files, missing, fault } => {
+                write!(f, "in use, but {missing} of {} files are missing: {fault}", files + missing)
             }
             Self::Misaligned { degrees } => write!(
                 f,
@@ -92,13 +98,18 @@ mod tests {
         };
         let fault = BakedShadowError::Stream { file: "city.adumbra".to_owned(), fault: fault.into() };
         let rows = BakedShadowError::TooManyRows { rows: 9000, limit: 8192 };
+        let ninth = BakedShadowError::TooManyFiles { limit: 8 };
         let all = [
             (BakedShadowStatus::Waiting, "loading"),
             (BakedShadowStatus::Active { files: 1 }, "in use"),
             (BakedShadowStatus::Active { files: 2 }, "2 files"),
             (
-                BakedShadowStatus::Incomplete { files: 1, fault },
+                BakedShadowStatus::Incomplete { files: 1, missing: 0, fault },
                 "city.adumbra: the bundle 7 of level 0 is missing",
+            ),
+            (
+                BakedShadowStatus::Incomplete { files: 8, missing: 4, fault: ninth },
+                "4 of 12 files are missing: more than 8 files",
             ),
             (BakedShadowStatus::Misaligned { degrees: 1.234 }, "1.23 degrees"),
             (BakedShadowStatus::Misaligned { degrees: 1.0 }, "BakedShadow::align"),

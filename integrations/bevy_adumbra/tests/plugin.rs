@@ -73,3 +73,18 @@ fn systems_of_an_app_are_ordered_against_the_plugins() {
     app.update();
     assert_eq!(app.world().resource::<Marked>().0, [0, 1]);
 }
+
+#[test]
+fn without_assets_or_a_renderer_nothing_is_done_and_nothing_panics() {
+    let mut before = App::new();
+    before.add_plugins(AdumbraPlugin).add_plugins((MinimalPlugins, AssetPlugin::default()));
+    let mut server = App::new();
+    server.add_plugins((MinimalPlugins, AssetPlugin::default(), AdumbraPlugin));
+    for mut app in [before, server] {
+        app.finish();
+        app.cleanup();
+        let light = app.world_mut().spawn((DirectionalLight::default(), BakedShadow::default())).id();
+        app.update();
+        assert_eq!(app.world().get::<BakedShadowStatus>(light), Some(&BakedShadowStatus::Waiting));
+    }
+}

@@ -76,7 +76,7 @@ pub(crate) fn follow_suns(
         };
         let towards_light = transform.back().as_vec3();
         // Keys do not depend on where the light is now.
-        let now = Seen { settings: bake.settings, towards_light: Vec3::ZERO, keys: Arc::clone(&keys.0) };
+        let now = Seen { settings: bake.settings, towards_light: Vec3::ZERO, keys: Arc::clone(&keys.keys) };
         if bake.seen.as_ref() == Some(&now) {
             bake.pending = None;
         } else if is_still(&mut bake.pending, &now, bake.seen.is_none(), time.elapsed()) {

@@ -15,6 +15,7 @@ use bevy::prelude::{AlphaMode as BevyAlphaMode, GlobalTransform};
 use bevy::render::render_resource::TextureFormat;
 
 use super::progress::BakeError;
+use super::versions::AssetVersions;
 
 /// A mesh in its place.
 pub(super) struct Placed<'w> {
@@ -34,10 +35,19 @@ impl<'w> From<Item<'w>> for Placed<'w> {
 
 impl Placed<'_> {
     /// Returns a number that differs where what casts differs.
-    pub(super) fn key(&self) -> u64 {
+    pub(super) fn key(&self, materials: &Assets<StandardMaterial>, versions: &mut AssetVersions) -> u64 {
         let mut hasher = DefaultHasher::new();
         let columns = self.transform.affine().to_cols_array().map(f32::to_bits);
         (self.mesh, columns, self.material, self.casts).hash(&mut hasher);
+        versions.of(self.mesh).hash(&mut hasher);
+        if let Some(id) = self.material {
+            versions.of(id).hash(&mut hasher);
+            // Its image, if it has holes.
+            let image = materials.get(id).and_then(|material| material.base_color_texture.as_ref());
+            if let Some(image) = image {
+                versions.of(image.id()).hash(&mut hasher);
+            }
+        }
         hasher.finish()
     }
 }

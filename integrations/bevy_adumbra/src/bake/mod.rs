@@ -13,6 +13,7 @@ mod follow;
 mod gather;
 mod job;
 mod progress;
+mod versions;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -39,6 +40,7 @@ pub(crate) use follow::follow_suns;
 use gather::{Placed, gather};
 use job::{Finished, Job};
 pub use progress::{BakeError, BakeProgress};
+pub(crate) use versions::{AssetVersions, count_changes};
 
 /// Settings of a bake while the app runs.
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
@@ -124,7 +126,11 @@ impl PartialEq for Seen {
 
 /// The meshes that a bake would see now.
 #[derive(Resource, Default)]
-pub(crate) struct StaticKeys(Arc<Keys>);
+pub(crate) struct StaticKeys {
+    keys: Arc<Keys>,
+    /// Changes of assets that are in the keys.
+    changes: u64,
+}
 
 /// Adds [`BakeShadowCommands::bake_shadow`] to `Commands`.
 pub trait BakeShadowCommands {
@@ -170,15 +176,20 @@ pub(crate) fn find_meshes(
     placed: Meshes,
     changed: Query<(), Changes>,
     (mut removed, mut casts): (RemovedComponents<InBake>, RemovedComponents<NotShadowCaster>),
-    mut keys: ResMut<StaticKeys>,
+    materials: Res<Assets<StandardMaterial>>,
+    (mut keys, mut versions): (ResMut<StaticKeys>, ResMut<AssetVersions>),
 ) {
-    let has_changes = removed.read().count() + casts.read().count() > 0 || !changed.is_empty();
-    if lights.is_empty() || (!has_changes && !keys.0.is_empty()) {
+    let has_changes = removed.read().count() + casts.read().count() > 0
+        || !changed.is_empty()
+        || keys.changes != versions.changes();
+    if lights.is_empty() || (!has_changes && !keys.keys.is_empty()) {
         return;
     }
-    let new: Keys = placed.iter().map(|mesh| (mesh.0, Placed::from(mesh).key())).collect();
-    if *keys.0 != new {
-        keys.0 = Arc::new(new);
+    let mut key = |placed: Placed| placed.key(&materials, &mut versions);
+    let new: Keys = placed.iter().map(|mesh| (mesh.0, key(mesh.into()))).collect();
+    keys.changes = versions.changes();
+    if *keys.keys != new {
+        keys.keys = Arc::new(new);
     }
 }
 
@@ -202,7 +213,7 @@ pub(crate) fn bake_shadows(
         let now = Seen {
             settings: bake.settings,
             towards_light: transform.back().as_vec3(),
-            keys: Arc::clone(&keys.0),
+            keys: Arc::clone(&keys.keys),
         };
         if bake.seen.as_ref() == Some(&now) {
             bake.pending = None;
@@ -286,7 +297,7 @@ pub(crate) fn mark_changes(
     keys: Res<StaticKeys>,
     mut known: Local<Vec<Arc<Keys>>>,
 ) {
-    let of_files = lights.iter().filter_map(|bake| bake.in_use.as_ref()).chain([&keys.0]);
+    let of_files = lights.iter().filter_map(|bake| bake.in_use.as_ref()).chain([&keys.keys]);
     let is_known = known.len() == of_files.clone().count()
         && of_files.clone().zip(known.iter()).all(|(now, before)| Arc::ptr_eq(now, before));
     if is_known {
@@ -294,7 +305,7 @@ pub(crate) fn mark_changes(
     }
     *known = of_files.cloned().collect();
     for (entity, is_marked) in &placed {
-        let key = keys.0.get(&entity);
+        let key = keys.keys.get(&entity);
         let is_baked = known.iter().all(|keys| keys.get(&entity) == key);
         if is_baked == is_marked {
             let mut entity = commands.entity(entity);
@@ -314,6 +325,8 @@ mod tests {
     use adumbra::Sun;
     use adumbra_bake::{BakeOptions, Size, Watch, bake};
     use adumbra_scene::{GeneratedKind, generate};
+    use bevy::asset::AssetEvent;
+    use bevy::ecs::message::Messages;
 
     use super::*;
 
@@ -333,12 +346,16 @@ mod tests {
             world.init_resource::<Assets<Image>>();
             world.init_resource::<Assets<BakedShadowFile>>();
             world.init_resource::<StaticKeys>();
+            world.init_resource::<AssetVersions>();
+            world.init_resource::<Messages<AssetEvent<Mesh>>>();
+            world.init_resource::<Messages<AssetEvent<StandardMaterial>>>();
+            world.init_resource::<Messages<AssetEvent<Image>>>();
             world.init_resource::<DeviceLimits>();
             world.init_resource::<Time<Real>>();
             let light = world.spawn((DirectionalLight::default(), BakeShadow::default())).id();
             let mesh = world.spawn((Mesh3d::default(), InBake)).id();
             let mut systems = Schedule::default();
-            systems.add_systems((find_meshes, bake_shadows, mark_changes).chain());
+            systems.add_systems((count_changes, find_meshes, bake_shadows, mark_changes).chain());
             let mut stage = Self { world, systems, light, mesh };
             stage.update();
             stage
@@ -356,7 +373,7 @@ mod tests {
             let file = BakedShadowFile::new(file, DeviceLimits::default()).unwrap();
             let (sender, results) = channel();
             sender.send(Ok(Finished { file, seconds: 0.0, triangles: 0, blocks: [1, 0], is_last })).unwrap();
-            let keys = Arc::clone(&self.world.resource::<StaticKeys>().0);
+            let keys = Arc::clone(&self.world.resource::<StaticKeys>().keys);
             let towards_light = self.world.get::<GlobalTransform>(self.light).unwrap().back().as_vec3();
             let mut light = self.world.get_mut::<BakeShadow>(self.light).unwrap();
             light.seen = Some(Seen { settings: light.settings, towards_light, keys });
@@ -394,6 +411,35 @@ mod tests {
         stage.world.entity_mut(stage.mesh).remove::<NotShadowCaster>();
         stage.update();
         assert!(stage.is_pending());
+    }
+
+    #[test]
+    fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
+        let mut stage = Stage::new();
+        let material =
+            stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
+        stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(material.clone()));
+        stage.update();
+        stage.finish(true);
+        assert!(!stage.is_pending());
+        let mesh = stage.world.get::<Mesh3d>(stage.mesh).unwrap().id();
+        let of_mesh = AssetEvent::<Mesh>::Modified { id: mesh };
+        stage.world.resource_mut::<Messages<AssetEvent<Mesh>>>().write(of_mesh);
+        stage.update();
+        assert!(stage.is_pending() && stage.is_marked());
+        stage.finish(true);
+        assert!(!stage.is_pending());
+        let of_material = AssetEvent::<StandardMaterial>::Modified { id: material.id() };
+        stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(of_material);
+        stage.update();
+        assert!(stage.is_pending());
+        stage.finish(true);
+        // Materials of other meshes are none of the bake's.
+        let other = stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
+        let of_other = AssetEvent::<StandardMaterial>::Modified { id: other.id() };
+        stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(of_other);
+        stage.update();
+        assert!(!stage.is_pending());
     }
 
     #[test]

@@ -16,7 +16,8 @@ use super::file::{Stream, bytes_of};
 use super::streams::Slot;
 use super::views::view;
 use super::{ShadowStreams, StreamBudget};
-use crate::components::BakedShadow;
+use crate::components::{BakedShadow, FileRoot};
+use crate::placing::Roots;
 use crate::texels::PoolTexels;
 use crate::{DeviceLimits, StreamSource};
 
@@ -35,6 +36,7 @@ pub(crate) struct PoolUploads {
 /// Opens and closes streams as lights name them, and takes what cameras see and what has been read.
 pub(crate) fn drive_streams(
     lights: Query<&BakedShadow>,
+    roots: Query<(&FileRoot, &GlobalTransform)>,
     cameras: Query<(&Camera, &GlobalTransform, &Frustum), With<Camera3d>>,
     server: Res<AssetServer>,
     (budget, limits): (Res<StreamBudget>, Res<DeviceLimits>),
@@ -64,6 +66,7 @@ pub(crate) fn drive_streams(
     }
     let views: Vec<View> =
         cameras.iter().filter_map(|(camera, at, frustum)| view(camera, at, frustum)).collect();
+    let roots = Roots::new(roots.iter().map(|(root, transform)| (root, *transform)));
     // Without a render world nothing takes what is to be written.
     let mut left = if uploads.writes.is_empty() { budget.upload_bytes_per_frame } else { 0 };
     let mut uploaded = 0;
@@ -76,6 +79,10 @@ pub(crate) fn drive_streams(
         let stream = slot.active();
         stream.receive(start + RECEIVING);
         stream.open(|words| PoolTexels::new(words, limits.max_texture_side));
+        let places = roots.of_stream(&slot.source).into_iter().flatten();
+        let views: Vec<View> =
+            places.flat_map(|place| views.iter().map(move |view| view.of_placed(&place))).collect();
+        let stream = slot.active();
         stream.ask(&views, start.duration_since(*begun));
         // What one leaves is for those after it.
         let writes = stream.take_writes(left / (count - i));

@@ -5,7 +5,6 @@ use std::time::{Duration, Instant};
 
 use adumbra::stream::{Answer, PoolWrite, Request, Resident, StreamFault, StreamOptions, View};
 use bevy::log::debug;
-use bevy::math::Vec3;
 use bevy::tasks::futures::check_ready;
 use bevy::tasks::{AsyncComputeTaskPool, IoTaskPool, Task};
 
@@ -28,7 +27,7 @@ pub(super) struct Stream {
 /// What is known once a file is open.
 struct Opened {
     pool: PoolTexels,
-    towards_sun: Vec3,
+    towards_sun: [f64; 3],
     /// Bytes that are to be written until every point has an answer.
     left: u64,
 }
@@ -80,7 +79,7 @@ impl Stream {
         let Some((_, grid)) = self.resident.grids().into_iter().next() else { return };
         self.opened = Some(Opened {
             pool: place(self.resident.pool_words()),
-            towards_sun: Vec3::from_array(grid.sun.towards().map(|c| c as f32)),
+            towards_sun: grid.sun.towards(),
             left: self.resident.counts().queued_bytes,
         });
     }
@@ -135,7 +134,8 @@ impl Stream {
     /// Returns the file once it is open.
     pub(super) fn open_file(&self) -> Option<OpenFile<'_>> {
         let Opened { pool, towards_sun, left } = *self.opened.as_ref()?;
-        Some(OpenFile { resident: &self.resident, pool, towards_sun, is_ready: left == 0 })
+        let grid = self.resident.grids().into_iter().next().map(|(_, grid)| grid);
+        Some(OpenFile { resident: &self.resident, pool, towards_sun, grid, is_ready: left == 0 })
     }
 
     /// Returns why a part is missing.

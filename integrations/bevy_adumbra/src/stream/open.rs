@@ -1,12 +1,12 @@
 //! A streamed file that is open.
 
-use adumbra::Receivers;
 use adumbra::stream::Resident;
-use bevy::math::Vec3;
+use adumbra::{LightGrid, Placement, Receivers};
 
 use crate::components::BakedShadow;
 use crate::error::BakedShadowError;
 use crate::in_use::{FileInUse, look_up, way};
+use crate::placing::turned;
 use crate::texels::{PoolTexels, Texels};
 
 /// A streamed file that is open.
@@ -14,8 +14,9 @@ pub(crate) struct OpenFile<'a> {
     pub(super) resident: &'a Resident,
     pub(super) pool: PoolTexels,
     pub(super) is_ready: bool,
+    pub(super) grid: Option<LightGrid>,
     /// Unit vector towards the sun.
-    pub(crate) towards_sun: Vec3,
+    pub(crate) towards_sun: [f64; 3],
 }
 
 impl OpenFile<'_> {
@@ -24,14 +25,20 @@ impl OpenFile<'_> {
         self.resident.settings().map(|settings| settings.receivers)
     }
 
-    /// Returns the file with a light's settings.
-    pub(crate) fn in_use(&self, shadow: &BakedShadow) -> Result<FileInUse, BakedShadowError> {
-        let header = self.resident.texture_headers(&look_up(shadow));
+    /// Returns the file in a place, with a light's settings.
+    pub(crate) fn in_use(
+        &self,
+        placement: Placement,
+        shadow: &BakedShadow,
+    ) -> Result<FileInUse, BakedShadowError> {
+        let header = self.resident.texture_headers(&look_up(shadow, placement));
         Ok(FileInUse {
             texels: Texels::Pool(self.pool),
+            placement,
+            grid: self.grid.map(|grid| grid.placed(&placement)),
             way: way(shadow),
             header: header.map_err(|error| BakedShadowError::Setting(error.into()))?,
-            towards_sun: self.towards_sun,
+            towards_sun: turned(&placement, self.towards_sun),
             is_ready: self.is_ready,
             march: None,
         })

@@ -6,6 +6,7 @@
 // | 0 | MAGIC |
 // | 1 | number of files, 1 to 8 |
 // | 2 | number of rows, with the directory's |
+// | 3, 4 | width and height of the picture above them, as Bevy copies it for transmission; 0 without one |
 // | 8 + 8 i | first row of file i, counted from the first of these rows |
 // | 9 + 8 i | log2 of its width in texels |
 // | 10 + 8 i | how it is looked up: 0 with a filter, 1 with penumbrae, 2 by a march to a sun beside its own |
@@ -54,8 +55,8 @@ fn directory(word: u32) -> u32 {
     return load(vec2<u32>(word, directory_row));
 }
 
-// Finds the directory. Returns the number of files, 0 in a view without any.
-fn open() -> u32 {
+// Finds the directory. Returns whether there is one.
+fn find_directory() -> bool {
     let height = textureDimensions(view_bindings::view_transmission_texture).y;
     directory_row = height - 1u;
     encoding = UNORM;
@@ -64,12 +65,39 @@ fn open() -> u32 {
         if (directory(0u) != MAGIC) {
             encoding = SRGB;
             if (directory(0u) != MAGIC) {
-                return 0u;
+                return false;
             }
         }
     }
     first_row = height - directory(2u);
-    return directory(1u);
+    return true;
+}
+
+// Finds the directory. Returns the number of files, 0 in a view without any.
+fn open() -> u32 {
+    if (find_directory()) {
+        return directory(1u);
+    }
+    return 0u;
+}
+
+// Size of the picture that is seen through glass, in texels. One texel where there is none.
+fn picture_size() -> vec2<f32> {
+    if (find_directory()) {
+        return max(vec2<f32>(vec2<u32>(directory(3u), directory(4u))), vec2<f32>(1.0));
+    }
+    return vec2<f32>(textureDimensions(view_bindings::view_transmission_texture));
+}
+
+// What is seen through glass at a place of the picture, whose sides are 1, and nothing where there is none.
+fn transmitted(place: vec2<f32>) -> vec4<f32> {
+    if (find_directory() && directory(3u) == 0u) {
+        return vec4<f32>(0.0);
+    }
+    let picture = picture_size();
+    let at = clamp(place * picture, vec2<f32>(0.5), picture - 0.5)
+        / vec2<f32>(textureDimensions(view_bindings::view_transmission_texture));
+    return textureSampleLevel(view_bindings::view_transmission_texture, view_bindings::view_transmission_sampler, at, 0.0);
 }
 
 // Selects a file. Returns how it is looked up.

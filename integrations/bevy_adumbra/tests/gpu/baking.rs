@@ -40,25 +40,23 @@ fn a_world_is_baked_while_the_app_runs_and_again_when_it_changes() {
     let first = file_in_use(&stage);
     assert_eq!(first.settings.resolution, 1024);
     assert_alike_beside(&mut stage, &first, 10.0);
-    let cascades = |stage: &Stage| {
-        let bounds = &stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds;
-        (bounds.len(), stage.app.world().resource::<CascadeCasters>().kept)
-    };
+    let cascades =
+        |stage: &mut Stage| (stage.cascades(), stage.app.world().resource::<CascadeCasters>().kept);
     // Nothing moves: there is no cascade.
-    assert_eq!(cascades(&stage), (0, 0));
+    assert_eq!(cascades(&mut stage), (0, 0));
 
     // The tower moves. Its shadow comes from the cascades at once, and from a new file soon after.
     stage.app.world_mut().get_mut::<Transform>(tower).unwrap().translation.x = -20.0;
     stage.update();
     stage.update();
-    let (count, kept) = cascades(&stage);
+    let (count, kept) = cascades(&mut stage);
     assert!(count == 4 && kept > 0, "{count} cascades with {kept} casters");
     let handle = |stage: &Stage| stage.app.world().get::<BakedShadow>(stage.light).unwrap().files[0].id();
     let earlier = handle(&stage);
     stage.wait_for(|stage| is_done(stage) && handle(stage) != earlier);
     stage.update();
     stage.update();
-    assert_eq!(cascades(&stage), (0, 0));
+    assert_eq!(cascades(&mut stage), (0, 0));
     let second = file_in_use(&stage);
     assert_alike_beside(&mut stage, &second, -20.0);
 }

@@ -5,6 +5,8 @@ mod baking;
 mod files;
 mod fog;
 mod follow;
+mod glass;
+mod placing;
 mod points;
 mod processing;
 mod stage;

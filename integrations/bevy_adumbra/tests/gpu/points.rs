@@ -5,12 +5,13 @@ use adumbra_bake::FrameChoice;
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::light::CascadeShadowConfig;
+use bevy::mesh::skinning::SkinnedMesh;
 use bevy::pbr::{DefaultOpaqueRendererMethod, ExtendedMaterial, MaterialExtension, MaterialPlugin};
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
 use bevy::render::render_resource::{AsBindGroup, TextureFormat};
-use bevy_adumbra::CascadeCasters;
 use bevy_adumbra::prelude::*;
+use bevy_adumbra::{CascadeCasters, InBake};
 
 use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, baked, expected, from_above, picture};
 
@@ -221,24 +222,50 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     let world = stage.app.world_mut();
     *world.get_mut::<Transform>(stage.light).unwrap() =
         Transform::default().looking_to(-towards_sun, Vec3::Y);
-    let bounds =
+    let component =
         |stage: &Stage| stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds.len();
     stage.update();
-    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active { files: 1 }, 4));
+    assert_eq!((stage.status(), stage.cascades()), (BakedShadowStatus::Active { files: 1 }, 4));
+    // What is hidden casts nothing.
+    *stage.app.world_mut().get_mut::<Visibility>(mover).unwrap() = Visibility::Hidden;
+    stage.update();
+    assert_eq!((stage.cascades(), component(&stage)), (0, 4));
+    *stage.app.world_mut().get_mut::<Visibility>(mover).unwrap() = Visibility::Visible;
+    stage.update();
+    assert_eq!(stage.cascades(), 4);
     stage.app.world_mut().despawn(mover);
     stage.update();
-    assert_eq!(bounds(&stage), 0);
+    assert_eq!((stage.cascades(), component(&stage)), (0, 4));
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(0.1);
     stage.update();
-    assert_eq!(bounds(&stage), 4);
+    assert_eq!(stage.cascades(), 4);
     // The light loses its file while it rests: everything casts through the cascades again.
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(-0.1);
     stage.update();
-    assert_eq!((stage.status(), bounds(&stage)), (BakedShadowStatus::Active { files: 1 }, 0));
+    assert_eq!((stage.status(), stage.cascades()), (BakedShadowStatus::Active { files: 1 }, 0));
+    // A static mesh that is taken out of its root, and one that gets a skeleton, cast again.
+    let house = stage
+        .app
+        .world_mut()
+        .query_filtered::<Entity, With<InBake>>()
+        .iter(stage.app.world())
+        .next()
+        .unwrap();
+    stage.app.world_mut().entity_mut(house).remove::<ChildOf>();
+    stage.update();
+    assert!(stage.app.world().get::<InBake>(house).is_none() && stage.cascades() == 4);
+    stage.app.world_mut().entity_mut(house).insert(ChildOf(root));
+    stage.update();
+    stage.update();
+    assert_eq!(stage.cascades(), 0);
+    stage.app.world_mut().entity_mut(house).insert(SkinnedMesh::default());
+    stage.update();
+    assert!(stage.app.world().get::<InBake>(house).is_none());
+    stage.app.world_mut().entity_mut(house).remove::<SkinnedMesh>();
     stage.app.world_mut().entity_mut(stage.light).remove::<BakedShadow>();
     stage.update();
     stage.update();
-    assert_eq!((casters(&stage), bounds(&stage)), (CascadeCasters::default(), 4));
+    assert_eq!((casters(&stage), stage.cascades()), (CascadeCasters::default(), 4));
     assert!(stage.app.world().get::<BakedShadowStatus>(stage.light).is_none());
     let visible =
         stage.app.world().get::<bevy::camera::visibility::CascadesVisibleEntities>(stage.light).unwrap();

@@ -10,12 +10,14 @@ use bevy::asset::RenderAssetUsages;
 use bevy::camera::{Hdr, RenderTarget, ScalingMode};
 use bevy::core_pipeline::tonemapping::{DebandDither, Tonemapping};
 use bevy::light::CascadeShadowConfigBuilder;
+use bevy::pbr::ExtractedDirectionalLight;
 use bevy::prelude::*;
-use bevy::render::RenderPlugin;
 use bevy::render::gpu_readback::{Readback, ReadbackComplete};
 use bevy::render::pipelined_rendering::PipelinedRenderingPlugin;
 use bevy::render::render_resource::{Extent3d, PollType, TextureDimension, TextureFormat, TextureUsages};
 use bevy::render::renderer::RenderDevice;
+use bevy::render::sync_world::MainEntity;
+use bevy::render::{RenderApp, RenderPlugin};
 use bevy::window::ExitCondition;
 use bevy_adumbra::DeviceLimits;
 use bevy_adumbra::prelude::*;
@@ -155,6 +157,26 @@ impl Stage {
         device.wgpu_device().poll(PollType::Wait { submission_index: None, timeout: None }).expect("poll");
     }
 
+    /// How many cascades of the light the render world has drawn in the last frame.
+    pub fn cascades(&mut self) -> usize {
+        let light = self.light;
+        let world = self.app.sub_app_mut(RenderApp).world_mut();
+        let mut lights = world.query::<(&MainEntity, &ExtractedDirectionalLight)>();
+        let of_light = lights.iter(world).find(|(entity, _)| entity.id() == light);
+        of_light.map_or(0, |(_, light)| light.cascade_shadow_config.bounds.len())
+    }
+
+    /// Updates until the light's status is known.
+    pub fn update_until_known(&mut self) {
+        for _ in 0..20 {
+            self.update();
+            if self.status() != BakedShadowStatus::Waiting {
+                return;
+            }
+        }
+        panic!("the baked shadow is still loading");
+    }
+
     pub fn status(&self) -> BakedShadowStatus {
         self.app.world().get::<BakedShadowStatus>(self.light).expect("a status").clone()
     }
@@ -260,6 +282,7 @@ pub fn beside_tower(x: f32, found: &mut [f32], expected: &[f32]) {
 #[track_caller]
 pub fn assert_alike(found: &[f32], expected: &[f32], filter: Filter) {
     assert_eq!(found.len(), expected.len());
+    assert!(found.iter().all(|v| v.is_finite()), "a pixel has no visibility: it was not lit, or by too much");
     let difference = |(a, b): (&f32, &f32)| (a - b).abs();
     let off = found.iter().zip(expected).filter(|&pair| difference(pair) > 0.004).count();
     let most = found.iter().zip(expected).map(difference).fold(0.0, f32::max);
@@ -276,6 +299,7 @@ pub fn half([low, high]: [u8; 2]) -> f32 {
     let fraction = f32::from(bits & 0x3ff) / 1024.0;
     match exponent {
         0 => fraction * 2.0_f32.powi(-14),
+        31 => f32::INFINITY,
         _ => (1.0 + fraction) * 2.0_f32.powi(exponent - 15),
     }
 }

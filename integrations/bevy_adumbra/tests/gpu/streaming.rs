@@ -297,7 +297,7 @@ fn faults_leave_a_coarser_level_and_are_said_and_a_retry_works() {
     let source = Unreliable::after(2);
     stage.stream(source.clone() as Arc<dyn ShadowSource>);
     stage.wait_for(|stage| matches!(stage.status(), BakedShadowStatus::Incomplete { .. }));
-    let BakedShadowStatus::Incomplete { files: 1, fault: BakedShadowError::Stream { fault, .. } } =
+    let BakedShadowStatus::Incomplete { files: 1, missing: 0, fault: BakedShadowError::Stream { fault, .. } } =
         stage.status()
     else {
         panic!("{:?}", stage.status());

@@ -33,6 +33,9 @@ interface Task {
   transparent?: boolean;
   side?: string;
   depth?: string;
+  morphs?: boolean;
+  clips?: boolean;
+  eyes?: boolean;
   cycles?: number;
   placements?: number[][];
   rig?: number;
@@ -184,6 +187,7 @@ const KINDS: Partial<Task>[] = [
   { object: 'skinned' },
   { transparent: true },
   { side: 'double' },
+  { morphs: true, clips: true, eyes: true },
 ];
 
 describe.each(BACKENDS)('%s', (backend) => {

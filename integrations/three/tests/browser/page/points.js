@@ -52,6 +52,51 @@ const objects = {
   },
 };
 
+/** Makes an object one with a morph target: half as large until it is morphed, and then as it was. */
+function morph(object) {
+  const { geometry: shape } = object;
+  const whole = shape.attributes.position.clone();
+  shape.scale(0.5, 0.5, 0.5);
+  shape.morphAttributes.position = [whole];
+  object.updateMorphTargets();
+  object.morphTargetInfluences[0] = 1;
+}
+
+/** Clips what is below the ground, which is nothing that is seen. */
+async function clip({ renderer }, object) {
+  const below = [new THREE.Plane(new THREE.Vector3(0, 1, 0), 1)];
+  if (renderer.isWebGLRenderer) {
+    renderer.localClippingEnabled = true;
+    object.material.clippingPlanes = below;
+    return object;
+  }
+  const { ClippingGroup } = await import('three/webgpu');
+  const group = new ClippingGroup();
+  group.clippingPlanes = below;
+  return group.add(object);
+}
+
+/** Splits a camera into two, as for the eyes of a headset: each draws its half of the picture. */
+function split(camera, side) {
+  const eyes = [0, 1].map((i) => {
+    const eye = camera.clone();
+    Object.assign(eye, i === 0 ? { right: 0 } : { left: 0 });
+    // Each is at a place of its own, and looks at what it draws.
+    const middle = (eye.left + eye.right) / 2;
+    eye.position.x += middle;
+    Object.assign(eye, { left: eye.left - middle, right: eye.right - middle, viewport: new THREE.Vector4((i * side) / 2, 0, side / 2, side) });
+    eye.updateProjectionMatrix();
+    eye.updateMatrixWorld();
+    return eye;
+  });
+  const both = new THREE.ArrayCamera(eyes);
+  both.copy(camera, false);
+  both.cameras = eyes;
+  both.projectionMatrix.copy(camera.projectionMatrix);
+  both.projectionMatrixInverse.copy(camera.projectionMatrixInverse);
+  return both;
+}
+
 /**
  * Draws and returns the visibility of each pixel, from the top left, row by row. Settings of `later` are set one after
  * the other, each with a picture of its own. `cycles` detach the shadows and attach those of one of the files.
@@ -78,7 +123,8 @@ window.draw = async (task) => {
   if (task.side === 'double') object.rotation.x = Math.PI;
   object.receiveShadow = true;
   object.frustumCulled = false;
-  scene.add(object);
+  if (task.morphs) morph(object);
+  scene.add(task.clips ? await clip(parts, object) : object);
   const camera = new THREE.OrthographicCamera(-width / 2, width / 2, width / 2, -width / 2, 1, 200);
   camera.position.set(middle[0], height + 90, middle[1]);
   camera.up.set(0, 0, -1);
@@ -86,9 +132,10 @@ window.draw = async (task) => {
 
   if (task.rig) putInRig(camera, scene, task.rig);
 
+  const eyes = task.eyes ? split(camera, pixelsAcross) : camera;
   const frame = () => {
     parts.renderer.setRenderTarget(parts.target);
-    parts.renderer.render(scene, camera);
+    parts.renderer.render(scene, eyes);
   };
   const picture = async () => {
     frame();

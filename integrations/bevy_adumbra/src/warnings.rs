@@ -1,0 +1,101 @@
+//! What is warned of once, because shadows would be wrong without a fault that a status could say.
+
+use adumbra::Receivers;
+use bevy::ecs::prelude::*;
+use bevy::light::NotShadowReceiver;
+use bevy::log::warn;
+use bevy::math::Affine3A;
+use bevy::mesh::Mesh3d;
+use bevy::prelude::{Assets, GlobalTransform};
+
+use crate::BakedShadowFile;
+use crate::components::{BakedShadow, BakedStatic, FileRoot, InBake};
+use crate::status::BakedShadowStatus;
+use crate::stream::ShadowStreams;
+
+/// A light whose files were not baked by the running app, from where things are.
+#[cfg(feature = "bake")]
+type Loaded = (With<BakedShadow>, Without<crate::bake::BakeShadow>);
+#[cfg(not(feature = "bake"))]
+type Loaded = With<BakedShadow>;
+
+/// Warns if something moves and receives a file that answers only static surfaces. Without a [`BakedStatic`] it is
+/// not known what moves.
+pub(crate) fn warn_of_movers(
+    mut done: Local<bool>,
+    lights: Query<(Entity, &BakedShadow, &BakedShadowStatus)>,
+    (files, streams): (Res<Assets<BakedShadowFile>>, Res<ShadowStreams>),
+    in_bake: Query<(), With<InBake>>,
+    movers: Query<(), (With<Mesh3d>, Without<NotShadowReceiver>, Without<InBake>)>,
+) {
+    if *done || in_bake.is_empty() || movers.is_empty() {
+        return;
+    }
+    for (entity, shadow, status) in &lights {
+        let whole = shadow.files.iter().filter_map(|file| files.get(file)).map(BakedShadowFile::receivers);
+        let streamed = shadow.streams.iter().filter_map(|source| streams.open_file(source)?.receivers());
+        let is_static = whole.chain(streamed).any(|receivers| receivers == Receivers::Static);
+        if status.is_active() && is_static {
+            warn!(
+                "a file of light {entity} was baked with --receivers static, so what moves has wrong shadows in 1 to 3 % \
+                 of its points; bake it without that option"
+            );
+            *done = true;
+            return;
+        }
+    }
+}
+
+/// Returns a static root that is not where it was baked, if no file follows a root. A root that is a mesh is a part of a world
+/// that has its origin elsewhere.
+pub(crate) fn find_moved_root(
+    lights: Query<&BakedShadowStatus, Loaded>,
+    statics: Query<(Entity, &GlobalTransform), (With<BakedStatic>, Without<Mesh3d>)>,
+    roots: Query<(), With<FileRoot>>,
+) -> Option<Entity> {
+    if !roots.is_empty() || !lights.iter().any(BakedShadowStatus::is_active) {
+        return None;
+    }
+    let is_moved = |at: &GlobalTransform| !at.affine().abs_diff_eq(Affine3A::IDENTITY, 1e-5);
+    statics.iter().find(|(_, at)| is_moved(at)).map(|(entity, _)| entity)
+}
+
+/// Warns of that root.
+pub(crate) fn warn_of_moved_root(In(moved): In<Option<Entity>>, mut done: Local<bool>) {
+    let (Some(entity), false) = (moved, *done) else { return };
+    warn!(
+        "the BakedStatic {entity} is moved, turned or scaled, and its file stays where it was baked; if the file was baked \
+         from what is below it, put FileRoot::new(file) on it"
+    );
+    *done = true;
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy::ecs::system::RunSystemOnce;
+    use bevy::prelude::Transform;
+
+    use super::*;
+
+    #[test]
+    fn a_static_root_that_is_not_at_rest_is_found_until_a_file_follows_a_root() {
+        let mut world = World::new();
+        let find = |world: &mut World| world.run_system_once(find_moved_root).unwrap();
+        world.spawn((BakedStatic, GlobalTransform::default()));
+        let root = world.spawn((BakedStatic, GlobalTransform::from(Transform::from_xyz(0.0, 2.0, 0.0)))).id();
+        assert_eq!(find(&mut world), None, "no light has a file");
+        let light = world.spawn((BakedShadow::default(), BakedShadowStatus::Active { files: 1 })).id();
+        assert_eq!(find(&mut world), Some(root));
+        #[cfg(feature = "bake")]
+        {
+            world.entity_mut(light).insert(crate::bake::BakeShadow::default());
+            assert_eq!(find(&mut world), None, "the app bakes where things are");
+            world.entity_mut(light).remove::<crate::bake::BakeShadow>();
+        }
+        world.entity_mut(light).insert(BakedShadowStatus::Waiting);
+        assert_eq!(find(&mut world), None);
+        world.entity_mut(light).insert(BakedShadowStatus::Active { files: 1 });
+        world.entity_mut(root).insert(FileRoot::new(Default::default()));
+        assert_eq!(find(&mut world), None);
+    }
+}

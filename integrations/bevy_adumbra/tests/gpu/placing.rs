@@ -1,0 +1,172 @@
+//! Files that follow roots which the app moves, turns and scales, compared with look-ups on the CPU.
+
+use adumbra::{Filter, Placement};
+use adumbra_bake::FrameChoice;
+use bevy::prelude::*;
+use bevy_adumbra::CascadeCasters;
+use bevy_adumbra::prelude::*;
+
+use crate::stage::{MIDDLE, SQUARE, Stage, assert_alike, baked, expected_by};
+
+/// Places that an app may give a file: where, turned about Y, X and Z, and how large.
+const PLACES: [([f32; 3], [f32; 3], f32); 10] = [
+    ([-40.0, 2.0, 16.0], [0.4, 0.0, 0.0], 0.1),
+    ([-3.0, 0.5, 8.0], [2.8, -0.2, 0.1], 3.28),
+    ([100.0, -20.0, 3000.0], [0.0, 0.0, 0.0], 1.0),
+    ([0.0, 0.0, 0.0], [1.1, 0.0, 0.0], 1.0),
+    ([0.0, 0.0, 0.0], [0.0, -1.570_796_4, 0.0], 1.0),
+    ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 0.01),
+    ([0.0, 0.0, 0.0], [0.0, 0.0, 0.0], 100.0),
+    ([5.0, 7.0, -9.0], [0.3, -2.0, 0.5], 1.0),
+    ([1000.0, 0.0, -500.0], [1.0, 2.0, 3.0], 0.5),
+    ([12.0, -3.0, 40.0], [0.0, 2.2, 0.0], 1.0),
+];
+
+/// Draws the square, with the file and its camera, at places, where one of two copies of a file is and then the other.
+fn assert_follows(places: &[([f32; 3], [f32; 3], f32)]) {
+    let file = baked(FrameChoice::Oblique);
+    let mut stage = Stage::new(|_| {});
+    let handle = stage.give(file.clone(), |_| {});
+    let roots = [0, 1]
+        .map(|_| stage.app.world_mut().spawn((FileRoot::new(handle.clone()), Transform::default())).id());
+    for (n, (at, [y, x, z], scale)) in places.iter().enumerate() {
+        let place = Transform {
+            translation: Vec3::from_array(*at),
+            rotation: Quat::from_euler(EulerRot::YXZ, *y, *x, *z),
+            scale: Vec3::splat(*scale),
+        };
+        let away = Transform { translation: place.translation + 1e4 * scale * Vec3::X, ..place };
+        let world = stage.app.world_mut();
+        for (root, transform) in roots.iter().zip(if n % 2 == 0 { [place, away] } else { [away, place] }) {
+            *world.get_mut::<Transform>(*root).unwrap() = transform;
+        }
+        *world.get_mut::<Transform>(stage.square).unwrap() = place * Transform::from_translation(MIDDLE);
+        let above = Transform::from_translation(MIDDLE + 90.0 * Vec3::Y).looking_at(MIDDLE, Vec3::NEG_Z);
+        *world.get_mut::<Transform>(stage.camera).unwrap() = (place * above).with_scale(Vec3::ONE);
+        let mut from_above = crate::stage::from_above(scale * SQUARE);
+        if let Projection::Orthographic(projection) = &mut from_above {
+            projection.far = 200.0 * scale;
+        }
+        *world.get_mut::<Projection>(stage.camera).unwrap() = from_above;
+        let columns = place.to_matrix().to_cols_array_2d().map(|column| column.map(f64::from));
+        let placement = Placement::from_matrix(columns).unwrap();
+        let placed = file.sampler(Filter::Box5).placed(&placement);
+        let normal = placement.direction_to_world([0.0, 1.0, 0.0]);
+        let expected = expected_by(|p, _| placed.visibility(placement.to_world(p), Some(normal)));
+        // The first of the roots turns the light, and the file has both.
+        assert_alike(&stage.visibility(), &expected, Filter::Box5);
+        assert_eq!(stage.status(), BakedShadowStatus::Active { files: 2 }, "{n}");
+    }
+}
+
+#[test]
+fn a_file_follows_its_root_and_its_copy() {
+    assert_follows(&PLACES[..2]);
+}
+
+#[test]
+#[ignore = "slow: draws many frames"]
+fn a_file_follows_its_root_wherever_it_goes() {
+    assert_follows(&PLACES);
+}
+
+#[test]
+fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
+    let file = baked(FrameChoice::Oblique);
+    let mut stage = Stage::new(|_| {});
+    let handle = stage.give(file, |_| {});
+    let world = stage.app.world_mut();
+    let wide =
+        world.spawn((FileRoot::new(handle.clone()), Transform::from_scale(Vec3::new(1.0, 2.0, 1.0)))).id();
+    stage.update_until_known();
+    assert!(
+        matches!(stage.status(), BakedShadowStatus::Unusable(BakedShadowError::Root(_))),
+        "{}",
+        stage.status()
+    );
+    stage.app.world_mut().spawn((FileRoot::new(handle), Transform::default()));
+    stage.update();
+    let status = stage.status();
+    assert!(matches!(status, BakedShadowStatus::Incomplete { files: 1, missing: 1, .. }), "{status}");
+    assert!(
+        status.to_string().contains("1 of 2 files are missing: a file cannot follow its FileRoot"),
+        "{status}"
+    );
+    stage.app.world_mut().despawn(wide);
+    stage.update();
+    assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
+}
+
+/// Twelve places of one file, of which eight are in use: meshes in the others go on casting through the cascades.
+#[test]
+fn what_is_in_a_missing_file_stays_in_the_cascades() {
+    let file = baked(FrameChoice::Oblique);
+    let mut stage = Stage::new(|_| {});
+    let handle = stage.give(file, |_| {});
+    let world = stage.app.world_mut();
+    for i in 0..12 {
+        world.spawn((FileRoot::new(handle.clone()), Transform::from_xyz(2000.0 * i as f32, 0.0, 0.0)));
+    }
+    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
+    let at = Transform::from_translation(MIDDLE + Vec3::new(0.0, 5.0, 0.0));
+    let mesh = (Mesh3d(cube.clone()), MeshMaterial3d(stage.material.clone()), at, BakedStatic);
+    let world = stage.app.world_mut();
+    world.spawn(mesh.clone());
+    for _ in 0..3 {
+        stage.update();
+    }
+    let status = stage.status();
+    assert!(
+        matches!(
+            status,
+            BakedShadowStatus::Incomplete {
+                files: 8,
+                missing: 4,
+                fault: BakedShadowError::TooManyFiles { limit: 8 }
+            }
+        ),
+        "{status}"
+    );
+    let kept = |stage: &Stage| stage.app.world().resource::<CascadeCasters>().kept;
+    assert_eq!(kept(&stage), 0, "the first place is in use");
+    // The camera goes to the last one, with a mesh of its own.
+    let move_by = Vec3::new(2000.0 * 11.0, 0.0, 0.0);
+    let world = stage.app.world_mut();
+    world.spawn((mesh.0, mesh.1, at.with_translation(at.translation + move_by), BakedStatic));
+    world.get_mut::<Transform>(stage.camera).unwrap().translation += move_by;
+    for _ in 0..3 {
+        stage.update();
+    }
+    assert!(kept(&stage) > 0, "its file is missing");
+}
+
+/// How many statuses the light has had.
+#[derive(Resource, Default)]
+struct Statuses(Vec<BakedShadowStatus>);
+
+#[test]
+fn a_light_that_something_else_turns_is_kept_or_said_to_be_off_once() {
+    let mut stage = Stage::new(|_| {});
+    stage.give(baked(FrameChoice::Oblique), |_| {});
+    stage.app.init_resource::<Statuses>();
+    let push = |change: On<BakedShadowChanged>, mut all: ResMut<Statuses>| all.0.push(change.status.clone());
+    stage.app.world_mut().entity_mut(stage.light).observe(push);
+    let turn = |stage: &mut Stage| {
+        for _ in 0..5 {
+            stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(0.1);
+            stage.update();
+        }
+    };
+    stage.update();
+    turn(&mut stage);
+    assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().align = false;
+    turn(&mut stage);
+    let BakedShadowStatus::Misaligned { degrees } = stage.status() else { panic!("{}", stage.status()) };
+    assert!(degrees > 10.0);
+    let all = &stage.app.world().resource::<Statuses>().0;
+    assert!(
+        matches!(all[..], [BakedShadowStatus::Active { files: 1 }, BakedShadowStatus::Misaligned { .. }]),
+        "{all:?}"
+    );
+}
