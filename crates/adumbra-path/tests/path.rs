@@ -235,4 +235,13 @@ fn a_follower_answers_as_rays_do(scene: Scene, resolution: u64, frames: u32, eve
     assert!(changes >= 3, "{changes}");
     assert!(matches!(follower.follow(f64::from(frames) / 10.0 + 1.0, [0.8, -0.6, 0.0]), Followed::Night));
     assert!(follower.take_fault().is_none());
+    // Once it has been stopped, it bakes for no other sun.
+    while follower.is_baking() {
+        wakes.recv().unwrap();
+        _ = follower.follow(f64::from(frames) / 10.0 + 1.0, [0.8, -0.6, 0.0]);
+    }
+    follower.stop();
+    let elsewhere = Sun::from_angles(300.0, 60.0).unwrap().towards();
+    _ = follower.follow(f64::from(frames) / 10.0 + 2.0, elsewhere);
+    assert!(!follower.is_baking());
 }

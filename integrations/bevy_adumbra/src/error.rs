@@ -30,6 +30,9 @@ pub enum BakedShadowError {
     /// A light that is followed has penumbrae.
     #[error("BakedShadow::softness is not possible with BakedShadow::follow; set one of them alone")]
     SoftFollow,
+    /// There is no light to shadow.
+    #[error("BakedShadow is on an entity without a DirectionalLight; put it on the sun")]
+    NoLight,
     /// A file could not be loaded.
     #[error(transparent)]
     NotLoaded(SharedError<AssetLoadError>),

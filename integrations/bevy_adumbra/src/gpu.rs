@@ -19,7 +19,8 @@ use bevy::render::camera::ExtractedCamera;
 use bevy::render::render_phase::ViewSortedRenderPhases;
 use bevy::render::render_resource::{
     Extent3d, FilterMode, Origin3d, Sampler, SamplerDescriptor, TexelCopyBufferLayout, TexelCopyTextureInfo,
-    Texture, TextureAspect, TextureDescriptor, TextureDimension, TextureFormat, TextureUsages, TextureView,
+    Texture, TextureAspect, TextureDescriptor, TextureDimension, TextureFormat, TextureId, TextureUsages,
+    TextureView,
 };
 use bevy::render::renderer::{RenderDevice, RenderQueue};
 use bevy::render::view::ExtractedView;
@@ -45,8 +46,8 @@ pub(crate) struct ExtractedFiles {
 }
 
 pub(crate) fn extract_files(in_use: Extract<Res<FilesInUse>>, mut extracted: ResMut<ExtractedFiles>) {
-    if in_use.is_changed() && extracted.files != in_use.0 {
-        extracted.files.clone_from(&in_use.0);
+    if in_use.is_changed() && extracted.files != in_use.files {
+        extracted.files.clone_from(&in_use.files);
         extracted.version += 1;
     }
 }
@@ -59,8 +60,8 @@ pub(crate) struct WordTextures {
     files: Vec<FileInUse>,
     /// The words alone.
     words: Option<WordTexture>,
-    /// Words below a picture, by the picture's size and format.
-    below: HashMap<(UVec2, TextureFormat), WordTexture>,
+    /// Words below a picture, by the picture's size and format, and for how many frames no view has used them.
+    below: HashMap<(UVec2, TextureFormat), (WordTexture, u32)>,
 }
 
 impl WordTextures {
@@ -99,7 +100,7 @@ impl WordTextures {
 
     /// All textures with the words.
     fn all(&self) -> impl Iterator<Item = &WordTexture> {
-        self.words.iter().chain(self.below.values())
+        self.words.iter().chain(self.below.values().map(|(words, _)| words))
     }
 
     /// Writes what has come to pools in this frame.
@@ -130,9 +131,12 @@ struct WordTexture {
     layout: Layout,
 }
 
-/// On views whose binding has the words.
+/// On views whose binding has the words: the texture that was put there last.
 #[derive(Component)]
-pub(crate) struct HasWords;
+pub(crate) struct HasWords(TextureId);
+
+/// Frames after which a texture goes that no view uses: glass comes into view and leaves it as a camera turns.
+const KEPT_FRAMES: u32 = 300;
 
 /// Bytes of texels in a row of all texels of a file, or of the directory.
 struct Part<'a> {
@@ -180,23 +184,25 @@ pub(crate) fn give_words(
     (mut textures, mut pools): (ResMut<WordTextures>, ResMut<Pools>),
     (device, queue, limits): (Res<RenderDevice>, Res<RenderQueue>, Res<DeviceLimits>),
     transmissive: Res<ViewSortedRenderPhases<Transmissive3d>>,
-    views: Query<(Entity, &ExtractedView, &ExtractedCamera, Has<HasWords>)>,
+    views: Query<(Entity, &ExtractedView, &ExtractedCamera)>,
+    given: Query<(Entity, &HasWords, Option<&ViewTransmissionTexture>, Has<ExtractedView>)>,
 ) {
+    // A camera that draws no more keeps no texture.
+    for (entity, words, texture, is_drawn) in &given {
+        if files.files.is_empty() || !is_drawn {
+            let mut entity = commands.entity(entity);
+            entity.remove::<HasWords>();
+            // Where something is transmissive, Bevy has put its own texture there for this frame.
+            if texture.is_some_and(|texture| texture.texture.id() == words.0) {
+                entity.remove::<ViewTransmissionTexture>();
+            }
+        }
+    }
     if files.files.is_empty() {
         if textures.words.is_some() {
             *textures = WordTextures { version: textures.version, ..Default::default() };
         }
         pools.take_writes(|_, _, _| ());
-        for (entity, view, _, has_words) in &views {
-            // Where something is transmissive, Bevy has put its own texture there for this frame.
-            if has_words {
-                let mut entity = commands.entity(entity);
-                entity.remove::<HasWords>();
-                if transmissive.get(&view.retained_view_entity).is_none_or(|phase| phase.items.is_empty()) {
-                    entity.remove::<ViewTransmissionTexture>();
-                }
-            }
-        }
         return;
     }
     if textures.version != files.version {
@@ -204,7 +210,7 @@ pub(crate) fn give_words(
     }
     textures.take_writes(&queue, &mut pools);
     let mut used = Vec::new();
-    for (entity, view, camera, _) in &views {
+    for (entity, view, camera) in &views {
         let Some(phase) = transmissive.get(&view.retained_view_entity) else { continue };
         let words = if phase.items.is_empty() {
             textures.words.clone()
@@ -212,12 +218,12 @@ pub(crate) fn give_words(
             let Some(picture) = camera.physical_target_size else { continue };
             let key = (picture, view.target_format);
             used.push(key);
-            let known = textures.below.get(&key).cloned();
+            let known = textures.below.get(&key).map(|(words, _)| words.clone());
             match known.map_or_else(|| below_a_picture(&device, *limits, &files.files, key), Ok) {
                 Ok(words) => {
                     if let Entry::Vacant(entry) = textures.below.entry(key) {
                         words.write_all(&queue, &files.files, &pools);
-                        entry.insert(words.clone());
+                        entry.insert((words.clone(), 0));
                     }
                     Some(words)
                 }
@@ -231,9 +237,14 @@ pub(crate) fn give_words(
             }
         };
         let Some(WordTexture { texture, view, sampler, .. }) = words else { continue };
-        commands.entity(entity).insert((HasWords, ViewTransmissionTexture { texture, view, sampler }));
+        commands
+            .entity(entity)
+            .insert((HasWords(texture.id()), ViewTransmissionTexture { texture, view, sampler }));
     }
-    textures.below.retain(|key, _| used.contains(key));
+    textures.below.retain(|key, (_, unused_frames)| {
+        *unused_frames = if used.contains(key) { 0 } else { *unused_frames + 1 };
+        *unused_frames <= KEPT_FRAMES
+    });
 }
 
 /// Returns a texture with a picture's rows above and room for the words below, or why there can be none.

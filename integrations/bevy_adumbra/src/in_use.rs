@@ -4,6 +4,7 @@ use std::iter::once;
 
 use adumbra::gpu::{LookUp, Penumbra};
 use adumbra::{LightGrid, Placement};
+use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::prelude::*;
 use bevy::math::{UVec2, Vec3};
 
@@ -96,14 +97,21 @@ pub(crate) fn way(shadow: &BakedShadow) -> Way {
     if shadow.softness.is_some() { Way::Soft } else { Way::Filtered }
 }
 
-/// The files in use, for the render world.
+/// The files in use.
 #[derive(Resource, Default, PartialEq)]
-pub(crate) struct FilesInUse(pub(crate) Vec<FileInUse>);
+pub(crate) struct FilesInUse {
+    /// For the render world.
+    pub(crate) files: Vec<FileInUse>,
+    /// Lights with a file that is not looked up: it is loading, has another sun, or is missing. What is in it has no other shadow
+    /// than that of the cascades.
+    pub(crate) partial: EntityHashSet,
+}
 
 impl FilesInUse {
-    /// Returns the files of a light's sun.
+    /// Returns the files that are looked up for a light's sun.
     pub(crate) fn of_sun(&self, towards_light: Vec3) -> impl Iterator<Item = &FileInUse> + Clone {
-        self.0.iter().filter(move |file| file.towards_sun.distance(towards_light) <= SAME_SUN)
+        let is_of_sun = move |file: &&FileInUse| file.towards_sun.distance(towards_light) <= SAME_SUN;
+        self.files.iter().filter(|file| file.is_ready).filter(is_of_sun)
     }
 }
 
@@ -115,8 +123,10 @@ pub(crate) struct LightFiles<'a> {
     pub(crate) towards_light: Vec3,
     /// Files that are looked up.
     pub(crate) added: usize,
-    /// Files that the light has the sun of, and that are not in use.
+    /// Files that cannot be in use.
     pub(crate) missing: usize,
+    /// Whether a file is loading.
+    pub(crate) is_loading: bool,
     /// Angle to the nearest sun of a file that the light does not have.
     pub(crate) nearest_degrees: f32,
     /// Why a file is not in use.
@@ -136,9 +146,15 @@ impl LightFiles<'_> {
             return;
         }
         match file().and_then(|file| self.put(file)) {
-            Ok(is_ready) => self.added += usize::from(is_ready),
+            Ok(true) => self.added += 1,
+            Ok(false) => self.is_loading = true,
             Err(error) => self.miss(error),
         }
+    }
+
+    /// Whether all files are looked up.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.missing == 0 && !self.is_loading && self.nearest_degrees.is_infinite()
     }
 
     /// Counts a file that is not in use.
@@ -152,9 +168,10 @@ impl LightFiles<'_> {
         let limit = self.limits.max_texture_side;
         let all = self.in_use.iter().chain(once(&new)).map(|file| &file.texels);
         let is_same = |other: &&FileInUse| (&other.texels, other.placement) == (&new.texels, new.placement);
+        let listed = self.in_use.iter().filter(|file| file.is_ready).count();
         if let Some(known) = self.in_use.iter().find(is_same) {
             Ok(known.is_ready)
-        } else if self.in_use.len() == MAX_FILES {
+        } else if new.is_ready && listed == MAX_FILES {
             Err(BakedShadowError::TooManyFiles { limit: MAX_FILES })
         } else if Layout::below(UVec2::ZERO, all.clone(), limit).is_none() {
             Err(BakedShadowError::TooManyRows { rows: all.map(Texels::height).sum(), limit })

@@ -26,7 +26,7 @@
 //! | [`prelude`] | what most apps need |
 //! | `file` | the asset and its loader |
 //! | `shaders`, `patch` | the WGSL of look-ups, and the places in Bevy's shaders that call it |
-//! | `in_use`, `placing`, `lights` | which files are in use, and where |
+//! | `in_use`, `placing`, `lights`, `align` | which files are in use, and where; lights are kept at their sun |
 //! | `source`, `stream` | files that are streamed: where from, and what is resident of them |
 //! | `status`, `error` | what a light's shadows come from, and why not from its files |
 //! | `systems` | where the plugin's systems run |
@@ -40,6 +40,7 @@
 //!
 //! Whatever cannot work falls back to Bevy's own shadows in the same frame and says why: see [`BakedShadowStatus`].
 
+mod align;
 #[cfg(feature = "bake")]
 mod bake;
 mod components;
@@ -78,7 +79,7 @@ use bevy::ecs::system::IntoSystem;
 use bevy::light::SimulationLightSystems;
 use bevy::pbr::prepare_lights;
 use bevy::render::renderer::RenderDevice;
-use bevy::render::{ExtractSchedule, Render, RenderApp, RenderSystems};
+use bevy::render::{ExtractSchedule, GpuResourceAppExt, Render, RenderApp, RenderSystems};
 use bevy::shader::Shader;
 
 #[cfg(feature = "bake")]
@@ -141,6 +142,7 @@ impl Plugin for AdumbraPlugin {
             .init_resource::<CascadeCasters>()
             .init_resource::<in_use::FilesInUse>()
             .init_resource::<statics::RestingLights>()
+            .init_resource::<placing::Rooted>()
             .init_resource::<StreamBudget>()
             .init_resource::<ShadowStreams>()
             .init_resource::<stream::PoolUploads>();
@@ -157,7 +159,9 @@ impl Plugin for AdumbraPlugin {
             .add_systems(
                 PostUpdate,
                 (
-                    lights::align_lights.in_set(AdumbraSystems::AlignLights),
+                    (placing::note_roots, align::give_back, align::align_lights)
+                        .chain()
+                        .in_set(AdumbraSystems::AlignLights),
                     statics::mark_meshes.in_set(AdumbraSystems::MarkStatics),
                     (stream::drive_streams, moving::write_keys).chain().in_set(AdumbraSystems::Stream),
                     (
@@ -191,9 +195,10 @@ impl Plugin for AdumbraPlugin {
         );
         let Some(render) = app.get_sub_app_mut(RenderApp) else { return };
         render
+            // Made anew if the device is lost.
+            .init_gpu_resource::<gpu::WordTextures>()
             .init_resource::<DeviceLimits>()
             .init_resource::<gpu::ExtractedFiles>()
-            .init_resource::<gpu::WordTextures>()
             .init_resource::<pools::Pools>()
             .init_resource::<statics::RestingLights>()
             .add_systems(

@@ -4,34 +4,68 @@ use adumbra::Placement;
 use bevy::asset::AssetId;
 use bevy::ecs::prelude::*;
 use bevy::math::{Mat4, Vec3};
+use bevy::platform::collections::HashSet;
 use bevy::prelude::GlobalTransform;
 
 use crate::components::FileRoot;
 use crate::error::BakedShadowError;
 use crate::{BakedShadowFile, StreamSource};
 
+/// The files that have had a root. While they have none, as between two levels, they are nowhere.
+#[derive(Resource, Default)]
+pub(crate) struct Rooted {
+    whole: HashSet<AssetId<BakedShadowFile>>,
+    streamed: Vec<StreamSource>,
+}
+
+/// Keeps [`Rooted`].
+pub(crate) fn note_roots(roots: Query<&FileRoot, Changed<FileRoot>>, mut rooted: ResMut<Rooted>) {
+    for root in &roots {
+        match root {
+            FileRoot::Whole(file) => {
+                rooted.whole.insert(file.id());
+            }
+            FileRoot::Streamed(source) if !rooted.streamed.contains(source) => {
+                rooted.streamed.push(source.clone());
+            }
+            FileRoot::Streamed(_) => {}
+        }
+    }
+}
+
 /// The roots of files, with the matrices that they had when this was made.
-pub(crate) struct Roots<'a>(Vec<(&'a FileRoot, Mat4)>);
+pub(crate) struct Roots<'a> {
+    roots: Vec<(Entity, &'a FileRoot, Mat4)>,
+    rooted: &'a Rooted,
+}
 
 impl<'a> Roots<'a> {
-    pub(crate) fn new(roots: impl Iterator<Item = (&'a FileRoot, GlobalTransform)>) -> Self {
-        Self(roots.map(|(root, transform)| (root, transform.to_matrix())).collect())
+    pub(crate) fn new(
+        rooted: &'a Rooted,
+        roots: impl Iterator<Item = (Entity, &'a FileRoot, GlobalTransform)>,
+    ) -> Self {
+        let mut roots: Vec<_> = roots.map(|(entity, root, at)| (entity, root, at.to_matrix())).collect();
+        // The first one turns the light: the same one in each frame, whatever components the app inserts.
+        roots.sort_unstable_by_key(|(entity, ..)| entity.index_u32());
+        Self { roots, rooted }
     }
 
-    /// Returns the places of a file: those of its roots, or where it was baked.
+    /// Returns the places of a file: those of its roots, or where it was baked if it never had one.
     pub(crate) fn of_file(&self, file: AssetId<BakedShadowFile>) -> Places {
-        self.places(|root| matches!(root, FileRoot::Whole(handle) if handle.id() == file))
+        let is_of_file = |root: &FileRoot| matches!(root, FileRoot::Whole(handle) if handle.id() == file);
+        self.places(is_of_file, self.rooted.whole.contains(&file))
     }
 
     /// Returns the places of a streamed file.
     pub(crate) fn of_stream(&self, source: &StreamSource) -> Places {
-        self.places(|root| matches!(root, FileRoot::Streamed(of_root) if of_root == source))
+        let is_of_stream = |root: &FileRoot| matches!(root, FileRoot::Streamed(of_root) if of_root == source);
+        self.places(is_of_stream, self.rooted.streamed.contains(source))
     }
 
-    fn places(&self, is_of_file: impl Fn(&FileRoot) -> bool) -> Places {
-        let mut places: Places =
-            self.0.iter().filter(|(root, _)| is_of_file(root)).map(|(_, matrix)| place(*matrix)).collect();
-        if places.is_empty() {
+    fn places(&self, is_of_file: impl Fn(&FileRoot) -> bool, is_rooted: bool) -> Places {
+        let of_file = self.roots.iter().filter(|(_, root, _)| is_of_file(root));
+        let mut places: Places = of_file.map(|(.., matrix)| place(*matrix)).collect();
+        if places.is_empty() && !is_rooted {
             places.push(Ok(Placement::BAKED));
         }
         places

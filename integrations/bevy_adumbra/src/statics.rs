@@ -3,7 +3,7 @@
 use bevy::camera::primitives::Aabb;
 use bevy::camera::visibility::{CascadesVisibleEntities, NoCpuCulling};
 use bevy::ecs::archetype::Archetypes;
-use bevy::ecs::component::Components;
+use bevy::ecs::component::{ComponentId, ComponentInfo, Components};
 use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::prelude::*;
 use bevy::ecs::system::SystemParam;
@@ -110,26 +110,35 @@ pub(crate) struct NotYetBaked;
 #[derive(Resource, Default, Debug)]
 pub(crate) struct RestingLights(pub(crate) EntityHashSet);
 
+/// Meshes that cast and that the GPU culls alone.
+type Unculled = (With<Mesh3d>, With<NoCpuCulling>, Without<NotShadowCaster>);
+
 /// Which casters besides meshes there are. Bevy does not list them by cascade.
 #[derive(SystemParam)]
 pub(crate) struct OtherCasters<'w, 's> {
-    unculled:
-        Query<'w, 's, (), (With<Mesh3d>, With<NoCpuCulling>, Without<NotShadowCaster>, Without<InBake>)>,
+    unculled: Query<'w, 's, (), (Unculled, Or<(Without<InBake>, With<NotYetBaked>)>)>,
+    unculled_in_bake: Query<'w, 's, (), (Unculled, With<InBake>)>,
     components: &'w Components,
     archetypes: &'w Archetypes,
+    /// The component of meshlets, as of so many components.
+    meshlets: Local<'s, (usize, Option<ComponentId>)>,
 }
 
 impl OtherCasters<'_, '_> {
-    /// Whether there are some: meshes that the GPU culls alone, or meshlets.
-    fn exist(&self) -> bool {
+    /// Whether there are some: meshes that the GPU culls alone, or meshlets. Unless all files are in use, static ones may be among
+    /// them.
+    fn exist(&mut self, is_complete: bool) -> bool {
         // Meshlets are a feature of Bevy that this crate does not ask for, so their type may not exist.
-        let is_meshlet = |id| {
-            self.components.get_name(id).is_some_and(|name| name.to_string().ends_with("::MeshletMesh3d"))
-        };
+        if self.meshlets.0 != self.components.len() {
+            let mut all = self.components.iter_registered();
+            let found = all.find(|info| info.name().to_string().ends_with("::MeshletMesh3d"));
+            *self.meshlets = (self.components.len(), found.map(ComponentInfo::id));
+        }
+        let has_meshlets =
+            |id| self.archetypes.iter().any(|archetype| !archetype.is_empty() && archetype.contains(id));
         !self.unculled.is_empty()
-            || self.archetypes.iter().any(|archetype| {
-                !archetype.is_empty() && archetype.components().iter().copied().any(is_meshlet)
-            })
+            || (!is_complete && !self.unculled_in_bake.is_empty())
+            || self.meshlets.1.is_some_and(has_meshlets)
     }
 }
 
@@ -137,15 +146,16 @@ impl OtherCasters<'_, '_> {
 /// Bevy's cascades and their frusta.
 pub(crate) fn skip_cascades(
     choice: Res<StaticCasters>,
-    mut lights: Query<(&BakedShadowStatus, &mut Cascades), With<BakedShadow>>,
+    mut lights: Query<(Entity, &BakedShadowStatus, &mut Cascades), With<BakedShadow>>,
+    files: Res<FilesInUse>,
     movers: Query<(), (With<Mesh3d>, Without<NotShadowCaster>, Or<(Without<InBake>, With<NotYetBaked>)>)>,
-    others: OtherCasters,
+    mut others: OtherCasters,
 ) {
-    if *choice == StaticCasters::Keep || !movers.is_empty() || others.exist() {
+    if *choice == StaticCasters::Keep || !movers.is_empty() || others.exist(true) {
         return;
     }
-    for (status, mut cascades) in &mut lights {
-        if matches!(status, BakedShadowStatus::Active { .. }) {
+    for (light, status, mut cascades) in &mut lights {
+        if status.is_active() && !files.partial.contains(&light) {
             // Bevy wants an entry for every view.
             for of_view in cascades.cascades.values_mut() {
                 of_view.clear();
@@ -173,7 +183,7 @@ pub(crate) fn leave_out(
     >,
     in_bake: Query<(&GlobalTransform, Option<&Aabb>), (With<InBake>, Without<NotYetBaked>)>,
     files: Res<FilesInUse>,
-    others: OtherCasters,
+    mut others: OtherCasters,
     mut casters: ResMut<CascadeCasters>,
     mut resting: ResMut<RestingLights>,
 ) {
@@ -184,8 +194,7 @@ pub(crate) fn leave_out(
             continue;
         }
         let of_light = files.of_sun(transform.back().as_vec3());
-        // Where files are missing, meshes outside of the others have no other shadow.
-        let is_complete = !matches!(status, BakedShadowStatus::Incomplete { missing: 1.., .. });
+        let is_complete = !files.partial.contains(&light);
         let is_in_file = |entity: Entity| {
             in_bake.get(entity).is_ok_and(|(transform, bounds)| {
                 let middle = bounds.map_or(Vec3A::ZERO, |bounds| bounds.center);
@@ -202,7 +211,7 @@ pub(crate) fn leave_out(
             kept += cascade.entities.len();
         }
         counts.kept += kept;
-        if kept == 0 && *choice == StaticCasters::LeaveOut && !others.exist() {
+        if kept == 0 && *choice == StaticCasters::LeaveOut && !others.exist(is_complete) {
             resting.0.insert(light);
         }
     }

@@ -50,6 +50,22 @@ impl BakedShadowStatus {
 }
 
 /// Continues the sentence "the shadow is …", and says what to do if it is not in use.
+impl BakedShadowStatus {
+    /// Whether another status says the same but for numbers that may change in every frame: an angle, or the scales of a root.
+    pub(crate) fn is_like(&self, other: &Self) -> bool {
+        use BakedShadowError::Root;
+        match (self, other) {
+            (Self::Misaligned { .. }, Self::Misaligned { .. })
+            | (Self::Unusable(Root(_)), Self::Unusable(Root(_))) => true,
+            (
+                Self::Incomplete { files: a, missing: b, fault: Root(_) },
+                Self::Incomplete { files: c, missing: d, fault: Root(_) },
+            ) => (a, b) == (c, d),
+            _ => self == other,
+        }
+    }
+}
+
 impl fmt::Display for BakedShadowStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,6 +1,6 @@
 //! Where the plugin's systems run.
 
-use bevy::app::{App, PostUpdate};
+use bevy::app::{AnimationSystems, App, PostUpdate};
 use bevy::camera::visibility::VisibilitySystems;
 use bevy::ecs::prelude::*;
 use bevy::light::SimulationLightSystems;
@@ -40,7 +40,8 @@ pub(crate) fn order(app: &mut App) {
     app.configure_sets(
         PostUpdate,
         (
-            AdumbraSystems::AlignLights.before(TransformSystems::Propagate),
+            // Animations turn roots, and parents of lights.
+            AdumbraSystems::AlignLights.after(AnimationSystems).before(TransformSystems::Propagate),
             (AdumbraSystems::MarkStatics, AdumbraSystems::Bake, AdumbraSystems::ApplyFiles).chain(),
             AdumbraSystems::Bake.after(TransformSystems::Propagate),
             AdumbraSystems::Stream.after(VisibilitySystems::UpdateFrusta).before(AdumbraSystems::ApplyFiles),

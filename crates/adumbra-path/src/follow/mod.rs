@@ -76,6 +76,7 @@ pub struct SunFollower {
     motion: Motion,
     shown: Shown,
     fault: Option<Error>,
+    is_stopped: bool,
 }
 
 impl SunFollower {
@@ -92,7 +93,14 @@ impl SunFollower {
         let span_world = options.near_world.map_or(f64::INFINITY, |near| 0.5 * near);
         let keys = Keys::new(options.lowest_degrees, span_world);
         let worker = Worker::start(scene, options, on_key)?;
-        Ok(Self { worker, keys, motion: Motion::default(), shown: Shown::default(), fault: None })
+        Ok(Self {
+            worker,
+            keys,
+            motion: Motion::default(),
+            shown: Shown::default(),
+            fault: None,
+            is_stopped: false,
+        })
     }
 
     /// Says where shadows are needed, such as the place of the camera. It matters with [`FollowOptions::near_world`] alone.
@@ -113,7 +121,7 @@ impl SunFollower {
         match self.worker.running() {
             Some(job) if !self.keys.wants(job, towards_sun, &self.motion) => self.worker.cancel(),
             Some(_) => {}
-            None if self.fault.is_some() => {}
+            None if self.fault.is_some() || self.is_stopped => {}
             None => {
                 if let Some(job) = self.keys.next_job(towards_sun, &self.motion) {
                     self.worker.start_job(job);
@@ -127,6 +135,11 @@ impl SunFollower {
     /// bakes no more after an error; the keys that it has stay.
     pub fn take_fault(&mut self) -> Option<Error> {
         self.fault.take()
+    }
+
+    /// Has it bake no more, as where each bake would fail alike. The keys that it has go on answering.
+    pub fn stop(&mut self) {
+        self.is_stopped = true;
     }
 
     /// Whether a bake is running.

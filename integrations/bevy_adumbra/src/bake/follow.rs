@@ -7,17 +7,13 @@ use adumbra::Sun;
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_path::{FollowOptions, Followed, SunFollower};
 use adumbra_scene::Scene;
-use bevy::asset::Assets;
 use bevy::ecs::prelude::*;
-use bevy::image::Image;
 use bevy::log::info;
 use bevy::math::Vec3;
-use bevy::mesh::Mesh;
-use bevy::pbr::StandardMaterial;
 use bevy::prelude::{DirectionalLight, GlobalTransform};
 use bevy::time::{Real, Time};
 
-use super::gather::{Placed, gather};
+use super::gather::{Placed, SceneAssets, gather};
 use super::progress::{BakeError, BakeProgress};
 use super::{BakeSettings, BakeShadow, Keys, Meshes, Seen, StaticKeys, fail, is_still};
 use crate::components::BakedShadow;
@@ -56,7 +52,7 @@ pub(crate) fn follow_suns(
     mut commands: Commands,
     mut lights: Lights,
     placed: Meshes,
-    (meshes, materials, images): (Res<Assets<Mesh>>, Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
+    assets: SceneAssets,
     (keys, time): (Res<StaticKeys>, Res<Time<Real>>),
 ) {
     for (light, transform, mut bake, mut progress, shadow, sun_keys) in &mut lights {
@@ -71,19 +67,24 @@ pub(crate) fn follow_suns(
         let Some(mut sun_keys) = sun_keys else {
             // A bake for one sun is of no more use.
             (bake.job, bake.seen) = (None, None);
-            commands.entity(light).insert(SunKeys::default());
+            commands.entity(light).try_insert(SunKeys::default());
             continue;
         };
+        if keys.keys.is_empty() && bake.seen.is_some() {
+            (bake.following, bake.seen, bake.pending, bake.in_use) = (None, None, None, None);
+            *sun_keys = SunKeys::default();
+            progress.set_if_neq(BakeProgress::Waiting);
+            continue;
+        }
         let towards_light = transform.back().as_vec3();
         // Keys do not depend on where the light is now.
         let now = Seen { settings: bake.settings, towards_light: Vec3::ZERO, keys: Arc::clone(&keys.keys) };
-        if bake.seen.as_ref() == Some(&now) {
+        if bake.seen.as_ref().is_some_and(|seen| seen.is_like(&now)) {
             bake.pending = None;
         } else if is_still(&mut bake.pending, &now, bake.seen.is_none(), time.elapsed()) {
-            bake.pending = None;
-            match gather(placed.iter().map(Placed::from), &meshes, &materials, &images) {
-                // Some meshes are not loaded yet.
-                Ok(None) => {}
+            match gather(placed.iter().map(Placed::from), &assets) {
+                // Some are not loaded yet.
+                Ok(None) => bake.pending = Some((now, time.elapsed())),
                 Ok(Some(scene)) => {
                     match start(Arc::new(scene), now.settings) {
                         Ok(follower) => {
@@ -92,11 +93,11 @@ pub(crate) fn follow_suns(
                         }
                         Err(error) => fail(light, &mut progress, error),
                     }
-                    bake.seen = Some(now);
+                    (bake.pending, bake.seen) = (None, Some(now));
                 }
                 Err(error) => {
                     fail(light, &mut progress, error);
-                    bake.seen = Some(now);
+                    (bake.pending, bake.seen) = (None, Some(now));
                 }
             }
         }
@@ -109,15 +110,20 @@ pub(crate) fn follow_suns(
             Followed::Waiting => sun_keys.turn(towards_sun),
             Followed::Moment(moment) => {
                 sun_keys.set(moment.keys, moment.towards_sun);
-                if !bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes)) {
+                let is_new = !bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes));
+                if is_new {
                     bake.in_use = Some(Arc::clone(meshes));
                     info!("the shadow of light {light} follows the sun: its first key is baked");
                 }
-                let (is_baking, coarser) = (follower.is_baking(), moment.coarser as u32);
-                progress.set_if_neq(BakeProgress::Following { is_baking, coarser });
+                if !matches!(*progress, BakeProgress::Failed(_)) || is_new {
+                    let (is_baking, coarser) = (follower.is_baking(), moment.coarser as u32);
+                    progress.set_if_neq(BakeProgress::Following { is_baking, coarser });
+                }
             }
         }
         if let Some(error) = follower.take_fault() {
+            // The next bake would fail alike.
+            follower.stop();
             fail(light, &mut progress, BakeError::Follow(error.into()));
         }
     }

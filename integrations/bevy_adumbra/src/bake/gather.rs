@@ -4,9 +4,11 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap};
-use bevy::asset::{AssetId, Assets};
-use bevy::ecs::prelude::Entity;
+use bevy::asset::{AssetId, AssetServer, Assets, LoadState, UntypedAssetId};
+use bevy::ecs::prelude::{Entity, Res};
+use bevy::ecs::system::SystemParam;
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
+use bevy::log::warn;
 use bevy::mesh::{
     Indices, Mesh as BevyMesh, Mesh3d, MeshAccessError, PrimitiveTopology, VertexAttributeValues,
 };
@@ -52,31 +54,62 @@ impl Placed<'_> {
     }
 }
 
-/// Copies the meshes with their materials. Returns `None` while some are not loaded.
+/// The assets that a bake reads.
+#[derive(SystemParam)]
+pub(crate) struct SceneAssets<'w> {
+    meshes: Res<'w, Assets<BevyMesh>>,
+    materials: Res<'w, Assets<StandardMaterial>>,
+    images: Res<'w, Assets<Image>>,
+    server: Option<Res<'w, AssetServer>>,
+}
+
+impl SceneAssets<'_> {
+    /// Whether one of them is being loaded.
+    fn is_loading(&self, placed: &Placed) -> bool {
+        let loads = |id: UntypedAssetId| {
+            self.server.as_ref().is_none_or(|server| {
+                matches!(server.get_load_state(id), Some(LoadState::NotLoaded | LoadState::Loading))
+            })
+        };
+        let material = placed.material.and_then(|id| self.materials.get(id));
+        let with_holes = material.filter(|material| material.alpha_mode != BevyAlphaMode::Opaque);
+        let image = with_holes.and_then(|material| material.base_color_texture.as_ref());
+        (self.meshes.get(placed.mesh).is_none() && loads(placed.mesh.untyped()))
+            || placed.material.is_some_and(|id| material.is_none() && loads(id.untyped()))
+            || image.is_some_and(|image| self.images.get(image).is_none() && loads(image.id().untyped()))
+    }
+}
+
+/// Copies the meshes with their materials. Returns `None` while some are being loaded. Meshes that do not come are left out, and
+/// materials and images that do not come count as opaque.
 ///
 /// # Errors
 /// Returns what is wrong with the meshes.
 pub(super) fn gather<'w>(
-    placed: impl Iterator<Item = Placed<'w>>,
-    meshes: &Assets<BevyMesh>,
-    materials: &Assets<StandardMaterial>,
-    images: &Assets<Image>,
+    placed: impl Iterator<Item = Placed<'w>> + Clone,
+    assets: &SceneAssets,
 ) -> Result<Option<Scene>, BakeError> {
+    // Before anything is copied.
+    if placed.clone().any(|placed| assets.is_loading(&placed)) {
+        return Ok(None);
+    }
     let mut scene = Scene::default();
     // By mesh and material: a mesh of the scene has the material of each of its triangles.
     let mut known: HashMap<_, Option<u32>> = HashMap::new();
     let mut known_materials: HashMap<_, u32> = HashMap::new();
+    let mut left_out = 0;
     for p in placed {
         let index = match known.get(&(p.mesh, p.material)) {
             Some(index) => *index,
             None => {
-                let Some(mesh) = meshes.get(p.mesh) else { return Ok(None) };
+                let Some(mesh) = assets.meshes.get(p.mesh) else {
+                    left_out += 1;
+                    continue;
+                };
                 let material = match known_materials.get(&p.material) {
                     Some(material) => *material,
                     None => {
-                        let Some(new) = material(p.material, materials, images, &mut scene.textures) else {
-                            return Ok(None);
-                        };
+                        let new = material(p.material, assets, &mut scene.textures);
                         scene.materials.push(new);
                         known_materials.insert(p.material, scene.materials.len() as u32 - 1);
                         scene.materials.len() as u32 - 1
@@ -98,6 +131,11 @@ pub(super) fn gather<'w>(
         };
         let name = String::new();
         scene.instances.push(Instance { name, mesh, world_from_mesh: [0, 1, 2].map(row), casts: p.casts });
+    }
+    if left_out > 0 {
+        warn!(
+            "{left_out} meshes below a BakedStatic are not in the bake, because their assets are not there"
+        );
     }
     if scene.instances.is_empty() {
         return Err(BakeError::NoTriangles);
@@ -141,21 +179,19 @@ fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, Ba
     Ok(Some(Mesh { name, positions, uvs, colors: Vec::new(), triangles, triangle_materials }))
 }
 
-/// Returns what casts of a material, and adds its texture if it has holes. `None` while it is not loaded.
+/// Returns what casts of a material, and adds its texture if it has holes.
 fn material(
     id: Option<AssetId<StandardMaterial>>,
-    materials: &Assets<StandardMaterial>,
-    images: &Assets<Image>,
+    assets: &SceneAssets,
     textures: &mut Vec<Texture>,
-) -> Option<Material> {
+) -> Material {
     let mut new = Material::opaque("", [1.0; 4]);
     // Materials of other types are opaque.
-    let Some(id) = id else { return Some(new) };
-    let material = materials.get(id)?;
+    let Some(material) = id.and_then(|id| assets.materials.get(id)) else { return new };
     new.transmissive = material.specular_transmission > 0.0;
     let cutoff = match material.alpha_mode {
         BevyAlphaMode::Mask(cutoff) => cutoff,
-        BevyAlphaMode::Opaque => return Some(new),
+        BevyAlphaMode::Opaque => return new,
         _ => {
             new.blended = true;
             0.5
@@ -163,13 +199,12 @@ fn material(
     };
     new.alpha = AlphaMode::Mask { cutoff };
     new.base_color[3] = bevy::color::Alpha::alpha(&material.base_color);
-    if let Some(image) = &material.base_color_texture {
-        new.texture = texture(images.get(image)?).map(|texture| {
-            textures.push(texture);
-            textures.len() as u32 - 1
-        });
-    }
-    Some(new)
+    let image = material.base_color_texture.as_ref().and_then(|image| assets.images.get(image));
+    new.texture = image.and_then(texture).map(|texture| {
+        textures.push(texture);
+        textures.len() as u32 - 1
+    });
+    new
 }
 
 /// Returns an image's alpha; `None` if it has none that can be read, which counts as opaque.

@@ -22,11 +22,10 @@ use adumbra_bake::MemoryObjects;
 use bevy::asset::Assets;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::prelude::*;
-use bevy::image::Image;
 use bevy::light::NotShadowCaster;
 use bevy::log::{info, warn};
 use bevy::math::Vec3;
-use bevy::mesh::{Mesh, Mesh3d};
+use bevy::mesh::Mesh3d;
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::prelude::{DirectionalLight, GlobalTransform};
 use bevy::reflect::prelude::*;
@@ -37,7 +36,7 @@ use crate::statics::NotYetBaked;
 use crate::{BakedShadowFile, DeviceLimits};
 use follow::Following;
 pub(crate) use follow::follow_suns;
-use gather::{Placed, gather};
+use gather::{Placed, SceneAssets, gather};
 use job::{Finished, Job};
 pub use progress::{BakeError, BakeProgress};
 pub(crate) use versions::{AssetVersions, count_changes};
@@ -72,7 +71,7 @@ impl Default for BakeSettings {
 }
 
 /// Bakes the shadow of this directional light, and again when meshes below a [`BakedStatic`](crate::BakedStatic) or the
-/// light change. Removing it ends a bake that is under way; the last file stays.
+/// light change. Once none of them is left, so is no file. Removing it ends a bake that is under way; the last file stays as it is.
 #[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Default, Debug)]
 #[require(BakeProgress)]
@@ -117,12 +116,17 @@ struct Seen {
     keys: Arc<Keys>,
 }
 
-impl PartialEq for Seen {
-    fn eq(&self, other: &Self) -> bool {
+impl Seen {
+    /// Whether a bake of one is one of the other. A light that is set anew in each frame differs by rounding.
+    fn is_like(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.keys, &other.keys)
-            && (self.settings, self.towards_light) == (other.settings, other.towards_light)
+            && self.settings == other.settings
+            && self.towards_light.distance(other.towards_light) <= SAME_LIGHT
     }
 }
+
+/// Directions of a light are the same if their unit vectors are at most this far apart, 6e-4 degrees.
+const SAME_LIGHT: f32 = 1e-5;
 
 /// The meshes that a bake would see now.
 #[derive(Resource, Default)]
@@ -134,13 +138,17 @@ pub(crate) struct StaticKeys {
 
 /// Adds [`BakeShadowCommands::bake_shadow`] to `Commands`.
 pub trait BakeShadowCommands {
-    /// Bakes the shadow of a directional light while the app runs, with a [`BakeShadow`].
+    /// Bakes the shadow of a directional light while the app runs, with a [`BakeShadow`]. One that is there gets the settings.
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings);
 }
 
 impl BakeShadowCommands for Commands<'_, '_> {
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings) {
-        self.entity(light).insert(BakeShadow::new(settings));
+        // What a bake that is there has made stays.
+        self.entity(light)
+            .entry::<BakeShadow>()
+            .and_modify(move |mut bake| bake.settings = settings)
+            .or_try_insert(BakeShadow::new(settings));
     }
 }
 
@@ -175,11 +183,17 @@ pub(crate) fn find_meshes(
     lights: Query<(), With<BakeShadow>>,
     placed: Meshes,
     changed: Query<(), Changes>,
-    (mut removed, mut casts): (RemovedComponents<InBake>, RemovedComponents<NotShadowCaster>),
+    (mut removed, mut no_casters, mut no_meshes, mut no_materials): (
+        RemovedComponents<InBake>,
+        RemovedComponents<NotShadowCaster>,
+        RemovedComponents<Mesh3d>,
+        RemovedComponents<MeshMaterial3d<StandardMaterial>>,
+    ),
     materials: Res<Assets<StandardMaterial>>,
     (mut keys, mut versions): (ResMut<StaticKeys>, ResMut<AssetVersions>),
 ) {
-    let has_changes = removed.read().count() + casts.read().count() > 0
+    let removed = removed.read().count() + no_casters.read().count() + no_meshes.read().count();
+    let has_changes = removed + no_materials.read().count() > 0
         || !changed.is_empty()
         || keys.changes != versions.changes();
     if lights.is_empty() || (!has_changes && !keys.keys.is_empty()) {
@@ -201,7 +215,7 @@ pub(crate) fn bake_shadows(
         With<DirectionalLight>,
     >,
     placed: Meshes,
-    (meshes, materials, images): (Res<Assets<Mesh>>, Res<Assets<StandardMaterial>>, Res<Assets<Image>>),
+    assets: SceneAssets,
     mut files: ResMut<Assets<BakedShadowFile>>,
     (keys, limits, time): (Res<StaticKeys>, Res<DeviceLimits>, Res<Time<Real>>),
 ) {
@@ -215,23 +229,32 @@ pub(crate) fn bake_shadows(
             towards_light: transform.back().as_vec3(),
             keys: Arc::clone(&keys.keys),
         };
-        if bake.seen.as_ref() == Some(&now) {
+        if now.keys.is_empty() && bake.seen.is_some() {
+            // All that was baked is gone, as between two levels.
+            if let Some(shadow) = &mut shadow
+                && bake.in_use.is_some()
+            {
+                shadow.files.clear();
+            }
+            (bake.seen, bake.job, bake.pending, bake.in_use) = (None, None, None, None);
+            progress.set_if_neq(BakeProgress::Waiting);
+            continue;
+        }
+        if bake.seen.as_ref().is_some_and(|seen| seen.is_like(&now)) {
             bake.pending = None;
         } else if is_still(&mut bake.pending, &now, bake.seen.is_none(), time.elapsed()) {
-            bake.pending = None;
-            // A bake of what has changed since would be of no use.
-            bake.job = None;
-            match gather(placed.iter().map(Placed::from), &meshes, &materials, &images) {
-                // Some meshes are not loaded yet.
-                Ok(None) => {}
+            match gather(placed.iter().map(Placed::from), &assets) {
+                // Some are not loaded yet.
+                Ok(None) => bake.pending = Some((now, time.elapsed())),
                 Ok(Some(scene)) => {
+                    bake.pending = None;
                     let objects = Arc::clone(&bake.objects);
                     bake.job = Some(Job::start(scene, now.settings, now.towards_light, *limits, objects));
                     bake.seen = Some(now);
                 }
                 Err(error) => {
                     fail(light, &mut progress, error);
-                    bake.seen = Some(now);
+                    (bake.pending, bake.job, bake.seen) = (None, None, Some(now));
                 }
             }
         }
@@ -250,7 +273,7 @@ pub(crate) fn bake_shadows(
                         Some(shadow) => shadow.files = vec![handle],
                         None => {
                             let shadow = BakedShadow { align: false, ..BakedShadow::new(handle) };
-                            commands.entity(light).insert(shadow);
+                            commands.entity(light).try_insert(shadow);
                         }
                     }
                     bake.in_use = bake.seen.as_ref().map(|seen| Arc::clone(&seen.keys));
@@ -276,7 +299,7 @@ fn is_still(pending: &mut Option<(Seen, Duration)>, now: &Seen, is_first: bool, 
         return false;
     }
     match pending {
-        Some((seen, since)) if seen == now => is_first || at - *since >= now.settings.settle,
+        Some((seen, since)) if seen.is_like(now) => is_first || at - *since >= now.settings.settle,
         _ => {
             *pending = Some((now.clone(), at));
             false
@@ -319,140 +342,4 @@ pub(crate) fn mark_changes(
 }
 
 #[cfg(test)]
-mod tests {
-    use std::sync::mpsc::channel;
-
-    use adumbra::Sun;
-    use adumbra_bake::{BakeOptions, Size, Watch, bake};
-    use adumbra_scene::{GeneratedKind, generate};
-    use bevy::asset::AssetEvent;
-    use bevy::ecs::message::Messages;
-
-    use super::*;
-
-    /// A light and a mesh, without a renderer. The mesh is not loaded, so that no bake begins by itself.
-    struct Stage {
-        world: World,
-        systems: Schedule,
-        light: Entity,
-        mesh: Entity,
-    }
-
-    impl Stage {
-        fn new() -> Self {
-            let mut world = World::new();
-            world.init_resource::<Assets<Mesh>>();
-            world.init_resource::<Assets<StandardMaterial>>();
-            world.init_resource::<Assets<Image>>();
-            world.init_resource::<Assets<BakedShadowFile>>();
-            world.init_resource::<StaticKeys>();
-            world.init_resource::<AssetVersions>();
-            world.init_resource::<Messages<AssetEvent<Mesh>>>();
-            world.init_resource::<Messages<AssetEvent<StandardMaterial>>>();
-            world.init_resource::<Messages<AssetEvent<Image>>>();
-            world.init_resource::<DeviceLimits>();
-            world.init_resource::<Time<Real>>();
-            let light = world.spawn((DirectionalLight::default(), BakeShadow::default())).id();
-            let mesh = world.spawn((Mesh3d::default(), InBake)).id();
-            let mut systems = Schedule::default();
-            systems.add_systems((count_changes, find_meshes, bake_shadows, mark_changes).chain());
-            let mut stage = Self { world, systems, light, mesh };
-            stage.update();
-            stage
-        }
-
-        fn update(&mut self) {
-            self.systems.run(&mut self.world);
-        }
-
-        /// Has a bake of what there is now finish a file.
-        fn finish(&mut self, is_last: bool) {
-            let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-            let options = BakeOptions::new(sun, Size::Resolution(64));
-            let file = bake(&generate(GeneratedKind::Primitives, 1), &options, Watch::none()).unwrap().file;
-            let file = BakedShadowFile::new(file, DeviceLimits::default()).unwrap();
-            let (sender, results) = channel();
-            sender.send(Ok(Finished { file, seconds: 0.0, triangles: 0, blocks: [1, 0], is_last })).unwrap();
-            let keys = Arc::clone(&self.world.resource::<StaticKeys>().keys);
-            let towards_light = self.world.get::<GlobalTransform>(self.light).unwrap().back().as_vec3();
-            let mut light = self.world.get_mut::<BakeShadow>(self.light).unwrap();
-            light.seen = Some(Seen { settings: light.settings, towards_light, keys });
-            light.job = Some(Job::of_test(results));
-            self.update();
-        }
-
-        fn move_mesh(&mut self, x: f32) {
-            let mut transform = self.world.get_mut::<GlobalTransform>(self.mesh).unwrap();
-            *transform = GlobalTransform::from_xyz(x, 0.0, 0.0);
-            self.update();
-        }
-
-        /// Whether the newest bake saw something else than there is now.
-        fn is_pending(&self) -> bool {
-            self.world.get::<BakeShadow>(self.light).unwrap().pending.is_some()
-        }
-
-        /// Whether the mesh casts through the cascades.
-        fn is_marked(&self) -> bool {
-            self.world.get::<NotYetBaked>(self.mesh).is_some()
-        }
-    }
-
-    #[test]
-    fn a_mesh_that_casts_no_more_or_again_is_baked_anew() {
-        let mut stage = Stage::new();
-        stage.finish(true);
-        assert!(!stage.is_pending());
-        stage.world.entity_mut(stage.mesh).insert(NotShadowCaster);
-        stage.update();
-        assert!(stage.is_pending());
-        stage.finish(true);
-        assert!(!stage.is_pending());
-        stage.world.entity_mut(stage.mesh).remove::<NotShadowCaster>();
-        stage.update();
-        assert!(stage.is_pending());
-    }
-
-    #[test]
-    fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
-        let mut stage = Stage::new();
-        let material =
-            stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
-        stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(material.clone()));
-        stage.update();
-        stage.finish(true);
-        assert!(!stage.is_pending());
-        let mesh = stage.world.get::<Mesh3d>(stage.mesh).unwrap().id();
-        let of_mesh = AssetEvent::<Mesh>::Modified { id: mesh };
-        stage.world.resource_mut::<Messages<AssetEvent<Mesh>>>().write(of_mesh);
-        stage.update();
-        assert!(stage.is_pending() && stage.is_marked());
-        stage.finish(true);
-        assert!(!stage.is_pending());
-        let of_material = AssetEvent::<StandardMaterial>::Modified { id: material.id() };
-        stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(of_material);
-        stage.update();
-        assert!(stage.is_pending());
-        stage.finish(true);
-        // Materials of other meshes are none of the bake's.
-        let other = stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
-        let of_other = AssetEvent::<StandardMaterial>::Modified { id: other.id() };
-        stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(of_other);
-        stage.update();
-        assert!(!stage.is_pending());
-    }
-
-    #[test]
-    fn meshes_in_use_are_those_of_the_newest_file_be_it_coarse() {
-        let mut stage = Stage::new();
-        stage.finish(true);
-        assert!(!stage.is_marked());
-        stage.move_mesh(1.0);
-        assert!(stage.is_marked());
-        stage.finish(false);
-        assert!(!stage.is_marked());
-        // Back to where the file before has it.
-        stage.move_mesh(0.0);
-        assert!(stage.is_marked());
-    }
-}
+mod tests;

@@ -1,4 +1,4 @@
-//! Meshes, materials and images that an app changes in place: their handles stay, but a bake would see something else.
+//! Meshes, materials and images that come, or that an app changes in place: their handles stay, but a bake would see something else.
 
 use std::collections::HashMap;
 
@@ -32,7 +32,8 @@ impl AssetVersions {
 
     fn count<A: Asset>(&mut self, events: &mut MessageReader<AssetEvent<A>>) {
         for event in events.read() {
-            let AssetEvent::Modified { id } = event else { continue };
+            // One that comes was not there for a bake before.
+            let (AssetEvent::Modified { id } | AssetEvent::Added { id }) = event else { continue };
             let id: AssetId<A> = *id;
             if let Some(version) = self.versions.get_mut(&id.into()) {
                 *version += 1;

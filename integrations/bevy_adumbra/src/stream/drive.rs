@@ -17,7 +17,7 @@ use super::streams::Slot;
 use super::views::view;
 use super::{ShadowStreams, StreamBudget};
 use crate::components::{BakedShadow, FileRoot};
-use crate::placing::Roots;
+use crate::placing::{Rooted, Roots};
 use crate::texels::PoolTexels;
 use crate::{DeviceLimits, StreamSource};
 
@@ -36,7 +36,7 @@ pub(crate) struct PoolUploads {
 /// Opens and closes streams as lights name them, and takes what cameras see and what has been read.
 pub(crate) fn drive_streams(
     lights: Query<&BakedShadow>,
-    roots: Query<(&FileRoot, &GlobalTransform)>,
+    (roots, rooted): (Query<(Entity, &FileRoot, &GlobalTransform)>, Res<Rooted>),
     cameras: Query<(&Camera, &GlobalTransform, &Frustum), With<Camera3d>>,
     server: Res<AssetServer>,
     (budget, limits): (Res<StreamBudget>, Res<DeviceLimits>),
@@ -66,7 +66,7 @@ pub(crate) fn drive_streams(
     }
     let views: Vec<View> =
         cameras.iter().filter_map(|(camera, at, frustum)| view(camera, at, frustum)).collect();
-    let roots = Roots::new(roots.iter().map(|(root, transform)| (root, *transform)));
+    let roots = Roots::new(&rooted, roots.iter().map(|(entity, root, at)| (entity, root, *at)));
     // Without a render world nothing takes what is to be written.
     let mut left = if uploads.writes.is_empty() { budget.upload_bytes_per_frame } else { 0 };
     let mut uploaded = 0;

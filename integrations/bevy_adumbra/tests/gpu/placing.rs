@@ -84,7 +84,7 @@ fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
         "{}",
         stage.status()
     );
-    stage.app.world_mut().spawn((FileRoot::new(handle), Transform::default()));
+    let root = stage.app.world_mut().spawn((FileRoot::new(handle), Transform::default())).id();
     stage.update();
     let status = stage.status();
     assert!(matches!(status, BakedShadowStatus::Incomplete { files: 1, missing: 1, .. }), "{status}");
@@ -95,6 +95,40 @@ fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
     stage.app.world_mut().despawn(wide);
     stage.update();
     assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
+    // Between two levels the file is nowhere.
+    stage.app.world_mut().despawn(root);
+    stage.update();
+    assert_eq!(stage.status(), BakedShadowStatus::Waiting);
+}
+
+/// What is static and outside of the files in use casts through the cascades while the light has other files.
+#[test]
+fn what_a_file_holds_that_is_loading_or_turned_away_stays_in_the_cascades() {
+    let mut stage = Stage::new(|_| {});
+    let handle = stage.give(baked(FrameChoice::Oblique), |_| {});
+    let far = Vec3::new(2000.0, 0.0, 0.0);
+    let world = stage.app.world_mut();
+    let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
+    let at = Transform::from_translation(MIDDLE + far + Vec3::new(0.0, 5.0, 0.0));
+    world.spawn((Mesh3d(cube), MeshMaterial3d(stage.material.clone()), at, BakedStatic));
+    stage.app.world_mut().get_mut::<Transform>(stage.camera).unwrap().translation += far;
+    stage.update_until_known();
+    let kept = |stage: &mut Stage| {
+        stage.update();
+        stage.update();
+        assert!(stage.status().is_active(), "{}", stage.status());
+        stage.app.world().resource::<CascadeCasters>().kept
+    };
+    assert_eq!(kept(&mut stage), 0, "its light has no other file");
+    let loading = stage.app.world().resource::<Assets<BakedShadowFile>>().reserve_handle();
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().files.push(loading);
+    assert!(kept(&mut stage) > 0, "a file is loading");
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().files.truncate(1);
+    assert_eq!(kept(&mut stage), 0);
+    stage.app.world_mut().spawn((FileRoot::new(handle.clone()), Transform::default()));
+    let turned = Transform::from_translation(far).with_rotation(Quat::from_rotation_y(1.5));
+    stage.app.world_mut().spawn((FileRoot::new(handle), turned));
+    assert!(kept(&mut stage) > 0, "the copy is turned away from the light");
 }
 
 /// Twelve places of one file, of which eight are in use: meshes in the others go on casting through the cascades.
@@ -169,4 +203,15 @@ fn a_light_that_something_else_turns_is_kept_or_said_to_be_off_once() {
         matches!(all[..], [BakedShadowStatus::Active { files: 1 }, BakedShadowStatus::Misaligned { .. }]),
         "{all:?}"
     );
+    // Kept again, the light is the app's once it has no file any more, as the app has set it last.
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().align = true;
+    stage.update();
+    assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
+    let last = Quat::from_rotation_x(-1.0);
+    stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotation = last;
+    stage.update();
+    assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
+    stage.app.world_mut().entity_mut(stage.light).remove::<BakedShadow>();
+    stage.update();
+    assert_eq!(stage.app.world().get::<Transform>(stage.light).unwrap().rotation, last);
 }

@@ -3,8 +3,8 @@
 // A directional light of KHR_lights_punctual may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`. The
 // path is relative to the glTF file. `adumbra bake --into city.glb` writes it.
 
-import { LoaderUtils } from 'three';
-import type { DirectionalLight } from 'three';
+import { LoaderUtils, PropertyBinding } from 'three';
+import type { DirectionalLight, Object3D } from 'three';
 import type { GLTF, GLTFLoaderPlugin, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
@@ -30,7 +30,8 @@ export interface NamedShadow {
  * each light that names a file, before the loader's promise resolves. With WebGPURenderer it is
  * `({ light, ...options }) => { light.shadow.shadowNode = new BakedShadowNode(light, options); light.castShadow = true; }`.
  *
- * Without its file, a light is as the glTF file has it, and `onError` gets the reason.
+ * Without its file, a light is as the glTF file has it, and `onError` gets the reason. What the file's animations move gets
+ * `userData.adumbra.cast`, for it is in no bake.
  */
 export class GLTFBakedShadow implements GLTFLoaderPlugin {
   /** For three: the name of what is read. */
@@ -56,6 +57,7 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
     loader.setRequestHeader(requestHeader);
     // As the glTF loader does for its own files.
     loader.setWithCredentials(withCredentials === true || crossOrigin === 'use-credentials');
+    markMovers(gltf);
     const lights: [SunLike, Extras][] = [];
     for (const scene of gltf.scenes) {
       scene.traverse((object) => {
@@ -78,6 +80,17 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
         this.#attach({ light, file, gltf, ...(isWidth ? { filter: filter as FilterWidth } : {}) });
       }),
     );
+  }
+}
+
+/** Marks what the animations of a glTF file move. It is in no bake, and casts in real time. */
+function markMovers({ animations, scenes }: GLTF): void {
+  for (const { name } of animations.flatMap(({ tracks }) => tracks)) {
+    const { nodeName } = PropertyBinding.parseTrackName(name) as { nodeName?: string };
+    for (const scene of nodeName ? scenes : []) {
+      const node = PropertyBinding.findNode(scene, nodeName!) as Object3D | null;
+      if (node) node.userData['adumbra'] = { ...(node.userData['adumbra'] as object | undefined), cast: true };
+    }
   }
 }
 

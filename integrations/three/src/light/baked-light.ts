@@ -6,9 +6,9 @@ import type { Object3D } from 'three';
 import type { Vec3 } from '../grid/vec3.js';
 import { filtered } from '../look-ups/filtered.js';
 import type { LookUp } from '../look-ups/look-up.js';
-import { Alignment, isInScene, shines, towardsLight } from './direction.js';
+import { Alignment, isIn, shines, towardsLight } from './direction.js';
 import type { SunLike } from './direction.js';
-import { lookUpOf, openFiles } from './files.js';
+import { lookUpOf, noFiles, openFiles } from './files.js';
 import { asList } from './options.js';
 import type { BakedShadowOptions, FileChoice, ShadowOptions, ShadowStatus } from './options.js';
 import type { Part } from './scene.js';
@@ -32,11 +32,10 @@ export interface BakedLight extends Part {
   status(): ShadowStatus;
   /** Follows the light and the roots, before a renderer draws. Nothing after `dispose`. */
   update(renderer?: AnyRenderer | null): void;
-  /**
-   * Warns once if something below `object` gets wrong answers from a file that is for static surfaces only, and once if a static
-   * root is moved and no file follows one.
-   */
-  warnOf(object: Object3D): void;
+  /** Warns once if a scene, or a static root, is moved and no file follows one. Cost: one comparison for each static root. */
+  warnOfMoved(scene: Object3D): void;
+  /** Warns once if something below `object` gets wrong answers from a file that is for static surfaces only. */
+  warnOfMovers(object: Object3D): void;
   /** Gives the light back as the app set it, and frees what the GPU holds. Returns false after the first time. */
   dispose(): boolean;
 }
@@ -52,6 +51,7 @@ const inUse = new Set<number>();
 /** Reads the options of a light, and prepares its files. The light stays as it is until the first update. */
 export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowOptions): BakedLight {
   let options = first;
+  const statics = asList(options.statics, 'statics');
   const lookUp = lookUpOf(file) ?? options.lookUp ?? filtered;
   let files = openFiles(file, lookUp, options);
   const alignment = (options.align ?? true) && new Alignment(light);
@@ -62,11 +62,10 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     if (!alignment.align(sun)) return;
     const towardsSun = sun.map((each) => each.toFixed(4)).join(', ');
     warnOnce(
-      `'${light.name || light.type}' was turned, but align keeps it at the sun of its file. To move it with something, set its position to that of its target + distance × (${towardsSun}). To turn it, use align: false`,
+      `'${light.name || light.type}' was turned, but align keeps it at the sun of its file; set its position to its target's + distance × (${towardsSun}), or align: false`,
       `turned ${light.id}`,
     );
   };
-  const statics = asList(options.statics);
   const towards = new Vector3();
   let isDisposed = false;
   let number = 1;
@@ -94,6 +93,11 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     },
     setFiles(choice) {
       if (isDisposed) return;
+      if (Array.isArray(choice) && choice.length === 0) {
+        files = noFiles(files);
+        update();
+        return;
+      }
       if ((lookUpOf(choice) ?? first.lookUp ?? filtered) !== lookUp) throw new RangeError('these files need another look-up; give them to a new shadow');
       const next = openFiles(choice, lookUp, options, files);
       files.textures.dispose(next.textures);
@@ -109,23 +113,22 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       };
     },
     update,
-    casters() {
+    casters(scene) {
       const [resting, needed]: [Object3D[], Object3D[]] = [[], []];
-      if (isDisposed || !shines(light) || !isInScene(light)) return { resting, needed };
+      if (isDisposed || !shines(light) || !isIn(light, scene)) return { resting, needed };
       const now = filesTowards(towards);
       (now.length > 0 ? resting : needed).push(...statics);
       files.roots.forEach((root, i) => root && (now.includes(i) ? resting : needed).push(root));
       return { resting, needed };
     },
-    warnOf(object) {
-      const isUnrooted = files.roots.some((root) => root === undefined);
-      const moved = statics.find((root) => isUnrooted && !('geometry' in root) && !root.matrixWorld.equals(AT_REST));
-      if (moved) {
-        warnOnce(
-          `'${moved.name || moved.type}' in statics is moved, turned or scaled; if its file was baked from what is below it, give { file, root } in place of file`,
-          'at rest',
-        );
-      }
+    warnOfMoved(scene) {
+      if (!files.roots.includes(undefined)) return;
+      const moved = [scene, ...statics].find((root) => !('geometry' in root) && !root.matrixWorld.equals(AT_REST));
+      if (!moved) return;
+      const name = moved === scene ? 'the scene' : `'${moved.name || moved.type}' in statics`;
+      warnOnce(`${name} is moved, turned or scaled; if its file was baked from what is below it, give { file, root }`, 'at rest');
+    },
+    warnOfMovers(object) {
       if (!files.isForStatics) return;
       const roots = [...statics, ...files.roots.filter((root) => root !== undefined)];
       object.traverse((each) => {

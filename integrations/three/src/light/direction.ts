@@ -1,7 +1,7 @@
 // Where a light is.
 
-import { Quaternion, Vector3 } from 'three';
-import type { DirectionalLight, Light, Matrix4, Object3D } from 'three';
+import { Matrix4, Vector3 } from 'three';
+import type { DirectionalLight, Light, Object3D, Quaternion } from 'three';
 
 import type { Vec3 } from '../grid/vec3.js';
 
@@ -10,6 +10,7 @@ export type SunLike = Light & { readonly target?: Object3D } & Pick<DirectionalL
 
 const from = new Vector3();
 const to = new Vector3();
+const inverse = new Matrix4();
 
 /** Sets `direction` to the unit vector towards a light, in world space. Its matrices must be up to date. */
 export function towardsLight(light: SunLike, direction: Vector3): Vector3 {
@@ -19,16 +20,17 @@ export function towardsLight(light: SunLike, direction: Vector3): Vector3 {
 
 /** Whether a light has shadows where it is drawn, as far as the app says. */
 export function shines(light: SunLike): boolean {
-  return light.intensity !== 0 && light.shadow.intensity !== 0 && isShown(light);
+  const { r, g, b } = light.color;
+  return light.intensity * Math.max(r, g, b) !== 0 && light.shadow.intensity !== 0 && isShown(light);
 }
 
 function isShown(object: Object3D | null): boolean {
   return object === null || (object.visible && isShown(object.parent));
 }
 
-/** Whether a light is in a scene. */
-export function isInScene(object: Object3D): boolean {
-  return 'isScene' in object || (object.parent !== null && isInScene(object.parent));
+/** Whether an object is another one, or below it. */
+export function isIn(object: Object3D | null | undefined, root: Object3D): boolean {
+  return object != null && (object === root || isIn(object.parent, root));
 }
 
 /** Keeps a light in the direction of a sun, and knows what the app has set. */
@@ -65,7 +67,9 @@ export class Alignment {
     const isSun = to.equals(this.#sun);
     this.#sun.copy(to);
     if (!isTurned) return false;
-    const part = light.target?.parent === light ? 'quaternion' : 'position';
+    // Within what has no size, as while it pops up, there is no direction.
+    if (!isRegular(light.parent?.matrixWorld) || (isIn(light.target, light) && !isRegular(light.matrixWorld))) return false;
+    const part = isIn(light.target, light) ? 'quaternion' : 'position';
     if (part !== this.#part) this.giveBack();
     this.#part = part;
     if (!isSame(light[part], this.#ours)) {
@@ -95,16 +99,23 @@ function isSame<T extends Vector3 | Quaternion | Matrix4>(value: T, known: T | u
   return known !== undefined && (value as Vector3).equals(known as Vector3);
 }
 
+/** Whether a matrix, if there is one, has an inverse. */
+function isRegular(matrix: Matrix4 | undefined): boolean {
+  return Number.isFinite(1 / (matrix?.determinant() ?? 1));
+}
+
 /** Directions that differ by less are the same: what rounding does. */
 const TURNED = 1e-6;
 
 /** Turns a light to a sun. It moves around its target, at a distance; a light that carries its target, as those of glTF files do, turns. Matrices must be up to date. */
 function alignLight(light: SunLike, sun: Vec3, distance: number): void {
-  if (light.target?.parent === light) {
-    const world = new Quaternion();
-    light.parent?.getWorldQuaternion(world);
-    to.set(...sun).applyQuaternion(world.invert());
-    light.quaternion.setFromUnitVectors(from.copy(light.target.position).negate().normalize(), to);
+  if (isIn(light.target, light)) {
+    // In the light's own space, and in its parent's, which may be stretched or mirrored.
+    const target = light.worldToLocal(targetOf(light));
+    from.copy(target).multiply(light.scale).negate().normalize();
+    to.set(...sun);
+    if (light.parent !== null) to.transformDirection(inverse.copy(light.parent.matrixWorld).invert());
+    light.quaternion.setFromUnitVectors(from, to);
   } else {
     from.set(...sun).multiplyScalar(distance).add(targetOf(light));
     light.position.copy(light.parent === null ? from : light.parent.worldToLocal(from));

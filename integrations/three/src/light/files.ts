@@ -26,6 +26,11 @@ export interface Files {
   follow(renderer?: AnyRenderer | null): void;
 }
 
+/** Returns no files, with the textures of earlier ones. */
+export function noFiles({ textures }: Files): Files {
+  return { textures, roots: [], isForStatics: false, suns: () => [], follow() {} };
+}
+
 /** Returns the look-up of some files. A streamed one has its own. */
 export function lookUpOf(file: FileChoice): LookUp | undefined {
   return (asPlaced(file)[0]?.file as StreamedFile | undefined)?.lookUp;

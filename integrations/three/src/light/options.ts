@@ -46,8 +46,8 @@ export interface BakedShadow {
    */
   setOptions(options: ShadowOptions): void;
   /**
-   * Takes other files in place of those until now, such as tiles that come and go. Cost: one copy of the files' words, and their
-   * upload. The files until now need not be kept.
+   * Takes other files in place of those until now, such as tiles that come and go; with none, `[]`, nothing is in use. Cost: one
+   * copy of the files' words, and their upload. The files until now need not be kept.
    *
    * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU. Nothing is changed then.
    * @throws RangeError if they are too many, or need another look-up, as a sun path does. Nothing is changed then.
@@ -102,11 +102,21 @@ export function checkFiles(files: readonly LightFile[]): void {
 
 /** Returns files with their roots. */
 export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D }[] {
-  return asList(files).map((file) => ('file' in file ? file : { file }));
+  return asList(files, 'file').map((each) => {
+    const placed: PlacedFile | { file: LightFile; root?: Object3D } = 'file' in each ? each : { file: each };
+    if (placed.root === null) throw nothing('root');
+    return placed;
+  });
 }
 
-/** Returns one or several values as a list. */
-export function asList<T>(values: T | readonly T[] | undefined): readonly T[] {
-  if (values === undefined) return [];
-  return Array.isArray(values) ? (values as readonly T[]) : [values as T];
+function nothing(name: string): TypeError {
+  return new TypeError(`${name} is null`);
+}
+
+/** Returns one or several values of an option as a list. */
+export function asList<T>(values: T | readonly T[] | undefined, name: string): readonly T[] {
+  const list = values === undefined ? [] : Array.isArray(values) ? (values as readonly T[]) : [values as T];
+  // As a reference is that nothing was put into yet.
+  if (list.includes(null as T)) throw nothing(name);
+  return list;
 }

@@ -3,6 +3,7 @@
 
 import type { Camera, Material, Object3D, Scene, Vector3 } from 'three';
 
+import { isIn } from './direction.js';
 import type { SunLike } from './direction.js';
 import { forEachMaterial } from './materials.js';
 import { moves } from './statics.js';
@@ -14,59 +15,62 @@ export interface Part {
   readonly light: SunLike;
   /** Unit vector towards the light, world space, as of the last update. */
   readonly towards: Vector3;
-  /** Follows the app, before a renderer draws. */
-  update(renderer: AnyRenderer): void;
+  /** Follows the app, before a renderer draws from a camera. */
+  update(renderer: AnyRenderer, camera: Camera): void;
   /** Meets each material of the scene, after the update. */
   meet?(material: Material): void;
-  /** The roots of what is in files in use, and of what is in the light's other files. None while the light does not shine. */
-  casters(): { resting: readonly Object3D[]; needed: readonly Object3D[] };
+  /** The roots of what is in files in use, and of what is in the light's other files. None while the light does not shine in the scene. */
+  casters(scene: Object3D): { resting: readonly Object3D[]; needed: readonly Object3D[] };
 }
 
 /** What is done around the drawings of one scene. */
 interface Around {
   readonly parts: Set<Part>;
+  /** Puts back what somebody has deleted. */
+  keep(): void;
   /** Goes on without a part. */
   lose(part: Part): void;
 }
 
 const arounds = new WeakMap<Object3D, Around>();
 
-/** Returns the parts of a scene. */
-export function partsOf(scene: Object3D): ReadonlySet<Part> {
-  return arounds.get(scene)?.parts ?? new Set();
-}
-
 /** Gives a light its part in a scene. Returns what ends it; after the last end the scene is as the app left it. */
 export function takePart(scene: Scene, part: Part): () => void {
   const around = arounds.get(scene) ?? install(scene);
   around.parts.add(part);
+  around.keep();
   return () => around.lose(part);
 }
 
 function install(scene: Scene): Around {
   const parts = new Set<Part>();
-  /** What casts, but not now. */
-  const borrowed: Object3D[] = [];
-  /** What rested when shadow maps were drawn last. */
-  let rested = '';
-  let renderer: AnyRenderer | undefined;
+  /** What casts, but not now, and what it had. */
+  let borrowed: [Object3D, boolean][] = [];
+  /** What rested when a renderer drew its shadow maps last. */
+  const rested = new Map<AnyRenderer, string>();
 
   const giveBack = (): void => {
-    for (const object of borrowed) object.castShadow = true;
-    borrowed.length = 0;
+    const all = borrowed;
+    borrowed = [];
+    for (const [object, castShadow] of all) object.castShadow = castShadow;
   };
   const rest = (object: Object3D, needed: ReadonlySet<Object3D>): void => {
     if (moves(object) || needed.has(object)) return;
     // A light casts in another way.
-    if (object.castShadow && !('isLight' in object)) {
-      borrowed.push(object);
-      object.castShadow = false;
+    const { castShadow } = object;
+    if (castShadow && !('isLight' in object)) {
+      try {
+        object.castShadow = false;
+        borrowed.push([object, castShadow]);
+      } catch {
+        // It cannot be told, as one without a setter, and casts beside its file.
+      }
     }
     for (const child of object.children) rest(child, needed);
   };
-  /** Has shadow maps drawn anew that the app has frozen. */
-  const thaw = (): void => {
-    if (renderer?.isWebGLRenderer) renderer.shadowMap!.needsUpdate = true;
+  /** Has shadow maps of a renderer drawn anew that the app has frozen. */
+  const thaw = (renderer: AnyRenderer): void => {
+    if (renderer.isWebGLRenderer) renderer.shadowMap!.needsUpdate = true;
     scene.traverse((each) => {
       const { shadow } = each as SunLike;
       if ('isLight' in each && shadow?.autoUpdate === false) shadow.needsUpdate = true;
@@ -74,42 +78,49 @@ function install(scene: Scene): Around {
   };
   const before = (now: AnyRenderer, camera: Camera): void => {
     giveBack();
-    renderer = now;
-    for (const part of parts) part.update(now);
+    for (const part of parts) part.update(now, camera);
     const meetings = [...parts].flatMap(({ meet }) => meet ?? []);
     const meet = meetings.length > 1 ? (material: Material): void => meetings.forEach((each) => each(material)) : meetings[0];
     if (meet) {
       forEachMaterial(scene, meet);
       if (scene.overrideMaterial) meet(scene.overrideMaterial);
     }
-    const shown = [...parts].map((part) => ({ part, ...part.casters() }));
+    const shown = [...parts].map((part) => ({ part, ...part.casters(scene) }));
     const resting = shown.flatMap((each) => each.resting.map(({ id }) => id)).join();
-    if (resting !== rested) thaw();
-    rested = resting;
-    // WebGLRenderer draws the maps of all lights meanwhile. Others draw each map by itself, from a camera that looks as the light shines.
-    const drawn = now.isWebGLRenderer ? shown : shown.filter(({ part }) => looksAlong(camera, part.towards));
+    if (resting !== (rested.get(now) ?? '')) thaw(now);
+    rested.set(now, resting);
+    // WebGLRenderer draws the maps of all lights meanwhile that the camera sees. Others draw each map by itself, from a camera that looks as the light shines.
+    const drawn = shown.filter(({ part }) => (now.isWebGLRenderer ? part.light.layers.test(camera.layers) : looksAlong(camera, part.towards)));
     const needed = new Set(drawn.flatMap((each) => each.needed));
-    for (const root of drawn.flatMap((each) => each.resting)) if (!isBelow(root, needed)) rest(root, needed);
+    const roots = drawn.flatMap((each) => each.resting);
     // Whatever the drawing throws.
-    if (borrowed.length > 0) queueMicrotask(giveBack);
+    if (roots.length > 0) queueMicrotask(giveBack);
+    for (const root of roots) if (!drawn.some((each) => each.needed.some((other) => isIn(root, other)))) rest(root, needed);
   };
 
-  const hooks = [
-    wrap(scene, 'onBeforeRender', (theirs) => function (this: Scene, ...all) {
+  const makers = [
+    () => wrap(scene, 'onBeforeRender', (theirs) => function (this: Scene, ...all) {
       // It may draw the scene itself.
       theirs.apply(this, all);
       before(all[0], all[2] as Camera);
+      keep();
     }),
-    wrap(scene, 'onAfterRender', (theirs) => function (this: Scene, ...all) {
+    () => wrap(scene, 'onAfterRender', (theirs) => function (this: Scene, ...all) {
       giveBack();
       theirs.apply(this, all);
+      keep();
     }),
   ];
+  let hooks = makers.map((make) => make());
+  const keep = (): void => {
+    if (parts.size > 0) hooks = hooks.map((hook, i) => (hook.isInPlace() ? hook : makers[i]!()));
+  };
   const around = {
     parts,
+    keep,
     lose(part: Part) {
       if (!parts.delete(part)) return;
-      if (rested !== '') thaw();
+      for (const [renderer, resting] of rested) if (resting !== '') thaw(renderer);
       if (parts.size > 0) return;
       giveBack();
       arounds.delete(scene);
@@ -118,11 +129,6 @@ function install(scene: Scene): Around {
   };
   arounds.set(scene, around);
   return around;
-}
-
-/** Whether an object or one above it is in a set. */
-function isBelow(object: Object3D | null, all: ReadonlySet<Object3D>): boolean {
-  return object !== null && (all.has(object) || isBelow(object.parent, all));
 }
 
 /** Directions of a camera and of a light that differ by less are the same. */

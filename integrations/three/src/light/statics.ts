@@ -4,8 +4,8 @@ import type { Object3D } from 'three';
 
 /** Whether an object moves, even below a static root. It is no part of a bake then. */
 export function moves(object: Object3D): boolean {
-  const { adumbra } = object.userData as { adumbra?: { cast?: boolean } };
-  return adumbra?.cast === true || 'isSkinnedMesh' in object;
+  const { userData } = object as { userData?: { adumbra?: { cast?: boolean } } | null };
+  return userData?.adumbra?.cast === true || 'isSkinnedMesh' in object;
 }
 
 /** Whether an object is in no file, as far as the roots of what is in the files tell. */

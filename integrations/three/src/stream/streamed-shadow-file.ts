@@ -232,7 +232,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     const CHOSEN_SHARE = 0.9;
     this.#choice += 1;
     const placements = this.#lights.size === 0 ? [undefined] : [...this.#lights].map(({ lookUps }) => lookUps[0]!.placement);
-    const views = placements.flatMap((placement) => asList(cameras).map((camera) => viewOf(camera, rows, placement)));
+    const views = placements.flatMap((placement) => asList(cameras, 'cameras').map((camera) => viewOf(camera, rows, placement)));
     this.#chosen = choose(this.#residency.comers, views, {
       coarserTexel: ({ rank }) => this.#grids[rank + 1]!.voxelSize,
       detail: this.#detail,

@@ -1,14 +1,14 @@
 // Baked shadows for the materials of a scene that WebGLRenderer draws.
 
-import { Material, Object3D } from 'three';
-import type { IUniform, Scene, WebGLRenderer } from 'three';
+import { GLSL3, Material, Object3D } from 'three';
+import type { IUniform, RawShaderMaterial, Scene, WebGLRenderer } from 'three';
 
 import { bakedLight } from '../light/baked-light.js';
-import { isInScene, shines } from '../light/direction.js';
+import { isIn, shines } from '../light/direction.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
 import type { BakedShadow, BakedShadowOptions, FileChoice } from '../light/options.js';
-import { partsOf, takePart } from '../light/scene.js';
+import { takePart } from '../light/scene.js';
 import type { Part } from '../light/scene.js';
 import { checkThree } from '../light/three.js';
 import { warnOnce } from '../light/warn.js';
@@ -22,15 +22,15 @@ export interface AttachedShadow extends BakedShadow {
   readonly skipped: readonly string[];
 }
 
-/** The part of an attached shadow in the drawing of its scene. */
-interface AttachedPart extends Part {
-  detach(): void;
-}
+/** What ends the shadow that is attached to a light, in whatever scene. */
+const attached = new WeakMap<SunLike, () => void>();
 
 type Uniforms = Record<string, IUniform>;
 
 /** A material that was met in none of so many drawings is let go. */
 const LONG_DRAWINGS = 100;
+
+const NO_PART = 'attach shadows to the Scene that is drawn, not to a part of it';
 
 /** The first revision of three with all that is needed. */
 const OLDEST = 166;
@@ -38,7 +38,7 @@ const OLDEST = 166;
 /**
  * Gives all materials of a scene the shadows of a light from its files, those too that come later. Three's own shadow map goes on
  * working beside them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`. What
- * was attached to the light in this scene before is disposed.
+ * was attached to the light before, in whatever scene, is disposed.
  *
  * @throws MissingHookError if this version of three lacks what is needed.
  * @throws TypeError if the scene is none, or comes from another copy of three.
@@ -47,8 +47,9 @@ const OLDEST = 166;
  */
 export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice, options: BakedShadowOptions = {}): AttachedShadow {
   const { onBeforeCompile, customProgramCacheKey } = Material.prototype;
-  if (!(scene instanceof Object3D)) throw new TypeError("the scene comes from another copy of three; have 'three' resolve to one, see the guide");
-  if (scene.isScene !== true) throw new TypeError('baked shadows are attached to the Scene that is drawn, not to a part of it');
+  if (!(scene instanceof Object3D)) throw new TypeError("the scene comes from another copy of three; have 'three' resolve to one");
+  if (scene.isScene !== true) throw new TypeError(NO_PART);
+  if (scene.parent !== null) warnOnce(NO_PART, `part ${scene.id}`);
   checkThree(OLDEST, {
     'Material.onBeforeCompile': onBeforeCompile,
     'Material.customProgramCacheKey': customProgramCacheKey,
@@ -57,7 +58,7 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     ...shaderHooks(),
   });
   const baked = bakedLight(light, file, options);
-  for (const part of partsOf(scene)) if (part.light === light && 'detach' in part) (part as AttachedPart).detach();
+  attached.get(light)?.();
   const { lookUp, prefix } = baked;
   const intensity: IUniform<number> = { value: 1 };
   const words: IUniform = { value: null };
@@ -83,7 +84,9 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     key: `${prefix} ${lookUp.name}`,
     apply(shader, material) {
       if (shader.fragmentShader.includes(`${prefix}_visibility`) || !isLit(shader.fragmentShader)) return;
-      const text = withLookUp(shader, lookUp.glsl, prefix);
+      const { isRawShaderMaterial, glslVersion } = material as RawShaderMaterial;
+      // The texts of look-ups are GLSL 3.
+      const text = isRawShaderMaterial && glslVersion !== GLSL3 ? null : withLookUp(shader, lookUp.glsl, prefix);
       if (text === null) {
         const name = material.name || material.type;
         skipped.add(name);
@@ -121,14 +124,16 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     headers.value = textures.headers;
   };
 
-  const part: AttachedPart = {
+  const part: Part = {
     ...baked,
-    update(renderer) {
-      if (drawings === 0) baked.warnOf(scene);
+    update(renderer, camera) {
+      if (drawings === 0) baked.warnOfMovers(scene);
       drawings += 1;
       baked.update(renderer);
+      baked.warnOfMoved(scene);
       bind();
-      intensity.value = shines(light) && isInScene(light) ? light.shadow.intensity : 0;
+      // What a mask of all shadows has of it.
+      intensity.value = shines(light) && isIn(light, scene) && light.layers.test(camera.layers) ? light.shadow.intensity : 0;
       if (renderer.isWebGLRenderer !== true) {
         warnOnce('attachBakedShadow is for WebGLRenderer; with WebGPURenderer, use BakedShadowNode', 'renderer');
         return;
@@ -138,15 +143,17 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
       for (const [target, last] of materials) if (drawings - last > LONG_DRAWINGS) forget({ target });
     },
     meet,
-    detach() {
-      leave();
-      if (!baked.dispose()) return;
-      for (const target of [...materials.keys()]) forget({ target });
-      // Three holds on to the uniforms.
-      words.value = headers.value = null;
-    },
   };
   const leave = takePart(scene, part);
+  const detach = (): void => {
+    leave();
+    if (!baked.dispose()) return;
+    if (attached.get(light) === detach) attached.delete(light);
+    for (const target of [...materials.keys()]) forget({ target });
+    // Three holds on to the uniforms.
+    words.value = headers.value = null;
+  };
+  attached.set(light, detach);
   // Once what was attached before has given the light back. What is compiled before it is drawn has the shadows as well.
   baked.update();
   bind();
@@ -167,6 +174,6 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
       baked.setFiles(choice);
       bind();
     },
-    dispose: part.detach,
+    dispose: detach,
   };
 }

@@ -174,11 +174,12 @@ export class BakedShadowNode extends Base implements BakedShadow {
     this.#leave?.();
     this.#scene = scene;
     this.#leave = takePart(scene, this.#part);
-    this.#baked.warnOf(scene);
+    this.#baked.warnOfMovers(scene);
   }
 
   #update(renderer: AnyRenderer | null): void {
     this.#baked.update(renderer);
+    if (this.#scene !== null) this.#baked.warnOfMoved(this.#scene);
     // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
     const { words, headers } = this.#baked.textures();
     renderer?.initTexture?.(words);

@@ -14,7 +14,7 @@ function city() {
   const [sun, lamp] = [new DirectionalLight(), new DirectionalLight()];
   sun.userData['adumbra'] = { shadow: 'gone.adumbra' };
   const scene: Object3D = new Group().add(sun, lamp);
-  return { sun, gltf: { scenes: [scene] } as unknown as GLTF };
+  return { sun, gltf: { animations: [], scenes: [scene] } as unknown as GLTF };
 }
 
 test('go on without it, and say why', async () => {
