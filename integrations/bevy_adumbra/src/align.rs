@@ -21,8 +21,8 @@ pub(crate) struct Aligned {
     has_warned: bool,
 }
 
-/// A light that is off by less is not turned, degrees.
-const TURNED_DEGREES: f32 = 6e-4;
+/// A light is not turned if its unit vector is at most this far from its sun's, 6e-4 degrees.
+const TURNED: f32 = 1e-5;
 
 /// Turns lights to the sun of their first loaded file, where its root is now.
 pub(crate) fn align_lights(
@@ -37,7 +37,7 @@ pub(crate) fn align_lights(
     let at_root = |(entity, root)| Some((entity, root, helper.compute_global_transform(entity).ok()?));
     let roots = Roots::new(&rooted, roots.iter().filter_map(at_root));
     let mut turns = Vec::new();
-    for (light, shadow, parent) in lights.iter().filter(|(_, shadow, _)| shadow.align) {
+    for (light, shadow, parent) in lights.iter().filter(|(_, shadow, _)| is_kept(shadow)) {
         let first = |places: Places, towards: [f64; 3]| {
             places.into_iter().flatten().next().map(|place| turned(&place, towards))
         };
@@ -60,10 +60,10 @@ pub(crate) fn align_lights(
     for (light, parent, towards_sun) in turns {
         let Ok((mut transform, aligned)) = all.get_mut(light) else { continue };
         // An exact test would turn a light at every frame that cannot have just this direction.
-        let degrees = (parent * (transform.rotation * Vec3::Z)).angle_between(towards_sun).to_degrees();
+        let towards_light = (parent * (transform.rotation * Vec3::Z)).normalize_or_zero();
         // A parent may stretch or mirror its lights. Below one without a size there is no direction.
         let [towards, up] = [towards_sun, Vec3::Y].map(|d| (parent.inverse() * d).normalize_or_zero());
-        if degrees.is_nan() || degrees <= TURNED_DEGREES || !towards.is_normalized() {
+        if towards_light.distance(towards_sun) <= TURNED || !towards.is_normalized() {
             continue;
         }
         let of_app = transform.rotation;
@@ -77,6 +77,7 @@ pub(crate) fn align_lights(
             Some(mut aligned) if aligned.given == of_app => aligned.given = given,
             Some(mut aligned) => {
                 if !aligned.has_warned {
+                    let degrees = towards_light.angle_between(towards_sun).to_degrees();
                     warn!(
                         "light {light} was turned by {degrees:.2} degrees, and BakedShadow::align keeps it at the sun of its \
                          file; set it to false for a light that something else turns"
@@ -88,18 +89,35 @@ pub(crate) fn align_lights(
     }
 }
 
+/// Whether a light is kept at the sun of its files. One that is followed goes where the app turns it.
+fn is_kept(shadow: &BakedShadow) -> bool {
+    shadow.align && !shadow.follow
+}
+
 /// Gives lights that are kept no longer the rotation that the app has set last.
 pub(crate) fn give_back(
     mut commands: Commands,
     mut lights: Query<(Entity, &Aligned, Option<&BakedShadow>, &mut Transform)>,
 ) {
     for (light, aligned, shadow, mut transform) in &mut lights {
-        if shadow.is_some_and(|shadow| shadow.align) {
+        if shadow.is_some_and(is_kept) {
             continue;
         }
         if transform.rotation == aligned.given {
             transform.rotation = aligned.of_app;
         }
         commands.entity(light).try_remove::<Aligned>();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_light_that_is_followed_is_not_kept() {
+        let kept = BakedShadow { align: true, ..BakedShadow::default() };
+        assert!(is_kept(&kept));
+        assert!(!is_kept(&BakedShadow { follow: true, ..kept }));
     }
 }

@@ -3,7 +3,7 @@
 //! Bevy's view bind group has no place for a plugin. Binding 24 is in every view's layout, and Bevy puts a texture there
 //! only where something transmissive is drawn. So a view without that gets the words as they are, in `Rgba8Unorm`. A
 //! view with it gets one texture of the format that Bevy needs: the picture's rows above, as Bevy copies them, and the
-//! words below. Transmission divides by the texture's own size, and takes its texels from the picture alone.
+//! words below. Bevy's shader of transmission is changed to take its texels from the picture alone.
 
 use std::borrow::Cow;
 
@@ -135,7 +135,7 @@ struct WordTexture {
 #[derive(Component)]
 pub(crate) struct HasWords(TextureId);
 
-/// Frames after which a texture goes that no view uses: glass comes into view and leaves it as a camera turns.
+/// Frames after which a texture goes that a view does not use: glass comes into view and leaves it as a camera turns.
 const KEPT_FRAMES: u32 = 300;
 
 /// Bytes of texels in a row of all texels of a file, or of the directory.
@@ -209,8 +209,9 @@ pub(crate) fn give_words(
         textures.take((&device, &queue), limits.max_texture_side, (files.version, &files.files), &pools);
     }
     textures.take_writes(&queue, &mut pools);
-    let mut used = Vec::new();
+    let (mut used, mut of_views) = (Vec::new(), Vec::new());
     for (entity, view, camera) in &views {
+        of_views.extend(camera.physical_target_size.map(|size| (size, view.target_format)));
         let Some(phase) = transmissive.get(&view.retained_view_entity) else { continue };
         let words = if phase.items.is_empty() {
             textures.words.clone()
@@ -243,7 +244,7 @@ pub(crate) fn give_words(
     }
     textures.below.retain(|key, (_, unused_frames)| {
         *unused_frames = if used.contains(key) { 0 } else { *unused_frames + 1 };
-        *unused_frames <= KEPT_FRAMES
+        *unused_frames <= KEPT_FRAMES && of_views.contains(key)
     });
 }
 

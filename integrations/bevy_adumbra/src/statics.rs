@@ -8,7 +8,7 @@ use bevy::ecs::entity::EntityHashSet;
 use bevy::ecs::prelude::*;
 use bevy::ecs::system::SystemParam;
 use bevy::light::{Cascades, NotShadowCaster};
-use bevy::math::Vec3A;
+use bevy::math::{Vec3, Vec3A};
 use bevy::mesh::Mesh3d;
 use bevy::mesh::skinning::SkinnedMesh;
 use bevy::pbr::ExtractedDirectionalLight;
@@ -26,6 +26,13 @@ use crate::status::BakedShadowStatus;
 type Animated = Or<(With<bevy::animation::AnimatedBy>, With<SkinnedMesh>)>;
 #[cfg(not(feature = "animation"))]
 type Animated = With<SkinnedMesh>;
+
+/// The end of what moves an entity.
+#[cfg(feature = "animation")]
+type NoMotion<'w, 's> =
+    (RemovedComponents<'w, 's, SkinnedMesh>, RemovedComponents<'w, 's, bevy::animation::AnimatedBy>);
+#[cfg(not(feature = "animation"))]
+type NoMotion<'w, 's> = (RemovedComponents<'w, 's, SkinnedMesh>,);
 
 /// What may change which meshes are in the files.
 #[cfg(feature = "animation")]
@@ -45,12 +52,12 @@ type Changes = Or<(Added<Mesh3d>, Added<BakedStatic>, Added<NotBaked>, Changed<C
 pub(crate) fn mark_meshes(
     mut commands: Commands,
     changed: Query<Entity, Changes>,
-    (mut roots_removed, mut exceptions_removed, mut parents_removed, mut skins_removed): (
+    (mut roots_removed, mut exceptions_removed, mut parents_removed): (
         RemovedComponents<BakedStatic>,
         RemovedComponents<NotBaked>,
         RemovedComponents<ChildOf>,
-        RemovedComponents<SkinnedMesh>,
     ),
+    mut still: NoMotion,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
     roots: Query<(), With<BakedStatic>>,
@@ -59,7 +66,9 @@ pub(crate) fn mark_meshes(
 ) {
     let mut seen = EntityHashSet::default();
     let removed = roots_removed.read().chain(exceptions_removed.read());
-    let removed = removed.chain(parents_removed.read()).chain(skins_removed.read());
+    let removed = removed.chain(parents_removed.read()).chain(still.0.read());
+    #[cfg(feature = "animation")]
+    let removed = removed.chain(still.1.read());
     for from in changed.iter().chain(removed) {
         let mut open = vec![from];
         while let Some(entity) = open.pop() {
@@ -174,6 +183,16 @@ pub struct CascadeCasters {
     pub kept: usize,
 }
 
+/// Returns the corners of a mesh's bounds: its origin where it has none.
+fn corners(bounds: Option<&Aabb>) -> impl Iterator<Item = Vec3> {
+    let (center, half) =
+        bounds.map_or((Vec3A::ZERO, Vec3A::ZERO), |bounds| (bounds.center, bounds.half_extents));
+    (0..8_u32).map(move |corner| {
+        let side = |axis: u32| if corner >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        Vec3::from(center + half * Vec3A::new(side(0), side(1), side(2)))
+    })
+}
+
 /// Removes the meshes in the files from the cascades of lights whose files are in use, and finds the lights with nothing left.
 pub(crate) fn leave_out(
     choice: Res<StaticCasters>,
@@ -197,9 +216,8 @@ pub(crate) fn leave_out(
         let is_complete = !files.partial.contains(&light);
         let is_in_file = |entity: Entity| {
             in_bake.get(entity).is_ok_and(|(transform, bounds)| {
-                let middle = bounds.map_or(Vec3A::ZERO, |bounds| bounds.center);
-                is_complete
-                    || of_light.clone().any(|file| file.contains(transform.transform_point(middle.into())))
+                let is_inside = |p: Vec3| of_light.clone().any(|file| file.contains(p));
+                is_complete || corners(bounds).all(|corner| is_inside(transform.transform_point(corner)))
             })
         };
         let mut kept = 0;

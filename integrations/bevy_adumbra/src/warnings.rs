@@ -46,28 +46,30 @@ pub(crate) fn warn_of_movers(
     }
 }
 
-/// Returns a static root that is not where it was baked, if no file follows a root. A root that is a mesh is a part of a world
+/// Returns, once, a static root that is not where it was baked, if no file follows a root. A root that is a mesh is a part of a world
 /// that has its origin elsewhere.
 pub(crate) fn find_moved_root(
+    mut has_found: Local<bool>,
     lights: Query<&BakedShadowStatus, Loaded>,
     statics: Query<(Entity, &GlobalTransform), (With<BakedStatic>, Without<Mesh3d>)>,
     roots: Query<(), With<FileRoot>>,
 ) -> Option<Entity> {
-    if !roots.is_empty() || !lights.iter().any(BakedShadowStatus::is_active) {
+    if *has_found || !roots.is_empty() || !lights.iter().any(BakedShadowStatus::is_active) {
         return None;
     }
     let is_moved = |at: &GlobalTransform| !at.affine().abs_diff_eq(Affine3A::IDENTITY, 1e-5);
-    statics.iter().find(|(_, at)| is_moved(at)).map(|(entity, _)| entity)
+    let moved = statics.iter().find(|(_, at)| is_moved(at)).map(|(entity, _)| entity);
+    *has_found = moved.is_some();
+    moved
 }
 
 /// Warns of that root.
-pub(crate) fn warn_of_moved_root(In(moved): In<Option<Entity>>, mut done: Local<bool>) {
-    let (Some(entity), false) = (moved, *done) else { return };
+pub(crate) fn warn_of_moved_root(In(moved): In<Option<Entity>>) {
+    let Some(entity) = moved else { return };
     warn!(
         "the BakedStatic {entity} is moved, turned or scaled, and its file stays where it was baked; if the file was baked \
          from what is below it, put FileRoot::new(file) on it"
     );
-    *done = true;
 }
 
 #[cfg(test)]

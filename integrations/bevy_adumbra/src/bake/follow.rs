@@ -70,7 +70,7 @@ pub(crate) fn follow_suns(
             commands.entity(light).try_insert(SunKeys::default());
             continue;
         };
-        if keys.keys.is_empty() && bake.seen.is_some() {
+        if bake.has_lost_all(&keys.keys) {
             (bake.following, bake.seen, bake.pending, bake.in_use) = (None, None, None, None);
             *sun_keys = SunKeys::default();
             progress.set_if_neq(BakeProgress::Waiting);

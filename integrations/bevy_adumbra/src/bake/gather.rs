@@ -5,6 +5,8 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Pixels, Scene, Texture, Wrap};
 use bevy::asset::{AssetId, AssetServer, Assets, LoadState, UntypedAssetId};
+use bevy::camera::visibility::VisibilityRange;
+use bevy::color::Alpha;
 use bevy::ecs::prelude::{Entity, Res};
 use bevy::ecs::system::SystemParam;
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
@@ -27,11 +29,21 @@ pub(super) struct Placed<'w> {
     casts: bool,
 }
 
-type Item<'w> = (Entity, &'w Mesh3d, &'w GlobalTransform, Option<&'w MeshMaterial3d<StandardMaterial>>, bool);
+type Item<'w> = (
+    Entity,
+    &'w Mesh3d,
+    &'w GlobalTransform,
+    Option<&'w MeshMaterial3d<StandardMaterial>>,
+    bool,
+    Option<&'w VisibilityRange>,
+);
 
 impl<'w> From<Item<'w>> for Placed<'w> {
-    fn from((_, mesh, transform, material, no_caster): Item<'w>) -> Self {
-        Self { mesh: mesh.id(), transform, material: material.map(|m| m.id()), casts: !no_caster }
+    fn from((_, mesh, transform, material, no_caster, range): Item<'w>) -> Self {
+        // Of several levels of detail the finest casts.
+        let is_finest = range.is_none_or(|range| range.start_margin.start <= 0.0);
+        let casts = !no_caster && is_finest;
+        Self { mesh: mesh.id(), transform, material: material.map(|m| m.id()), casts }
     }
 }
 
@@ -43,11 +55,19 @@ impl Placed<'_> {
         (self.mesh, columns, self.material, self.casts).hash(&mut hasher);
         versions.of(self.mesh).hash(&mut hasher);
         if let Some(id) = self.material {
-            versions.of(id).hash(&mut hasher);
-            // Its image, if it has holes.
-            let image = materials.get(id).and_then(|material| material.base_color_texture.as_ref());
-            if let Some(image) = image {
-                versions.of(image.id()).hash(&mut hasher);
+            // Followed, though of its changes only those count that a bake sees.
+            versions.of(id);
+            let material = materials.get(id);
+            material.map(|material| material.specular_transmission > 0.0).hash(&mut hasher);
+            if let Some(material) = material.filter(|material| material.alpha_mode != BevyAlphaMode::Opaque) {
+                let cutoff = match material.alpha_mode {
+                    BevyAlphaMode::Mask(cutoff) => cutoff.to_bits(),
+                    _ => u32::MAX,
+                };
+                (cutoff, material.base_color.alpha().to_bits()).hash(&mut hasher);
+                if let Some(image) = &material.base_color_texture {
+                    (image.id(), versions.of(image.id())).hash(&mut hasher);
+                }
             }
         }
         hasher.finish()
@@ -145,9 +165,11 @@ pub(super) fn gather<'w>(
 
 /// Copies a mesh. Returns `None` if it has no triangles.
 fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, BakeError> {
-    if mesh.primitive_topology() != PrimitiveTopology::TriangleList {
-        return Ok(None);
-    }
+    let is_strip = match mesh.primitive_topology() {
+        PrimitiveTopology::TriangleList => false,
+        PrimitiveTopology::TriangleStrip => true,
+        _ => return Ok(None),
+    };
     let no_access = |error: MeshAccessError| BakeError::Unreadable(error.into());
     let positions = match mesh.try_attribute_option(BevyMesh::ATTRIBUTE_POSITION).map_err(no_access)? {
         Some(VertexAttributeValues::Float32x3(positions)) => positions.clone(),
@@ -161,7 +183,10 @@ fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, Ba
         _ => Vec::new(),
     };
     let indices: Vec<u32> = match mesh.try_indices_option().map_err(no_access)? {
-        Some(Indices::U16(indices)) => indices.iter().map(|&i| i.into()).collect(),
+        // The largest number begins another strip, as on the GPU.
+        Some(Indices::U16(indices)) => {
+            indices.iter().map(|&i| if is_strip && i == u16::MAX { u32::MAX } else { i.into() }).collect()
+        }
         Some(Indices::U32(indices)) => indices.clone(),
         None => (0..positions.len() as u32).collect(),
     };
@@ -171,12 +196,20 @@ fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, Ba
         let [u, v] = [b, c].map(|p| [0, 1, 2].map(|axis| p[axis] - a[axis]));
         [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]] != [0.0; 3]
     };
-    let triangles: Vec<[u32; 3]> = indices.as_chunks().0.iter().copied().filter(has_area).collect();
+    let all = if is_strip { of_strip(&indices) } else { indices.as_chunks().0.to_vec() };
+    let triangles: Vec<[u32; 3]> = all.into_iter().filter(has_area).collect();
     if triangles.is_empty() {
         return Ok(None);
     }
     let triangle_materials = vec![material; triangles.len()];
     Ok(Some(Mesh { name, positions, uvs, colors: Vec::new(), triangles, triangle_materials }))
+}
+
+/// Returns the triangles of strips, of which each second one is turned around.
+fn of_strip(indices: &[u32]) -> Vec<[u32; 3]> {
+    let strips = indices.split(|&i| i == u32::MAX);
+    let triangles = strips.flat_map(|strip| strip.array_windows().enumerate());
+    triangles.map(|(n, &[a, b, c])| if n % 2 == 0 { [a, b, c] } else { [b, a, c] }).collect()
 }
 
 /// Returns what casts of a material, and adds its texture if it has holes.
@@ -198,7 +231,7 @@ fn material(
         }
     };
     new.alpha = AlphaMode::Mask { cutoff };
-    new.base_color[3] = bevy::color::Alpha::alpha(&material.base_color);
+    new.base_color[3] = material.base_color.alpha();
     let image = material.base_color_texture.as_ref().and_then(|image| assets.images.get(image));
     new.texture = image.and_then(texture).map(|texture| {
         textures.push(texture);
@@ -239,4 +272,25 @@ fn texture(image: &Image) -> Option<Texture> {
         wrap: [wrap(sampler.address_mode_u), wrap(sampler.address_mode_v)],
         nearest: matches!(sampler.mag_filter, ImageFilterMode::Nearest),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strips_are_triangles_that_all_face_one_way() {
+        let strip = [0, 1, 2, 3, u32::MAX, 7, 8, 9, u32::MAX];
+        assert_eq!(of_strip(&strip), [[0, 1, 2], [2, 1, 3], [7, 8, 9]]);
+    }
+
+    #[test]
+    fn the_finest_of_several_levels_of_detail_casts() {
+        let (mesh, at) = (Mesh3d::default(), GlobalTransform::default());
+        let casts = |range: Option<&VisibilityRange>| {
+            Placed::from((Entity::PLACEHOLDER, &mesh, &at, None, false, range)).casts
+        };
+        assert!(casts(None) && casts(Some(&VisibilityRange::abrupt(0.0, 10.0))));
+        assert!(!casts(Some(&VisibilityRange::abrupt(10.0, 20.0))));
+    }
 }

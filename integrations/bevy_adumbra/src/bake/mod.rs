@@ -20,6 +20,7 @@ use std::time::Duration;
 
 use adumbra_bake::MemoryObjects;
 use bevy::asset::Assets;
+use bevy::camera::visibility::VisibilityRange;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::prelude::*;
 use bevy::light::NotShadowCaster;
@@ -72,6 +73,8 @@ impl Default for BakeSettings {
 
 /// Bakes the shadow of this directional light, and again when meshes below a [`BakedStatic`](crate::BakedStatic) or the
 /// light change. Once none of them is left, so is no file. Removing it ends a bake that is under way; the last file stays as it is.
+/// Without the [`BakedShadow`] that it made, as when the app has removed that, it bakes no more until
+/// [`bake_shadow`](BakeShadowCommands::bake_shadow) is called again.
 #[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Default, Debug)]
 #[require(BakeProgress)]
@@ -93,6 +96,9 @@ pub struct BakeShadow {
     /// What there is now if the newest bake saw something else, and since when.
     #[reflect(ignore)]
     pending: Option<(Seen, Duration)>,
+    /// Whether the app has removed what was baked.
+    #[reflect(ignore)]
+    is_paused: bool,
     /// The meshes in the file that is in use.
     #[reflect(ignore)]
     in_use: Option<Arc<Keys>>,
@@ -102,6 +108,13 @@ impl BakeShadow {
     /// Bakes with these settings.
     pub fn new(settings: BakeSettings) -> Self {
         Self { settings, ..Self::default() }
+    }
+
+    /// Whether there were meshes for a bake, or in a file, and none of them is left.
+    fn has_lost_all(&self, now: &Keys) -> bool {
+        let are_gone = |keys: &Keys| keys.keys().all(|entity| !now.contains_key(entity));
+        let known = self.in_use.as_deref().or(self.seen.as_ref().map(|seen| &*seen.keys));
+        known.is_some_and(are_gone)
     }
 }
 
@@ -119,7 +132,7 @@ struct Seen {
 impl Seen {
     /// Whether a bake of one is one of the other. A light that is set anew in each frame differs by rounding.
     fn is_like(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.keys, &other.keys)
+        (Arc::ptr_eq(&self.keys, &other.keys) || self.keys == other.keys)
             && self.settings == other.settings
             && self.towards_light.distance(other.towards_light) <= SAME_LIGHT
     }
@@ -145,10 +158,14 @@ pub trait BakeShadowCommands {
 impl BakeShadowCommands for Commands<'_, '_> {
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings) {
         // What a bake that is there has made stays.
-        self.entity(light)
-            .entry::<BakeShadow>()
-            .and_modify(move |mut bake| bake.settings = settings)
-            .or_try_insert(BakeShadow::new(settings));
+        self.entity(light).queue_silenced(move |mut light: EntityWorldMut| {
+            match light.get_mut::<BakeShadow>() {
+                Some(mut bake) => {
+                    (bake.settings, bake.seen, bake.is_paused) = (settings, None, false);
+                }
+                None => _ = light.insert(BakeShadow::new(settings)),
+            }
+        });
     }
 }
 
@@ -162,6 +179,7 @@ type Meshes<'w, 's> = Query<
         &'static GlobalTransform,
         Option<&'static MeshMaterial3d<StandardMaterial>>,
         Has<NotShadowCaster>,
+        Option<&'static VisibilityRange>,
     ),
     With<InBake>,
 >;
@@ -174,6 +192,7 @@ type Changes = (
         Changed<Mesh3d>,
         Changed<GlobalTransform>,
         Changed<MeshMaterial3d<StandardMaterial>>,
+        Changed<VisibilityRange>,
         Added<NotShadowCaster>,
     )>,
 );
@@ -182,7 +201,7 @@ type Changes = (
 pub(crate) fn find_meshes(
     lights: Query<(), With<BakeShadow>>,
     placed: Meshes,
-    changed: Query<(), Changes>,
+    (changed, in_bake): (Query<(), Changes>, Query<(), With<InBake>>),
     (mut removed, mut no_casters, mut no_meshes, mut no_materials): (
         RemovedComponents<InBake>,
         RemovedComponents<NotShadowCaster>,
@@ -192,11 +211,19 @@ pub(crate) fn find_meshes(
     materials: Res<Assets<StandardMaterial>>,
     (mut keys, mut versions): (ResMut<StaticKeys>, ResMut<AssetVersions>),
 ) {
-    let removed = removed.read().count() + no_casters.read().count() + no_meshes.read().count();
-    let has_changes = removed + no_materials.read().count() > 0
+    // Others lose meshes and materials too.
+    let changed_entities = no_casters.read().chain(no_meshes.read()).chain(no_materials.read());
+    let has_changes = removed.read().count() + changed_entities.filter(|e| in_bake.contains(*e)).count() > 0
         || !changed.is_empty()
         || keys.changes != versions.changes();
-    if lights.is_empty() || (!has_changes && !keys.keys.is_empty()) {
+    if lights.is_empty() {
+        // The next light sees what there is then.
+        if !keys.keys.is_empty() {
+            keys.keys = Arc::default();
+        }
+        return;
+    }
+    if !has_changes && !keys.keys.is_empty() {
         return;
     }
     let mut key = |placed: Placed| placed.key(&materials, &mut versions);
@@ -218,19 +245,30 @@ pub(crate) fn bake_shadows(
     assets: SceneAssets,
     mut files: ResMut<Assets<BakedShadowFile>>,
     (keys, limits, time): (Res<StaticKeys>, Res<DeviceLimits>, Res<Time<Real>>),
+    mut ended: RemovedComponents<BakedShadow>,
 ) {
+    for light in ended.read() {
+        if let Ok((_, _, mut bake, mut progress, None)) = lights.get_mut(light) {
+            (bake.is_paused, bake.seen, bake.job, bake.pending, bake.in_use) = (true, None, None, None, None);
+            progress.set_if_neq(BakeProgress::Waiting);
+        }
+    }
     for (light, transform, mut bake, mut progress, mut shadow) in &mut lights {
         if shadow.as_ref().is_some_and(|shadow| shadow.follow) {
             continue;
         }
         let bake = bake.bypass_change_detection();
+        bake.is_paused &= shadow.is_none();
+        if bake.is_paused {
+            continue;
+        }
         let now = Seen {
             settings: bake.settings,
             towards_light: transform.back().as_vec3(),
             keys: Arc::clone(&keys.keys),
         };
-        if now.keys.is_empty() && bake.seen.is_some() {
-            // All that was baked is gone, as between two levels.
+        if bake.has_lost_all(&now.keys) {
+            // As between two levels.
             if let Some(shadow) = &mut shadow
                 && bake.in_use.is_some()
             {
@@ -320,6 +358,9 @@ pub(crate) fn mark_changes(
     keys: Res<StaticKeys>,
     mut known: Local<Vec<Arc<Keys>>>,
 ) {
+    if lights.is_empty() {
+        return;
+    }
     let of_files = lights.iter().filter_map(|bake| bake.in_use.as_ref()).chain([&keys.keys]);
     let is_known = known.len() == of_files.clone().count()
         && of_files.clone().zip(known.iter()).all(|(now, before)| Arc::ptr_eq(now, before));

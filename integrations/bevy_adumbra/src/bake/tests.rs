@@ -45,6 +45,13 @@ impl Stage {
         stage
     }
 
+    /// Starts with a file of what there is.
+    fn baked() -> Self {
+        let mut stage = Self::new();
+        stage.finish(true);
+        stage
+    }
+
     fn update(&mut self) {
         self.systems.run(&mut self.world);
     }
@@ -89,8 +96,7 @@ impl Stage {
 
 #[test]
 fn a_mesh_that_casts_no_more_or_again_is_baked_anew() {
-    let mut stage = Stage::new();
-    stage.finish(true);
+    let mut stage = Stage::baked();
     assert!(!stage.is_pending());
     stage.world.entity_mut(stage.mesh).insert(NotShadowCaster);
     stage.update();
@@ -117,6 +123,8 @@ fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
     assert!(stage.is_pending() && stage.is_marked());
     stage.finish(true);
     assert!(!stage.is_pending());
+    let holes = bevy::prelude::AlphaMode::Mask(0.5);
+    stage.world.resource_mut::<Assets<StandardMaterial>>().get_mut(&material).unwrap().alpha_mode = holes;
     let of_material = AssetEvent::<StandardMaterial>::Modified { id: material.id() };
     stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(of_material);
     stage.update();
@@ -132,8 +140,7 @@ fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
 
 #[test]
 fn meshes_in_use_are_those_of_the_newest_file_be_it_coarse() {
-    let mut stage = Stage::new();
-    stage.finish(true);
+    let mut stage = Stage::baked();
     assert!(!stage.is_marked());
     stage.move_mesh(1.0);
     assert!(stage.is_marked());
@@ -163,9 +170,7 @@ fn once_all_meshes_are_gone_so_are_the_file_and_the_bake() {
 
 #[test]
 fn a_light_that_differs_by_rounding_alone_is_not_baked_anew() {
-    let mut stage = Stage::new();
-    stage.update();
-    stage.finish(true);
+    let mut stage = Stage::baked();
     let turn = |stage: &mut Stage, radians: f32| {
         let turned = Transform::from_rotation(Quat::from_rotation_y(radians));
         *stage.world.get_mut::<GlobalTransform>(stage.light).unwrap() = turned.into();
@@ -191,9 +196,7 @@ fn a_mesh_that_is_none_any_more_is_baked_anew() {
 
 #[test]
 fn settings_that_are_given_again_keep_what_was_baked() {
-    let mut stage = Stage::new();
-    stage.update();
-    stage.finish(true);
+    let mut stage = Stage::baked();
     let settings = BakeSettings { resolution: 4096, ..BakeSettings::default() };
     let light = stage.light;
     stage.world.commands().bake_shadow(light, settings);
@@ -221,6 +224,69 @@ fn a_mesh_that_is_not_there_is_left_out_and_baked_once_it_comes() {
     assert!(!stage.is_pending());
     let id = stage.world.get::<Mesh3d>(stage.mesh).unwrap().id();
     stage.world.resource_mut::<Messages<AssetEvent<Mesh>>>().write(AssetEvent::Added { id });
+    stage.update();
+    assert!(stage.is_pending());
+}
+
+#[test]
+fn what_the_app_has_removed_comes_back_once_it_asks_again() {
+    let mut stage = Stage::baked();
+    stage.world.entity_mut(stage.light).remove::<BakedShadow>();
+    stage.update();
+    stage.move_mesh(1.0);
+    assert!(!stage.is_pending());
+    let (light, settings) = (stage.light, BakeSettings::default());
+    stage.world.commands().bake_shadow(light, settings);
+    stage.world.flush();
+    stage.update();
+    assert!(stage.is_pending());
+}
+
+#[test]
+fn a_level_that_is_swapped_in_one_frame_takes_its_file_along() {
+    let mut stage = Stage::baked();
+    stage.world.despawn(stage.mesh);
+    stage.mesh = stage.world.spawn((Mesh3d::default(), InBake)).id();
+    stage.update();
+    assert_eq!(stage.files(), 0);
+    stage.update();
+    assert!(stage.is_pending());
+}
+
+#[test]
+fn only_changes_that_a_bake_sees_are_baked() {
+    let mut stage = Stage::new();
+    let material = stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
+    stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(material.clone()));
+    stage.update();
+    stage.finish(true);
+    let change = |stage: &mut Stage, change: fn(&mut StandardMaterial)| {
+        let mut materials = stage.world.resource_mut::<Assets<StandardMaterial>>();
+        change(&mut materials.get_mut(&material).unwrap());
+        let id = material.id();
+        let modified = AssetEvent::<StandardMaterial>::Modified { id };
+        stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(modified);
+        stage.update();
+    };
+    change(&mut stage, |material| material.emissive = bevy::color::LinearRgba::WHITE);
+    assert!(!stage.is_pending(), "it glows");
+    change(&mut stage, |material| material.alpha_mode = bevy::prelude::AlphaMode::Mask(0.5));
+    assert!(stage.is_pending(), "it has holes");
+}
+
+#[test]
+fn a_light_that_comes_before_its_level_waits_for_it() {
+    let mut stage = Stage::baked();
+    stage.world.despawn(stage.light);
+    stage.update();
+    stage.world.despawn(stage.mesh);
+    stage.update();
+    stage.light = stage.world.spawn((DirectionalLight::default(), BakeShadow::default())).id();
+    stage.update();
+    stage.update();
+    assert!(!stage.is_pending());
+    assert_eq!(stage.world.get::<BakeProgress>(stage.light), Some(&BakeProgress::Waiting));
+    stage.mesh = stage.world.spawn((Mesh3d::default(), InBake)).id();
     stage.update();
     assert!(stage.is_pending());
 }

@@ -81,20 +81,23 @@ fn open() -> u32 {
     return 0u;
 }
 
-// Size of the picture that is seen through glass, in texels. One texel where there is none.
+// Size of the picture that is seen through glass, in texels; 0 where there is none.
+var<private> picture: vec2<f32>;
+
+// Finds the picture, once for all that is seen through a point of glass. Returns its size, 1 where there is none.
 fn picture_size() -> vec2<f32> {
+    picture = vec2<f32>(textureDimensions(view_bindings::view_transmission_texture));
     if (find_directory()) {
-        return max(vec2<f32>(vec2<u32>(directory(3u), directory(4u))), vec2<f32>(1.0));
+        picture = vec2<f32>(vec2<u32>(directory(3u), directory(4u)));
     }
-    return vec2<f32>(textureDimensions(view_bindings::view_transmission_texture));
+    return max(picture, vec2<f32>(1.0));
 }
 
 // What is seen through glass at a place of the picture, whose sides are 1, and nothing where there is none.
 fn transmitted(place: vec2<f32>) -> vec4<f32> {
-    if (find_directory() && directory(3u) == 0u) {
+    if (picture.x == 0.0) {
         return vec4<f32>(0.0);
     }
-    let picture = picture_size();
     let at = clamp(place * picture, vec2<f32>(0.5), picture - 0.5)
         / vec2<f32>(textureDimensions(view_bindings::view_transmission_texture));
     return textureSampleLevel(view_bindings::view_transmission_texture, view_bindings::view_transmission_sampler, at, 0.0);

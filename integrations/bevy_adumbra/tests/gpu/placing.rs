@@ -163,6 +163,18 @@ fn what_is_in_a_missing_file_stays_in_the_cascades() {
     );
     let kept = |stage: &Stage| stage.app.world().resource::<CascadeCasters>().kept;
     assert_eq!(kept(&stage), 0, "the first place is in use");
+    // A mesh that reaches beyond the files in use.
+    let wide = stage.app.world_mut().resource_mut::<Assets<Mesh>>().add(Cuboid::new(3000.0, 1.0, 2.0));
+    let wide = stage
+        .app
+        .world_mut()
+        .spawn((Mesh3d(wide), MeshMaterial3d(stage.material.clone()), at, BakedStatic))
+        .id();
+    for _ in 0..3 {
+        stage.update();
+    }
+    assert!(kept(&stage) > 0, "a part of it is in no file");
+    stage.app.world_mut().despawn(wide);
     // The camera goes to the last one, with a mesh of its own.
     let move_by = Vec3::new(2000.0 * 11.0, 0.0, 0.0);
     let world = stage.app.world_mut();

@@ -151,7 +151,26 @@ fn glsl(module: &naga::Module, info: &ModuleInfo) -> Result<String, String> {
         }
     }
     text.insert_str(0, &added);
-    Ok(text)
+    Ok(tight(&text))
+}
+
+/// Returns GLSL without the spaces around its signs. `+` and `-` keep theirs, for two of them would become one.
+fn tight(text: &str) -> String {
+    let is_sign = |c: char| "=,;(){}[]*/<>?:|&^!%".contains(c);
+    let mut tight = String::with_capacity(text.len());
+    for line in text.lines() {
+        let mut chars = line.trim().chars().peekable();
+        let mut last = '\n';
+        while let Some(c) = chars.next() {
+            let is_apart = c == ' ' && (is_sign(last) || chars.peek().copied().is_none_or(is_sign));
+            if !is_apart {
+                tight.push(c);
+                last = c;
+            }
+        }
+        tight.push('\n');
+    }
+    tight
 }
 
 /// Functions that GLSL ES 3.00 lacks.
@@ -256,4 +275,16 @@ fn renamed<'a>(text: &str, new_name: &dyn Fn(&str) -> Option<&'a str>) -> String
         rest = &rest[end..];
     }
     renamed + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn signs_stay_apart() {
+        let text = "int f(int a, int b) {\n    if (a <= 0) { return -a; }\n    return a - -b + (b / 2);\n}\n";
+        let expected = "int f(int a,int b){\nif(a<=0){return -a;}\nreturn a - -b +(b/2);\n}\n";
+        assert_eq!(tight(text), expected);
+    }
 }

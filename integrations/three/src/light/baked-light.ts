@@ -8,8 +8,8 @@ import { filtered } from '../look-ups/filtered.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import { Alignment, isIn, shines, towardsLight } from './direction.js';
 import type { SunLike } from './direction.js';
-import { lookUpOf, noFiles, openFiles } from './files.js';
-import { asList } from './options.js';
+import { lookUpOf, openFiles } from './files.js';
+import { asList, asPlaced, copied } from './options.js';
 import type { BakedShadowOptions, FileChoice, ShadowOptions, ShadowStatus } from './options.js';
 import type { Part } from './scene.js';
 import { isMover } from './statics.js';
@@ -50,7 +50,8 @@ const inUse = new Set<number>();
 
 /** Reads the options of a light, and prepares its files. The light stays as it is until the first update. */
 export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowOptions): BakedLight {
-  let options = first;
+  if (!('isDirectionalLight' in light || 'isSunLight' in light)) throw new TypeError(`a ${(light as SunLike).type} has no baked shadow; give a DirectionalLight`);
+  let options = copied(first);
   const statics = asList(options.statics, 'statics');
   const lookUp = lookUpOf(file) ?? options.lookUp ?? filtered;
   let files = openFiles(file, lookUp, options);
@@ -87,20 +88,17 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     prefix: `adumbra${number}`,
     towards,
     textures: () => files.textures,
-    setOptions(changed) {
+    setOptions(theirs) {
+      const changed = copied(theirs);
       files.textures.setOptions(changed);
       options = { ...options, ...changed };
     },
     setFiles(choice) {
       if (isDisposed) return;
-      if (Array.isArray(choice) && choice.length === 0) {
-        files = noFiles(files);
-        update();
-        return;
-      }
-      if ((lookUpOf(choice) ?? first.lookUp ?? filtered) !== lookUp) throw new RangeError('these files need another look-up; give them to a new shadow');
+      const needed = lookUpOf(choice) ?? first.lookUp ?? filtered;
+      if (needed !== lookUp && asPlaced(choice).length > 0) throw new RangeError('these files need a shadow with another look-up');
       const next = openFiles(choice, lookUp, options, files);
-      files.textures.dispose(next.textures);
+      if (files.textures !== next.textures) files.textures.dispose(next.textures);
       files = next;
       update();
     },
@@ -134,7 +132,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       object.traverse((each) => {
         if (!each.receiveShadow || !isMover(each, roots)) return;
         warnOnce(
-          `'${each.name || each.type}' moves, and a file baked with --receivers static is wrong at 1 to 3 % of it; bake without`,
+          `'${each.name || each.type}' moves, and a file baked with --receivers static is wrong at 1 to 3 % of it`,
           'movers',
         );
       });

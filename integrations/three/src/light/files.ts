@@ -26,11 +26,6 @@ export interface Files {
   follow(renderer?: AnyRenderer | null): void;
 }
 
-/** Returns no files, with the textures of earlier ones. */
-export function noFiles({ textures }: Files): Files {
-  return { textures, roots: [], isForStatics: false, suns: () => [], follow() {} };
-}
-
 /** Returns the look-up of some files. A streamed one has its own. */
 export function lookUpOf(file: FileChoice): LookUp | undefined {
   return (asPlaced(file)[0]?.file as StreamedFile | undefined)?.lookUp;
@@ -44,7 +39,8 @@ export function lookUpOf(file: FileChoice): LookUp | undefined {
  */
 export function openFiles(choice: FileChoice, lookUp: LookUp, options: BakedShadowOptions, earlier?: Files): Files {
   const placed = asPlaced(choice);
-  const textures = lightTextures(placed.map(({ file }) => file), lookUp, options, earlier?.textures);
+  // None have the words of those before.
+  const textures = placed.length === 0 && earlier ? earlier.textures : lightTextures(placed.map(({ file }) => file), lookUp, options, earlier?.textures);
   /** The suns of files with a root, as of the last time. */
   const placedSuns: (Vec3 | undefined)[] = [];
   /** The grids of those files, and the roots' matrices. The grid of a sun path changes. */

@@ -92,31 +92,35 @@ export function gpuOptions({ filter, bias, softnessDegrees }: ShadowOptions, loo
 
 /** Checks that files can be on one light. */
 export function checkFiles(files: readonly LightFile[]): void {
-  if (files.length === 0 || files.length > MAX_FILES) {
-    throw new RangeError(`a light takes 1 to ${MAX_FILES} files, but got ${files.length}`);
-  }
+  if (files.length > MAX_FILES) throw new RangeError(`a light takes up to ${MAX_FILES} files, but got ${files.length}`);
   if (files.length > 1 && files.some((file) => 'openWords' in file)) {
-    throw new RangeError('a streamed file must be the only one of its light; give the other files to a light of their own');
+    throw new RangeError('a streamed file must be the only one of its light');
   }
 }
 
-/** Returns files with their roots. */
+/** Returns files with their roots, apart from the app's own objects. */
 export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D }[] {
   return asList(files, 'file').map((each) => {
-    const placed: PlacedFile | { file: LightFile; root?: Object3D } = 'file' in each ? each : { file: each };
-    if (placed.root === null) throw nothing('root');
-    return placed;
+    const { file, root } = 'file' in each ? each : { file: each };
+    if (!('settings' in there(file, 'file'))) throw new TypeError("the file is none; await loadAsync");
+    return 'root' in each ? { file, root: there(root, 'root')! } : { file };
   });
 }
 
-function nothing(name: string): TypeError {
-  return new TypeError(`${name} is null`);
-}
-
-/** Returns one or several values of an option as a list. */
+/** Returns one or several values of an option as a list of its own. */
 export function asList<T>(values: T | readonly T[] | undefined, name: string): readonly T[] {
   const list = values === undefined ? [] : Array.isArray(values) ? (values as readonly T[]) : [values as T];
-  // As a reference is that nothing was put into yet.
-  if (list.includes(null as T)) throw nothing(name);
-  return list;
+  return list.map((each) => there(each, name));
+}
+
+/** Returns a value that the app gave. A reference may have none yet, and an object may not be found. */
+function there<T>(value: T, name: string): T {
+  if (value == null) throw new TypeError(`${name} is ${value}`);
+  return value;
+}
+
+/** Returns options apart from the app's own object, which it may go on with. What is left out stays so. */
+export function copied<T extends ShadowOptions>(options: T): T {
+  const { bias } = options;
+  return bias ? { ...options, bias: { ...bias } } : { ...options };
 }

@@ -19,6 +19,8 @@ export interface Part {
   update(renderer: AnyRenderer, camera: Camera): void;
   /** Meets each material of the scene, after the update. */
   meet?(material: Material): void;
+  /** The scene is drawn, with what was drawn from within. */
+  end?(): void;
   /** The roots of what is in files in use, and of what is in the light's other files. None while the light does not shine in the scene. */
   casters(scene: Object3D): { resting: readonly Object3D[]; needed: readonly Object3D[] };
 }
@@ -45,14 +47,20 @@ export function takePart(scene: Scene, part: Part): () => void {
 function install(scene: Scene): Around {
   const parts = new Set<Part>();
   /** What casts, but not now, and what it had. */
-  let borrowed: [Object3D, boolean][] = [];
+  let [borrowed, castShadows]: [Object3D[], boolean[]] = [[], []];
   /** What rested when a renderer drew its shadow maps last. */
   const rested = new Map<AnyRenderer, string>();
 
+  /** How many drawings there are, one from within the other. */
+  let depth = 0;
   const giveBack = (): void => {
-    const all = borrowed;
-    borrowed = [];
-    for (const [object, castShadow] of all) object.castShadow = castShadow;
+    const [objects, values] = [borrowed, castShadows];
+    [borrowed, castShadows] = [[], []];
+    for (let i = 0; i < objects.length; i += 1) objects[i]!.castShadow = values[i]!;
+  };
+  const end = (): void => {
+    giveBack();
+    for (const part of depth > 0 ? [] : parts) part.end?.();
   };
   const rest = (object: Object3D, needed: ReadonlySet<Object3D>): void => {
     if (moves(object) || needed.has(object)) return;
@@ -61,9 +69,10 @@ function install(scene: Scene): Around {
     if (castShadow && !('isLight' in object)) {
       try {
         object.castShadow = false;
-        borrowed.push([object, castShadow]);
+        borrowed.push(object);
+        castShadows.push(castShadow);
       } catch {
-        // It cannot be told, as one without a setter, and casts beside its file.
+        // It has no setter, and casts beside its file.
       }
     }
     for (const child of object.children) rest(child, needed);
@@ -71,13 +80,11 @@ function install(scene: Scene): Around {
   /** Has shadow maps of a renderer drawn anew that the app has frozen. */
   const thaw = (renderer: AnyRenderer): void => {
     if (renderer.isWebGLRenderer) renderer.shadowMap!.needsUpdate = true;
-    scene.traverse((each) => {
-      const { shadow } = each as SunLike;
-      if ('isLight' in each && shadow?.autoUpdate === false) shadow.needsUpdate = true;
-    });
+    for (const shadow of shadowsIn(scene)) if (!shadow.autoUpdate) shadow.needsUpdate = true;
   };
   const before = (now: AnyRenderer, camera: Camera): void => {
     giveBack();
+    depth += 1;
     for (const part of parts) part.update(now, camera);
     const meetings = [...parts].flatMap(({ meet }) => meet ?? []);
     const meet = meetings.length > 1 ? (material: Material): void => meetings.forEach((each) => each(material)) : meetings[0];
@@ -90,11 +97,16 @@ function install(scene: Scene): Around {
     if (resting !== (rested.get(now) ?? '')) thaw(now);
     rested.set(now, resting);
     // WebGLRenderer draws the maps of all lights meanwhile that the camera sees. Others draw each map by itself, from a camera that looks as the light shines.
-    const drawn = shown.filter(({ part }) => (now.isWebGLRenderer ? part.light.layers.test(camera.layers) : looksAlong(camera, part.towards)));
+    const drawn = shown.filter(({ part }) => (now.isWebGLRenderer ? part.light.layers.test(camera.layers) : isMapOf(camera, part, scene)));
     const needed = new Set(drawn.flatMap((each) => each.needed));
     const roots = drawn.flatMap((each) => each.resting);
     // Whatever the drawing throws.
-    if (roots.length > 0) queueMicrotask(giveBack);
+    if (depth === 1) {
+      queueMicrotask(() => {
+        depth = 0;
+        end();
+      });
+    }
     for (const root of roots) if (!drawn.some((each) => each.needed.some((other) => isIn(root, other)))) rest(root, needed);
   };
 
@@ -106,7 +118,8 @@ function install(scene: Scene): Around {
       keep();
     }),
     () => wrap(scene, 'onAfterRender', (theirs) => function (this: Scene, ...all) {
-      giveBack();
+      depth = Math.max(0, depth - 1);
+      end();
       theirs.apply(this, all);
       keep();
     }),
@@ -134,8 +147,20 @@ function install(scene: Scene): Around {
 /** Directions of a camera and of a light that differ by less are the same. */
 const SAME_DIRECTION = 1e-3;
 
-/** Whether a camera is one of a directional light's shadow, and looks away from a direction. */
-function looksAlong(camera: Camera, { x, y, z }: Vector3): boolean {
+/** Whether a camera is that of a light's shadow, or one that looks as it shines and is none of another light's: CSM has several. */
+function isMapOf(camera: Camera, { light, towards: { x, y, z } }: Part, scene: Object3D): boolean {
+  if (camera === light.shadow.camera) return true;
   const { elements: e } = camera.matrixWorld;
-  return 'isOrthographicCamera' in camera && Math.hypot(e[8]! - x, e[9]! - y, e[10]! - z) < SAME_DIRECTION;
+  if (!('isOrthographicCamera' in camera) || Math.hypot(e[8]! - x, e[9]! - y, e[10]! - z) >= SAME_DIRECTION) return false;
+  return !shadowsIn(scene).some((shadow) => shadow.camera === camera);
+}
+
+/** Returns the shadows of the lights in a scene. */
+function shadowsIn(scene: Object3D): SunLike['shadow'][] {
+  const shadows: SunLike['shadow'][] = [];
+  scene.traverse((each) => {
+    const { isLight, shadow } = each as SunLike;
+    if (isLight && shadow) shadows.push(shadow);
+  });
+  return shadows;
 }

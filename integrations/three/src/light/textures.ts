@@ -55,8 +55,8 @@ export function lightTextures(files: readonly LightFile[], lookUp: LookUp, optio
   const ofGpu = gpuOptions(options, lookUp);
   const maxSide = options.maxTextureSize ?? 8192;
   // A streamed file is alone.
-  const first = files[0]!;
-  const streamed = 'openWords' in first ? first.openWords(ofGpu, maxSide) : undefined;
+  const first = files[0];
+  const streamed = first && 'openWords' in first ? first.openWords(ofGpu, maxSide) : undefined;
   const lookUps = streamed?.lookUps ?? (files as readonly BakedShadowFile[]).map((file) => lookUpHeader(file, ofGpu));
   /** Numbers of the files in use. */
   let inUse: readonly number[] = [];

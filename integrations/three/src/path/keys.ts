@@ -24,7 +24,7 @@ export interface KeyListener {
 
 /** The keys of a path. */
 export class Keys {
-  /** What is told of them. */
+  /** Who hears of them. */
   listener: KeyListener | undefined;
   readonly #source: Source;
   readonly #places: readonly KeyPlace[];

@@ -54,7 +54,7 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     'Material.onBeforeCompile': onBeforeCompile,
     'Material.customProgramCacheKey': customProgramCacheKey,
     'Scene.onBeforeRender': scene.onBeforeRender,
-    'LightShadow.intensity': 'intensity' in light.shadow,
+    'LightShadow.intensity': !light.shadow || 'intensity' in light.shadow,
     ...shaderHooks(),
   });
   const baked = bakedLight(light, file, options);
@@ -143,6 +143,8 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
       for (const [target, last] of materials) if (drawings - last > LONG_DRAWINGS) forget({ target });
     },
     meet,
+    // Another scene may draw the materials too.
+    end: () => void (intensity.value = 0),
   };
   const leave = takePart(scene, part);
   const detach = (): void => {

@@ -77,7 +77,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
    */
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
     super(light);
-    checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': 'intensity' in light.shadow });
+    checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': !light.shadow || 'intensity' in light.shadow });
     const { file, movers } = options;
     if (movers === 'shadow' && 'isSunLight' in light) {
       throw new RangeError(

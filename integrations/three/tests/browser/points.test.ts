@@ -36,6 +36,7 @@ interface Task {
   morphs?: boolean;
   clips?: boolean;
   eyes?: boolean;
+  loses?: boolean;
   cycles?: number;
   placements?: number[][];
   rig?: number;
@@ -259,6 +260,13 @@ describe.each(BACKENDS)('%s', (backend) => {
     const files = ['city.adumbra'];
     const { pictures } = await draw({ backend, files, lookUp: 'filtered', settings: { filter: 5 }, ...kind });
     alike(files[0]!, pictures[0]!, 5);
+  });
+
+  test.runIf(backend === 'webgl')('has its shadows again once a context that was lost is back', async () => {
+    const task = { backend, files: ['city.adumbra'], lookUp: 'filtered', settings: { filter: 5 }, loses: true };
+    const { pictures } = await draw(task as Task);
+    expect(pictures).toHaveLength(2);
+    for (const picture of pictures) alike('city.adumbra', picture, 5);
   });
 
   test('leaves nothing behind when it goes, and comes back with another file', async () => {

@@ -52,6 +52,18 @@ const objects = {
   },
 };
 
+/** Loses the context of a WebGLRenderer, and has it back, as after a phone's sleep. */
+async function loseContext(renderer) {
+  const canvas = renderer.domElement;
+  const extension = renderer.getContext().getExtension('WEBGL_lose_context');
+  for (const [name, act] of [['lost', 'loseContext'], ['restored', 'restoreContext']]) {
+    const done = new Promise((resolve) => canvas.addEventListener(`webglcontext${name}`, resolve, { once: true }));
+    extension[act]();
+    await done;
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
+}
+
 /** Makes an object one with a morph target: half as large until it is morphed, and then as it was. */
 function morph(object) {
   const { geometry: shape } = object;
@@ -161,6 +173,10 @@ window.draw = async (task) => {
     here.matrix.fromArray(placement).decompose(here.position, here.quaternion, here.scale);
     there.copy(here).position.x += 1e4 * here.scale.x;
     see(here, { object, camera, height, middle, width });
+    drawn.push(await picture());
+  }
+  if (task.loses) {
+    await loseContext(parts.renderer);
     drawn.push(await picture());
   }
   for (const settings of task.later ?? []) {
