@@ -6,7 +6,7 @@
 
 #![no_main]
 
-use adumbra::AtRest;
+use adumbra::Encoding;
 use adumbra::file::{CommonSection, Contents};
 use libfuzzer_sys::fuzz_target;
 
@@ -29,7 +29,7 @@ fn common_of_vector() -> CommonSection {
     let contents = Contents::parse(FILE).expect("a valid vector");
     let grid = &contents.grids[0];
     let stored = &FILE[grid.common.offset as usize..grid.common.end() as usize];
-    CommonSection::parse(stored, grid.common_raw_bytes, AtRest::Coded, name).expect("a valid vector")
+    CommonSection::parse(stored, grid.common_raw_bytes, Encoding::Coded, name).expect("a valid vector")
 }
 
 fuzz_target!(|input: &[u8]| {
@@ -44,7 +44,7 @@ fuzz_target!(|input: &[u8]| {
             }
         });
     } else if !stored.is_empty()
-        && let Ok(common) = CommonSection::parse(stored, raw_bytes.into(), AtRest::Coded, name)
+        && let Ok(common) = CommonSection::parse(stored, raw_bytes.into(), Encoding::Coded, name)
     {
         length(common.words().len());
         assert!(common.parse_bundle(&[], raw_bytes, name).is_err());

@@ -6,13 +6,13 @@ use std::sync::Arc;
 
 use adumbra::{Bounds, Receivers, Sun};
 use adumbra_bake::{
-    AssumeGround, BakeOptions, FolderObjects, FrameChoice, Objects, Size, Watch, bake_to, bake_with_objects,
+    AssumeGround, BakeCache, BakeOptions, DiskCache, FrameChoice, Size, Watch, bake_to, bake_with_cache,
 };
 use adumbra_files::{check_output, folder_of, same_file, target_of};
 use pyo3::prelude::*;
 
 use crate::errors::Failure;
-use crate::file::{File, at_rest};
+use crate::file::{File, encoding};
 use crate::pool::pool;
 use crate::scene::Scene;
 use crate::watch::watched;
@@ -33,7 +33,7 @@ pub(crate) struct Options {
     bounds: Option<([f64; 3], [f64; 3])>,
     frame: String,
     yaw: Option<f64>,
-    at_rest: String,
+    encoding: String,
     max_memory: Option<u64>,
 }
 
@@ -71,7 +71,7 @@ impl Options {
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
             levels: self.levels,
-            at_rest: at_rest(&self.at_rest)?,
+            encoding: encoding(&self.encoding)?,
             assume_ground: self.assume_ground.map_or(AssumeGround::Auto, AssumeGround::from),
             closed_regions: self.closed_regions,
             ignore_alpha,
@@ -84,7 +84,7 @@ impl Options {
     }
 }
 
-/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished tiles and of all.
+/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished root blocks and of all.
 #[pyfunction]
 pub(crate) fn bake(
     py: Python<'_>,
@@ -102,8 +102,8 @@ pub(crate) fn bake(
         if let Some(output) = &output {
             check(scene, output)?;
         }
-        let cache = cache.map(FolderObjects::create).transpose()?;
-        let cache = cache.map(|folder| Arc::new(folder) as Arc<dyn Objects>);
+        let cache = cache.map(DiskCache::create).transpose()?;
+        let cache = cache.map(|folder| Arc::new(folder) as Arc<dyn BakeCache>);
         let job = Job { scene: &scene.scene, options: &options, cache: cache.as_ref(), watch };
         pool(threads)?.install(|| match &output {
             Some(output) => File::staged(output, |out| job.write(out)),
@@ -142,7 +142,7 @@ fn refuse_scene(scene: &Scene, output: &Path) -> Result<(), Failure> {
 struct Job<'a> {
     scene: &'a adumbra_scene::Scene,
     options: &'a BakeOptions,
-    cache: Option<&'a Arc<dyn Objects>>,
+    cache: Option<&'a Arc<dyn BakeCache>>,
     watch: Watch<'a>,
 }
 
@@ -155,7 +155,7 @@ impl Job<'_> {
 
     fn write(&self, out: impl Write + Seek) -> adumbra_bake::Result<u64> {
         let written = match self.cache {
-            Some(cache) => bake_with_objects(self.scene, self.options, cache, self.watch, out),
+            Some(cache) => bake_with_cache(self.scene, self.options, cache, self.watch, out),
             None => bake_to(self.scene, self.options, self.watch, out),
         };
         written.map(|written| written.bytes)

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeOptions, BakePlan, Fetched, FolderObjects, ObjectKey, Objects, PartBaker, link};
+use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker, link};
 use adumbra_files::{check_output, folder_of, replace_file, same_file, target_of};
 use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
@@ -193,7 +193,7 @@ impl Plan {
         watched(py, None, |_| self.check(&output))
     }
 
-    /// Makes the file of the objects in `cache`. `sums` are the BLAKE3 of some parts' objects: one with other bytes counts as
+    /// Makes the file of the entries in `cache`. `sums` are the BLAKE3 of some parts' entries: one with other bytes counts as
     /// missing.
     fn link(
         &self,
@@ -210,11 +210,11 @@ impl Plan {
             self.check(&output)?;
             let key = |id: usize| plan.parts().get(id).map(|part| *part.key());
             let sums = sums.into_iter().filter_map(|(id, sum)| Some((key(id)?, sum))).collect();
-            let objects: Arc<dyn Objects> = Arc::new(Checked { objects: FolderObjects::open(cache)?, sums });
+            let cache: Arc<dyn BakeCache> = Arc::new(Checked { cache: DiskCache::open(cache)?, sums });
             let spill = folder_of(&target_of(&output).unwrap_or_else(|_| output.clone()));
             let limits = BakeOptions { max_memory_bytes, spill_folder: Some(spill), ..plan.options() };
             pool(threads)?.install(|| {
-                File::staged(&output, |out| link(plan, &objects, &limits, watch, out).map(|w| w.bytes))
+                File::staged(&output, |out| link(plan, &cache, &limits, watch, out).map(|w| w.bytes))
             })
         })
     }
@@ -240,8 +240,8 @@ pub(crate) struct Baker {
 
 #[pymethods]
 impl Baker {
-    /// Bakes the parts with these ids whose objects are not in `cache`, which is created if it is not there. Returns for each
-    /// part its id, the BLAKE3 of its object, and whether it was baked; and the seconds.
+    /// Bakes the parts with these ids whose entries are not in `cache`, which is created if it is not there. Returns for each
+    /// part its id, the BLAKE3 of its entry, and whether it was baked; and the seconds.
     #[allow(clippy::type_complexity, reason = "what became of the parts")]
     fn bake(
         &self,
@@ -252,11 +252,10 @@ impl Baker {
         report: Option<Py<PyAny>>,
     ) -> PyResult<(Vec<(usize, String, bool)>, f64)> {
         watched(py, report, |watch| {
-            let recorded =
-                Arc::new(Recorded { objects: FolderObjects::create(cache)?, last: Mutex::default() });
-            let objects = Arc::clone(&recorded) as Arc<dyn Objects>;
+            let recorded = Arc::new(Recorded { cache: DiskCache::create(cache)?, last: Mutex::default() });
+            let cache = Arc::clone(&recorded) as Arc<dyn BakeCache>;
             let pool = pool(threads)?;
-            let bake = || self.prepared.with_dependent(|_, baker| baker.bake(&ids, &objects, watch));
+            let bake = || self.prepared.with_dependent(|_, baker| baker.bake(&ids, &cache, watch));
             let done = pool.install(bake)?;
             let last = recorded.last.lock().unwrap_or_else(PoisonError::into_inner);
             let parts = self.prepared.borrow_owner().1.plan.parts();
@@ -269,53 +268,55 @@ impl Baker {
     }
 }
 
-/// Objects that remember what they last gave or took under each key: its hash, and whether it was put there.
+/// Entries that remember what they last gave or took under each key: its hash, and whether it was put there.
 #[derive(Debug)]
 struct Recorded {
-    objects: FolderObjects,
-    last: Mutex<HashMap<ObjectKey, (blake3::Hash, bool)>>,
+    cache: DiskCache,
+    last: Mutex<HashMap<CacheKey, (blake3::Hash, bool)>>,
 }
 
 impl Recorded {
-    fn tell(&self, key: &ObjectKey, bytes: &[u8], is_made: bool) {
+    fn tell(&self, key: &CacheKey, bytes: &[u8], is_made: bool) {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         last.insert(*key, (blake3::hash(bytes), is_made));
     }
 }
 
-impl Objects for Recorded {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
-        let found = self.objects.get(key, most_bytes)?;
+impl BakeCache for Recorded {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        let found = self.cache.get(key, most_bytes)?;
         if let Fetched::Whole(bytes) = &found {
             self.tell(key, bytes, false);
         }
         Ok(found)
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
-        self.objects.put(key, bytes)?;
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
+        self.cache.put(key, bytes)?;
         self.tell(key, bytes, true);
         Ok(())
     }
 }
 
-/// Objects of which some must have the bytes that they were written with. An object with others is not there.
+/// Entries of which some must have the bytes that they were written with. An entry with others is not there.
 #[derive(Debug)]
 struct Checked {
-    objects: FolderObjects,
-    sums: HashMap<ObjectKey, String>,
+    cache: DiskCache,
+    sums: HashMap<CacheKey, String>,
 }
 
-impl Objects for Checked {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
-        let found = self.objects.get(key, most_bytes)?;
+impl BakeCache for Checked {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        let found = self.cache.get(key, most_bytes)?;
         match (&found, self.sums.get(key)) {
-            (Fetched::Whole(bytes), Some(sum)) if *sum != blake3::hash(bytes).to_string() => Ok(Fetched::Nothing),
+            (Fetched::Whole(bytes), Some(sum)) if *sum != blake3::hash(bytes).to_string() => {
+                Ok(Fetched::Nothing)
+            }
             _ => Ok(found),
         }
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
-        self.objects.put(key, bytes)
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
+        self.cache.put(key, bytes)
     }
 }

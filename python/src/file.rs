@@ -5,7 +5,7 @@ use std::{fs, io};
 
 use adumbra::file::sections::read_file;
 use adumbra::file::{HEADER_BYTES, Header};
-use adumbra::{AtRest, Bias, Filter, Frame, IoError, Receivers, Sampler, ShadowFile};
+use adumbra::{Bias, Encoding, Filter, Frame, IoError, Receivers, Sampler, ShadowFile};
 use adumbra_files::{StagedFile, replace_file};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -26,7 +26,7 @@ const BLOCK: usize = 1 << 20;
 #[pyclass(frozen, module = "adumbra._native")]
 pub(crate) struct File {
     pub(crate) file: ShadowFile,
-    at_rest: AtRest,
+    encoding: Encoding,
     /// Length of the file that it was read from or baked into. A level was in no file by itself.
     stored_bytes: Option<u64>,
 }
@@ -41,8 +41,8 @@ impl File {
     /// Decodes the bytes of a file.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self, adumbra::FormatError> {
         let file = ShadowFile::from_bytes(bytes)?;
-        let at_rest = Header::parse(bytes)?.at_rest;
-        Ok(Self { file, at_rest, stored_bytes: Some(bytes.len() as u64) })
+        let encoding = Header::parse(bytes)?.encoding;
+        Ok(Self { file, encoding, stored_bytes: Some(bytes.len() as u64) })
     }
 
     /// Writes a file that replaces an earlier one once it is whole, and reads it.
@@ -81,11 +81,11 @@ impl File {
 }
 
 /// Returns how a file is stored, by its name.
-pub(crate) fn at_rest(name: &str) -> Result<AtRest, Failure> {
+pub(crate) fn encoding(name: &str) -> Result<Encoding, Failure> {
     match name {
-        "coded" => Ok(AtRest::Coded),
-        "raw" => Ok(AtRest::Raw),
-        _ => Err(Failure::Value(format!("at_rest: {name:?} must be \"coded\" or \"raw\""))),
+        "coded" => Ok(Encoding::Coded),
+        "raw" => Ok(Encoding::Raw),
+        _ => Err(Failure::Value(format!("encoding: {name:?} must be \"coded\" or \"raw\""))),
     }
 }
 
@@ -110,16 +110,16 @@ impl File {
 
     /// Returns the bytes of the file.
     fn to_bytes<'py>(&self, py: Python<'py>, stored: &str) -> PyResult<Bound<'py, PyBytes>> {
-        let at_rest = at_rest(stored)?;
-        let bytes = watched(py, None, |_| Ok(pool(None)?.install(|| self.file.to_bytes(at_rest))?))?;
+        let encoding = encoding(stored)?;
+        let bytes = watched(py, None, |_| Ok(pool(None)?.install(|| self.file.to_bytes(encoding))?))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
     /// Writes the file. An earlier file is replaced whole.
     fn write(&self, py: Python<'_>, path: PathBuf, stored: &str) -> PyResult<u64> {
-        let at_rest = at_rest(stored)?;
+        let encoding = encoding(stored)?;
         watched(py, None, |_| {
-            let write = || replace_file(&path, |out| self.file.write_to(out, at_rest));
+            let write = || replace_file(&path, |out| self.file.write_to(out, encoding));
             Ok(pool(None)?.install(write)?)
         })
     }
@@ -127,7 +127,7 @@ impl File {
     /// Returns a level of detail with the coarser ones, or `None` if there is no such level.
     fn level(&self, level: u32) -> Option<Self> {
         let file = self.file.level(level)?;
-        Some(Self { file, at_rest: self.at_rest, stored_bytes: self.stored_bytes.filter(|_| level == 0) })
+        Some(Self { file, encoding: self.encoding, stored_bytes: self.stored_bytes.filter(|_| level == 0) })
     }
 
     /// Returns the visibility of points.
@@ -180,17 +180,17 @@ impl File {
         match self.stored_bytes {
             Some(bytes) => Ok(bytes),
             None => watched(py, None, |_| {
-                Ok(pool(None)?.install(|| self.file.to_bytes(self.at_rest))?.len() as u64)
+                Ok(pool(None)?.install(|| self.file.to_bytes(self.encoding))?.len() as u64)
             }),
         }
     }
 
     /// How the file was stored: "coded" or "raw".
     #[getter]
-    fn at_rest(&self) -> &'static str {
-        match self.at_rest {
-            AtRest::Coded => "coded",
-            AtRest::Raw => "raw",
+    fn encoding(&self) -> &'static str {
+        match self.encoding {
+            Encoding::Coded => "coded",
+            Encoding::Raw => "raw",
         }
     }
 

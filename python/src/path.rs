@@ -68,7 +68,7 @@ impl Path {
                 .iter()
                 .map(|sun| SunStep { seconds: sun.unix_seconds, towards_sun: sun.position.towards() })
                 .collect();
-            // Each key is a bake of its own, so tiles tell nothing of the whole.
+            // Each key is a bake of its own, so its root blocks say nothing about the whole.
             let watch = Watch::new(&|_| {}, watch.cancel);
             let bake = || bake_path(&scene.scene, &steps, &options, watch, |_| {});
             let keys = pool(threads)?.install(bake)?.keys;

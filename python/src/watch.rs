@@ -15,7 +15,7 @@ use crate::errors::Failure;
 /// How often the calling thread wakes up.
 const TICK: Duration = Duration::from_millis(30);
 
-/// Runs `work` and returns its result. `report` is called with the number of finished tiles and of all.
+/// Runs `work` and returns its result. `report` is called with the number of finished root blocks and of all.
 ///
 /// # Errors
 /// Returns the error of `work`, and that of `report` or of a signal handler, which cancel it.
@@ -27,8 +27,8 @@ pub(crate) fn watched<T: Send>(
     let cancel = AtomicBool::new(false);
     let (done, total) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let progress = |p: Progress| {
-        total.store(p.total_tiles, Ordering::Relaxed);
-        done.fetch_max(p.done_tiles, Ordering::Relaxed);
+        total.store(p.total, Ordering::Relaxed);
+        done.fetch_max(p.done, Ordering::Relaxed);
     };
     let mut told = 0;
     let mut look = |py: Python<'_>| {

@@ -21,7 +21,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
         "--resolution 2048 --frame oblique --yaw 30",
     ),
     ({"voxel_size": 0.3, "levels": 1}, "--voxel-size 0.3 --levels 1"),
-    ({"resolution": 2048, "at_rest": "raw"}, "--resolution 2048 --at-rest raw"),
+    ({"resolution": 2048, "encoding": "raw"}, "--resolution 2048 --encoding raw"),
     ({"resolution": 2048, "receivers": "static", "thickness": 0.25}, "--resolution 2048 --receivers static --thickness 0.25"),
     ({"resolution": 2048, "switch_within": 8}, "--resolution 2048 --switch-within 8"),
     (
@@ -142,7 +142,7 @@ def test_a_cache_gives_the_same_bytes(mesh: Mesh, shadows: adumbra.ShadowFile, t
         ({"yaw": 10}, "yaw does not apply"),
         ({"frame": "oblique", "yaw": 181}, "the yaw"),
         ({"receivers": "some"}, 'receivers: "some" must be'),
-        ({"at_rest": "zipped"}, 'at_rest: "zipped" must be'),
+        ({"encoding": "zipped"}, 'encoding: "zipped" must be'),
         ({"threads": 0}, "threads: 0 is out of range"),
         ({"max_memory": -1}, "max_memory: -1 is out of range"),
     ],

@@ -64,9 +64,9 @@ def client() -> Iterator[Client]:
         yield connected
 
 
-def objects(cache: Path) -> dict[Path, int]:
-    """Return the objects in a folder, and the number of the file that each is: an object that is written again has another."""
-    return {path: path.stat().st_ino for path in cache.glob("??/*.object")}
+def entries(cache: Path) -> dict[Path, int]:
+    """Return the entries in a folder with their inodes: an entry that is written again has another."""
+    return {path: path.stat().st_ino for path in cache.glob("??/*.entry")}
 
 
 def wait_until(is_so: Callable[[], bool]) -> None:
@@ -83,10 +83,10 @@ def test_lost_and_slow_workers_change_nothing(plan: adumbra.Plan, whole: bytes, 
     at_kill: dict[Path, int] = {}
 
     def disturb(killed: int, slowed: int) -> None:
-        wait_until(lambda: len(objects(cache)) > total // 8)
-        # Stopped first, so that none of its objects is written after they are counted.
+        wait_until(lambda: len(entries(cache)) > total // 8)
+        # Stopped first, so that none of its entries is written after they are counted.
         os.kill(killed, signal.SIGSTOP)
-        at_kill.update(objects(cache))
+        at_kill.update(entries(cache))
         os.kill(killed, signal.SIGKILL)
         while not ended.is_set():
             os.kill(slowed, signal.SIGSTOP)
@@ -106,7 +106,7 @@ def test_lost_and_slow_workers_change_nothing(plan: adumbra.Plan, whole: bytes, 
         assert pids[0] not in client.run(os.getpid).values()
     assert output.read_bytes() == whole
     assert total // 8 < len(at_kill) < total
-    at_end = objects(cache)
+    at_end = entries(cache)
     assert all(at_end[path] == number for path, number in at_kill.items()), "what was done has been done again"
     # Each part has one answer. What was not there at the kill was baked by a task that has ended.
     assert sorted(part.id for part in done.parts) == list(range(total))
@@ -119,14 +119,14 @@ ENDS = [signal.SIGINT, signal.SIGKILL] + ([signal.SIGTERM] if "ADUMBRA_FULL" in 
 
 @pytest.mark.parametrize("how", ENDS)
 def test_a_run_that_was_ended_continues(how: signal.Signals, city: Path, whole: bytes, tmp_path: Path) -> None:
-    output, cache = tmp_path / "city.adumbra", tmp_path / "objects"
+    output, cache = tmp_path / "city.adumbra", tmp_path / "entries"
     output.write_bytes(b"earlier")
     (tmp_path / "beside").write_text("mine")
     words = [sys.executable, "-m", "adumbra_farm", "bake", str(city), "-o", str(output), "--cache", str(cache), "--json"]
     words += ["--resolution", str(RESOLUTION), "--workers", "2", "--threads", "1"]
     # Ctrl-C reaches every process of a terminal.
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True, start_new_session=True) as first:
-        wait_until(lambda: len(objects(cache)) > 40)
+        wait_until(lambda: len(entries(cache)) > 40)
         sent = time.perf_counter()
         os.killpg(first.pid, how)
         said = first.communicate(timeout=60)[1]
@@ -137,15 +137,15 @@ def test_a_run_that_was_ended_continues(how: signal.Signals, city: Path, whole: 
         assert "interrupted" in said and "Traceback" not in said, said
         assert time.perf_counter() - sent < 15
     assert output.read_bytes() == b"earlier"
-    before = objects(cache)
+    before = entries(cache)
     again = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
-    after = objects(cache)
+    after = entries(cache)
     assert again["reused"] == len(before) and again["baked"] == len(after) - len(before) > 0
     assert all(after[path] == number for path, number in before.items())
     assert output.read_bytes() == whole
     assert (tmp_path / "beside").read_text() == "mine"
-    # The plan is there, for `resume`, and with the objects it is all there is.
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["beside", "city.adumbra", "objects"]
+    # The plan is there, for `resume`, and with the entries it is all there is.
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["beside", "city.adumbra", "entries"]
     assert [path.suffixes for path in cache.iterdir() if path.is_file()] == [[".plan", ".json"]]
     assert list((cache / "new").iterdir()) == []
 
@@ -213,7 +213,7 @@ def test_a_scene_that_has_changed_is_refused(
     scene.unlink()
     with pytest.raises(FileNotFoundError, match=r"worker tcp://.*every machine needs the scene under this path.*scene\.glb"):
         adumbra_farm.bake_plan(plan, output, client, cache)
-    assert not output.exists() and objects(cache) == {}
+    assert not output.exists() and entries(cache) == {}
 
 
 def test_a_folder_that_is_not_shared_is_named(small: adumbra.Plan, client: Client, tmp_path: Path) -> None:
@@ -224,13 +224,13 @@ def test_a_folder_that_is_not_shared_is_named(small: adumbra.Plan, client: Clien
     assert not (tmp_path / "elsewhere").exists()
 
 
-def test_objects_that_are_not_what_was_baked_are_missing(small: adumbra.Plan, tmp_path: Path, capsys: Any) -> None:
+def test_entries_with_other_bytes_are_missing(small: adumbra.Plan, tmp_path: Path, capsys: Any) -> None:
     cache, output = tmp_path / "cache", tmp_path / "out"
     output.write_bytes(b"earlier")
     sums = {part.id: part.blake3 for part in small.bake(None, cache)}
     with pytest.raises(adumbra.MissingPartsError, match="1 parts of level .* are not baked, such as part 2;"):
         small.link(cache, output, sums={**sums, 2: "0" * 64})
-    next(iter(objects(cache))).write_bytes(b"damaged")
+    next(iter(entries(cache))).write_bytes(b"damaged")
     with pytest.raises(adumbra.MissingPartsError, match="bake them, then link again"):
         small.link(cache, output)
     assert output.read_bytes() == b"earlier"
@@ -291,7 +291,7 @@ def test_a_bake_of_parts_stops_and_keeps_what_is_done(plan: adumbra.Plan, tmp_pa
 
     with pytest.raises(RuntimeError, match="stopped after"):
         plan.bake(None, tmp_path, progress=stop)
-    there = len(objects(tmp_path))
+    there = len(entries(tmp_path))
     ids = range(len(plan.parts) // 2)
     done = plan.bake(ids, tmp_path)
     assert 0 < there < len(plan.parts)

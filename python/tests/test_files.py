@@ -18,17 +18,17 @@ import adumbra
 def test_files_come_back(shadows: adumbra.ShadowFile, tmp_path: Path) -> None:
     path = tmp_path / "town.adumbra"
     for stored in ("coded", "raw"):
-        length = shadows.save(path, at_rest=stored)
+        length = shadows.save(path, encoding=stored)
         again = adumbra.ShadowFile.open(path)
-        assert (again, again.at_rest, again.bytes, length) == (shadows, stored, length, path.stat().st_size)
+        assert (again, again.encoding, again.bytes, length) == (shadows, stored, length, path.stat().st_size)
         assert again.to_bytes() == path.read_bytes()
         assert again.to_bytes("coded") == shadows.to_bytes()
     assert len(shadows.to_bytes("raw")) > shadows.bytes
     assert adumbra.ShadowFile.open(str(path)).save(path) == length
     assert shadows != adumbra.ShadowFile.open(path).level(1)
     assert shadows != 3
-    with pytest.raises(ValueError, match='at_rest: "zip" must be'):
-        shadows.save(path, at_rest="zip")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match='encoding: "zip" must be'):
+        shadows.save(path, encoding="zip")  # type: ignore[arg-type]
     with pytest.raises(FileNotFoundError):
         shadows.save(tmp_path / "none" / "town.adumbra")
     assert path.read_bytes() == again.to_bytes()
@@ -50,7 +50,7 @@ def test_levels_are_files(mesh: Mesh, shadows: adumbra.ShadowFile, tmp_path: Pat
 
 def test_files_are_pickled(shadows: adumbra.ShadowFile) -> None:
     again = pickle.loads(pickle.dumps(shadows))
-    assert (again, again.at_rest) == (shadows, shadows.at_rest)
+    assert (again, again.encoding) == (shadows, shadows.encoding)
 
 
 def test_files_are_read_from_addresses(shadows: adumbra.ShadowFile) -> None:

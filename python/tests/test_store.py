@@ -1,4 +1,4 @@
-"""The program's objects in a store: a server of S3 on this machine."""
+"""The program's cache in a store: a server of S3 on this machine."""
 
 from __future__ import annotations
 
@@ -61,14 +61,14 @@ def test_bakes_with_a_store_write_the_same_file(run: Run, tmp_path: Path) -> Non
     for is_first in (True, False):
         cached = ("--cache", "s3://bucket/a b", "--json")
         said = json.loads(ran(run("bake", scene, "--resolution", "2048", *cached, "-o", stored)))
-        assert said["reused_tiles"] == (0 if is_first else said["tiles"])
+        assert said["reused_root_blocks"] == (0 if is_first else said["root_blocks"])
         assert Path(stored).read_bytes() == Path(plain).read_bytes()
-    assert " objects" in ran(run("cache", "info", "s3://bucket/a b"))
+    assert " entries" in ran(run("cache", "info", "s3://bucket/a b"))
     ran(run("cache", "prune", "s3://bucket/a b", "--keep", "0"))
-    assert ran(run("cache", "info", "s3://bucket/a b")).endswith(": 0 objects, 0 B\n")
+    assert ran(run("cache", "info", "s3://bucket/a b")).endswith(": 0 entries, 0 B\n")
 
 
-def test_two_writers_of_the_same_objects_are_both_right(run: Run, tmp_path: Path) -> None:
+def test_two_writers_of_the_same_entries_succeed(run: Run, tmp_path: Path) -> None:
     scene, plan, plain, linked = (str(tmp_path / name) for name in ("city.glb", "plan", "plain", "linked"))
     ran(run("generate", "city", "-o", scene))
     ran(run("bake", scene, "--resolution", "4096", "-o", plain))

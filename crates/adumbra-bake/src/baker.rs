@@ -8,9 +8,9 @@ use adumbra::{LightGrid, ShadowFile};
 use adumbra_scene::{Edits, Scene};
 
 use crate::bake::Written;
+use crate::cache::{BakeCache, CacheKey, MemoryCache};
 use crate::error::Result;
 use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory};
-use crate::objects::{MemoryObjects, ObjectKey, Objects};
 use crate::options::BakeOptions;
 use crate::progress::Watch;
 use crate::sink::depths::DepthsBlock;
@@ -41,10 +41,10 @@ pub struct Baker {
     scene: Scene,
     /// With the frame that was chosen first, and with the first decision on the ground.
     options: BakeOptions,
-    objects: Arc<dyn Objects>,
+    cache: Arc<dyn BakeCache>,
     plan: BakePlan,
-    /// Keys whose objects are there.
-    known: HashSet<ObjectKey>,
+    /// Keys whose entries are there.
+    known: HashSet<CacheKey>,
     /// What planning has found of the scene, unless memory is limited.
     prepared: Option<Prepared>,
     /// The root blocks of the pages that have several, unless memory is limited.
@@ -71,20 +71,20 @@ impl Baker {
     /// # Errors
     /// Returns the errors of [`BakePlan::new`].
     pub fn new(scene: Scene, options: &BakeOptions) -> Result<Self> {
-        Self::with_objects(scene, options, Arc::new(MemoryObjects::default()))
+        Self::with_cache(scene, options, Arc::new(MemoryCache::default()))
     }
 
-    /// Plans the bake of a scene, and keeps what is baked in `objects`. See [`Baker::new`].
+    /// Plans the bake of a scene, and keeps what is baked in `cache`. See [`Baker::new`].
     ///
     /// # Errors
     /// Returns the errors of [`BakePlan::new`].
-    pub fn with_objects(scene: Scene, options: &BakeOptions, objects: Arc<dyn Objects>) -> Result<Self> {
+    pub fn with_cache(scene: Scene, options: &BakeOptions, cache: Arc<dyn BakeCache>) -> Result<Self> {
         let (plan, prepared) = BakePlan::prepared(&scene, options)?;
         let BakeOptions { frame, assume_ground, .. } = plan.options();
         let options = BakeOptions { frame, assume_ground, ..options.clone() };
         let is_unlimited = options.max_memory_bytes.is_none();
         let (prepared, recent) = (is_unlimited.then_some(prepared), is_unlimited.then(Arc::default));
-        Ok(Self { scene, options, objects, plan, known: HashSet::new(), prepared, recent })
+        Ok(Self { scene, options, cache, plan, known: HashSet::new(), prepared, recent })
     }
 
     /// Returns the scene as it is now.
@@ -121,7 +121,7 @@ impl Baker {
         let (plan, prepared) = BakePlan::prepared(&scene, &self.options)?;
         (self.plan, self.prepared) = (plan, self.prepared.as_ref().map(|_| prepared));
         self.scene = scene;
-        let keys: HashSet<ObjectKey> = self.plan.parts().iter().map(|part| *part.key()).collect();
+        let keys: HashSet<CacheKey> = self.plan.parts().iter().map(|part| *part.key()).collect();
         self.known.retain(|key| keys.contains(key));
         Ok(())
     }
@@ -172,12 +172,12 @@ impl Baker {
         if let Some(recent) = &self.recent {
             baker = baker.with_recent(Arc::clone(recent));
         }
-        let done = baker.bake(&ids, &self.objects, watch)?;
+        let done = baker.bake(&ids, &self.cache, watch)?;
         self.known.extend(ids.iter().map(|&id| *parts[id].key()));
         Ok(done)
     }
 
-    /// Forgets which pages are baked. If linking misses some, because their objects could not be read again, the next bake
+    /// Forgets which pages are baked. If linking misses some, because their entries could not be read again, the next bake
     /// makes them.
     pub fn forget(&mut self) {
         self.known.clear();
@@ -188,9 +188,9 @@ impl Baker {
     /// # Errors
     /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of [`link`].
     pub fn write_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
-        let written = link(&self.plan, &self.objects, &self.options, watch, out)?;
+        let written = link(&self.plan, &self.cache, &self.options, watch, out)?;
         // What only earlier scenes needed was not read.
-        self.objects.tidy();
+        self.cache.tidy();
         Ok(written)
     }
 
@@ -200,7 +200,7 @@ impl Baker {
     /// Returns the errors of [`Baker::write_to`].
     pub fn write_coarser_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
         let coarser = self.plan.without_finest();
-        link(coarser.as_ref().unwrap_or(&self.plan), &self.objects, &self.options, watch, out)
+        link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, &self.options, watch, out)
     }
 
     /// Returns the file in memory.
@@ -208,9 +208,9 @@ impl Baker {
     /// # Errors
     /// Returns the errors of [`Baker::write_to`].
     pub fn file(&self) -> Result<ShadowFile> {
-        let file = link_in_memory(&self.plan, &self.objects, &self.options)?;
+        let file = link_in_memory(&self.plan, &self.cache, &self.options)?;
         // What only earlier scenes needed was not read.
-        self.objects.tidy();
+        self.cache.tidy();
         Ok(file)
     }
 }

@@ -159,16 +159,16 @@ fn forecast_bytes(
     cancel: &AtomicBool,
 ) -> Result<f64> {
     let plan = Plan::placed(scene, options, Placement::new(extents, options, frame, 0)?, clusters)?;
-    let blocks = plan.tiles.count();
-    let corners = plan.tiles.corners_over(&extents.corners);
+    let blocks = plan.root_blocks.count();
+    let corners = plan.root_blocks.corners_over(&extents.corners);
     let all = corners.iter().sum::<u64>().max(1);
     let samples = (blocks as u64 * FORECAST_CORNERS / all).clamp(1, blocks as u64) as usize;
     // The blocks side by side, as if they were a row of the grid.
-    let level = plan.tiles.root_level;
-    let row = [(samples as u32) << level, 1 << level, plan.tiles.grid.size[2]];
+    let level = plan.root_blocks.root_level;
+    let row = [(samples as u32) << level, 1 << level, plan.root_blocks.grid.size[2]];
     let depths = DepthsSink::new(row, level, true, &plan.spill);
     let sink = LimitSink { limit: plan.switch_limit(), sink: &depths };
-    let sampled: Vec<usize> = plan.tiles.sampled(samples, |block| corners[block]).collect();
+    let sampled: Vec<usize> = plan.root_blocks.sampled(samples, |block| corners[block]).collect();
     let held_bytes = || Ok::<_, Error>(plan.baking_bytes() + depths.memory_bytes() + plan.paged_bytes()?);
     let next = AtomicUsize::new(0);
     let work = || -> Result<()> {
@@ -176,7 +176,7 @@ fn forecast_bytes(
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(&block) = sampled.get(number) else { break };
-            let built = build_root(&plan.tiles, block, &sink, &mut buffers, cancel)?;
+            let built = build_root(&plan.root_blocks, block, &sink, &mut buffers, cancel)?;
             depths.taken(number, built);
             plan.check_memory("the forecast of the frame", held_bytes()?)?;
         }

@@ -66,7 +66,7 @@ pub enum Error {
         "{missing} parts of level {level} are not baked, such as part {first}; bake them, then link again"
     )]
     MissingParts {
-        /// Number of parts whose objects are missing or damaged.
+        /// Number of parts whose entries are missing or damaged.
         missing: usize,
         /// The coarsest level with such parts.
         level: usize,

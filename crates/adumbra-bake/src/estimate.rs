@@ -1,4 +1,4 @@
-//! Forecasts the cost of a bake from a few of its tiles.
+//! Forecasts the cost of a bake from a few of its root blocks.
 
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -17,10 +17,10 @@ use crate::sink::{BlockSink, Structure};
 /// A forecast of [`crate::bake`]. Ranges are `[likely low, likely high]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
-    /// Total number of tiles.
-    pub tiles: usize,
-    /// Number of tiles that were drawn for the forecast.
-    pub sampled_tiles: usize,
+    /// Total number of root blocks.
+    pub root_blocks: usize,
+    /// Number of root blocks that were drawn for the forecast.
+    pub sampled_root_blocks: usize,
     /// Wall-clock seconds on the current thread pool.
     pub seconds: [f64; 2],
     /// Size of the file in bytes.
@@ -29,13 +29,13 @@ pub struct Estimate {
     pub memory_bytes: [u64; 2],
 }
 
-/// Number of tiles drawn for a forecast.
+/// Number of root blocks drawn for a forecast.
 const SAMPLES: usize = 48;
 /// How much less and more than forecast the bytes of a bake are. Measured: 0.61 to 1.45 times as many on generated and
 /// on real scenes at 1024 to 16384.
 const SPREAD_OF_BYTES: [f64; 2] = [0.6, 1.5];
 
-/// Draws a few tiles of the bake for `options`, from the emptiest to the fullest, and extrapolates.
+/// Draws a few root blocks of the bake for `options`, from the emptiest to the fullest, and extrapolates.
 ///
 /// # Errors
 /// Returns the errors of [`crate::bake`]. The memory limit holds for the forecast, not for the bake that is forecast.
@@ -43,13 +43,13 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     let start = Instant::now();
     let plan = choose::plan(scene, options)?;
     let planning_seconds = start.elapsed().as_secs_f64();
-    let (level, [_, _, depth]) = (plan.tiles.root_level, plan.tiles.grid.size);
-    let tiles = plan.tiles.count();
-    let sampled = tiles.min(SAMPLES);
+    let (level, [_, _, depth]) = (plan.root_blocks.root_level, plan.root_blocks.grid.size);
+    let root_blocks = plan.root_blocks.count();
+    let sampled = root_blocks.min(SAMPLES);
     let mut buffers = DescentBuffers::default();
-    let mut build = |tile: usize, sink: &DepthsSink| {
+    let mut build = |root_block: usize, sink: &DepthsSink| {
         let sink = LimitSink { limit: plan.switch_limit(), sink };
-        build_root(&plan.tiles, tile, &sink, &mut buffers, &AtomicBool::new(false))
+        build_root(&plan.root_blocks, root_block, &sink, &mut buffers, &AtomicBool::new(false))
     };
     // The blocks side by side, as if they were a row of the grid.
     let row = |blocks: usize| [(blocks as u32) << level, 1 << level, depth];
@@ -57,35 +57,35 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     let merged = DepthsSink::in_memory(row(sampled), level, true);
     let mut separate_bytes = 0;
     let start = Instant::now();
-    let fullness = |tile| plan.tiles.casters.in_tile(tile).len() as u64;
-    for (number, tile) in plan.tiles.sampled(sampled, fullness).enumerate() {
+    let fullness = |root_block| plan.root_blocks.casters.in_bin(root_block).len() as u64;
+    for (number, root_block) in plan.root_blocks.sampled(sampled, fullness).enumerate() {
         let alone = DepthsSink::in_memory(row(1), level, true);
-        alone.taken(0, build(tile, &alone)?);
-        merged.taken(number, build(tile, &merged)?);
+        alone.taken(0, build(root_block, &alone)?);
+        merged.taken(number, build(root_block, &merged)?);
         let held_bytes = plan.scene_bytes + plan.worker_bytes + merged.memory_bytes() + alone.memory_bytes();
         plan.check_memory("the forecast", held_bytes)?;
         separate_bytes += bytes(alone)?;
     }
-    // Each tile was built twice.
-    let seconds = start.elapsed().as_secs_f64() / 2.0 * tiles as f64 / (sampled * plan.workers) as f64;
-    let scale = tiles as f64 / sampled as f64;
+    // Each root block was built twice.
+    let seconds = start.elapsed().as_secs_f64() / 2.0 * root_blocks as f64 / (sampled * plan.workers) as f64;
+    let scale = root_blocks as f64 / sampled as f64;
     let [built_bytes, finish_bytes] =
         [merged.memory_bytes(), merged.finish_bytes()].map(|bytes| bytes as f64);
     let merged_bytes = bytes(merged)? as f64;
-    // Upper bound: every tile adds as many bytes as the sampled ones. Lower bound: the sharing seen among the samples
-    // continues over all tiles.
+    // Upper bound: every root block adds as many bytes as the sampled ones. Lower bound: the sharing seen among the samples
+    // continues over all root blocks.
     let sharing = merged_bytes / (separate_bytes as f64).max(1.0);
     let least = scale * sharing.powf(scale.log2().max(0.0)).max(0.25);
     let [less, more] = SPREAD_OF_BYTES;
     let scales = [less * least, more * scale];
-    // Either while tiles are built, or after the last one.
+    // Either while root blocks are built, or after the last one.
     let memory_bytes = |scale: f64| {
         let building = plan.baking_bytes() as f64 + scale * built_bytes;
         building.max(plan.scene_bytes as f64 + scale * (built_bytes + finish_bytes))
     };
     Ok(Estimate {
-        tiles,
-        sampled_tiles: sampled,
+        root_blocks,
+        sampled_root_blocks: sampled,
         seconds: [0.6, 1.6].map(|spread| planning_seconds + spread * seconds),
         file_bytes: scales.map(|scale| (HEADER_BYTES as f64 + scale * merged_bytes) as u64),
         memory_bytes: scales.map(|scale| memory_bytes(scale) as u64),

@@ -1,15 +1,15 @@
-//! The keys of a bake's objects: hashes of everything that their pages depend on.
+//! The keys of a bake's entries: hashes of everything that their pages depend on.
 
 use adumbra::{Bias, LightGrid, Receivers};
 use adumbra_scene::{AlphaMode, Material, Mesh, Pixels, Scene, Texture, Wrap};
 use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 
-use crate::objects::{ObjectKey, Parts};
+use crate::cache::{CacheKey, PartGrid};
 use crate::options::Builder;
 use crate::plan::Plan;
 
-/// Version of the rules by which pages are made. `tests/objects.rs` notices if pages change.
+/// Version of the rules by which pages are made. `tests/entries.rs` notices if pages change.
 const RULES: u32 = 3;
 
 /// The hashes of a scene's instances, with their meshes, materials and textures.
@@ -40,15 +40,20 @@ impl SceneHashes {
         &self,
         plan: &Plan<'_>,
         builder: Builder,
-        parts: &Parts,
+        parts: &PartGrid,
         numbers: &[usize],
-    ) -> Vec<ObjectKey> {
-        self.keys_of(plan, builder, numbers, |part| parts.tiles(part))
+    ) -> Vec<CacheKey> {
+        self.keys_of(plan, builder, numbers, |part| parts.root_blocks(part))
     }
 
     /// Returns the keys of some root blocks of a plan's grid. Cost: one pass over the clusters in their reach.
-    pub(crate) fn tile_keys(&self, plan: &Plan<'_>, builder: Builder, tiles: &[usize]) -> Vec<ObjectKey> {
-        self.keys_of(plan, builder, tiles, std::iter::once)
+    pub(crate) fn root_block_keys(
+        &self,
+        plan: &Plan<'_>,
+        builder: Builder,
+        root_blocks: &[usize],
+    ) -> Vec<CacheKey> {
+        self.keys_of(plan, builder, root_blocks, std::iter::once)
     }
 
     /// Returns the key of each item, which consists of some root blocks.
@@ -57,15 +62,15 @@ impl SceneHashes {
         plan: &Plan<'_>,
         builder: Builder,
         items: &[usize],
-        tiles_of: impl Fn(usize) -> I + Sync,
-    ) -> Vec<ObjectKey> {
+        root_blocks_of: impl Fn(usize) -> I + Sync,
+    ) -> Vec<CacheKey> {
         let all = common(plan, builder);
         let key = |&item: &usize| {
             let mut hasher = Hasher::new();
             hasher.update(all.as_bytes());
-            for tile in tiles_of(item) {
-                let rect = plan.tiles.rect(tile);
-                let placed = plan.tiles.casters.in_tile(tile);
+            for root_block in root_blocks_of(item) {
+                let rect = plan.root_blocks.rect(root_block);
+                let placed = plan.root_blocks.casters.in_bin(root_block);
                 for number in [rect.x, rect.y, rect.width, rect.height, placed.len() as u32] {
                     hasher.update(&number.to_le_bytes());
                 }
@@ -74,18 +79,18 @@ impl SceneHashes {
                     hasher.update(&placed.cluster.to_le_bytes());
                 }
             }
-            ObjectKey::new(*hasher.finalize().as_bytes())
+            CacheKey::new(*hasher.finalize().as_bytes())
         };
         items.par_iter().map(key).collect()
     }
 }
 
 fn common(plan: &Plan<'_>, builder: Builder) -> Hash {
-    let LightGrid { sun, frame: _, voxel_size, corner, axes, edges, size } = plan.tiles.grid;
+    let LightGrid { sun, frame: _, voxel_size, corner, axes, edges, size } = plan.root_blocks.grid;
     let settings = &plan.settings;
     let Bias { constant_texels, slope_texels, normal_offset_texels } = settings.bias;
     let mut hasher = Hasher::new();
-    hasher.update(b"adumbra object");
+    hasher.update(b"adumbra entry");
     let receivers = match settings.receivers {
         Receivers::All => 0,
         Receivers::Static => 1,
@@ -97,7 +102,7 @@ fn common(plan: &Plan<'_>, builder: Builder) -> Hash {
     let flags = u32::from(settings.assume_ground)
         | u32::from(settings.closed_regions) << 1
         | u32::from(settings.ignore_alpha) << 2;
-    let level = plan.tiles.root_level;
+    let level = plan.root_blocks.root_level;
     for number in [RULES, level, size[2], builder, receivers, flags, settings.switch_within_voxels] {
         hasher.update(&number.to_le_bytes());
     }

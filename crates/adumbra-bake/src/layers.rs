@@ -4,12 +4,12 @@
 use adumbra::{Bias, LightGrid, MAX_SLOPE, Receivers};
 use adumbra_scene::Scene;
 
-use crate::columns::capture::{self, CaptureBuffers, TileRect, capture_layers};
+use crate::columns::capture::{self, CaptureBuffers, TexelRect, capture_layers};
 use crate::columns::crossings::for_each_inside;
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::triangles::casters::{self, CasterOptions, Casters, SceneClusters};
 pub use crate::triangles::project::FixedDepth;
-use crate::triangles::surface::TileSurfaces;
+use crate::triangles::surface::BinSurfaces;
 
 /// How a scene is interpreted.
 #[derive(Clone, Copy, Debug)]
@@ -89,8 +89,8 @@ impl<'s> LayerCapture<'s> {
         let [x, y] = [tile as u32 % tiles_x, tile as u32 / tiles_x].map(|t| t * self.tile_side);
         let width = self.tile_side.min(self.grid.size[0] - x);
         let height = self.tile_side.min(self.grid.size[1] - y);
-        let rect = TileRect { x, y, width, height };
-        let surfaces = TileSurfaces { casters: &self.casters, tile, grid: &self.grid };
+        let rect = TexelRect { x, y, width, height };
+        let surfaces = BinSurfaces { casters: &self.casters, bin: tile, grid: &self.grid };
         capture_layers(&surfaces, &self.rules, rect, &mut buffers.0, |texel, first, crossings| {
             let first = (!first.is_none()).then(|| first.depth().saturating_add(first.bias()));
             visit([texel as u32 % width, texel as u32 / width], Layers { first, crossings });

@@ -15,7 +15,7 @@
 //! let scene = adumbra_scene::load(Path::new("city.glb"), &LoadOptions::default())?;
 //! let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
 //! let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(8192)), Watch::none())?;
-//! adumbra_files::replace_file(Path::new("city.adumbra"), |out| baked.file.write_to(out, adumbra::AtRest::default()))?;
+//! adumbra_files::replace_file(Path::new("city.adumbra"), |out| baked.file.write_to(out, adumbra::Encoding::default()))?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -26,7 +26,7 @@
 //!    snapped to 1/256 texel; its depth comes from the unsnapped plane.
 //! 2. `columns/`: the column rules. A column's first surface, the end of its solid and the next receiver give `e` and
 //!    `x`: lit before `e`, shadowed from `x` on, free in between.
-//! 3. `tiles`, `plan`: workers take root blocks one after another. No result depends on which worker built what, or
+//! 3. `root_blocks`, `plan`: workers take root blocks one after another. No result depends on which worker built what, or
 //!    when.
 //! 4. `fast/`: the surfaces of a root block are gathered into connected components that face one way, and edges that
 //!    are a *contour* under this sun are marked. A component without a contour in a block covers either all of its
@@ -47,14 +47,14 @@
 //! it (`plain/agreement.rs`), it with every triangle at every column (`plain/reference.rs`), and files of random scenes
 //! with columns and rays (`fuzz/`).
 //!
-//! `objects/` keeps what was made of each part of a grid under a key of all that it was made from (`inputs`), so that the
+//! `entries/` keeps what was made of each part of a grid under a key of all that it was made from (`inputs`), so that the
 //! next bake need not make it again. `farm/` plans a bake whose parts other machines bake, and links them. [`Baker`] holds
 //! a scene and its parts while it is edited.
 //!
 //! `ground` says whether a scene has a ground of its own. `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better. `regions`
 //! cuts a world that is too wide for one file into regions with a file each; `region_grids` places their grids.
 //!
-//! Dependencies go one way: triangles → columns → tiles → pack → pages → objects → sink → fast and plain → plan →
+//! Dependencies go one way: triangles → columns → root blocks → pack → pages → entries → sink → fast and plain → plan →
 //! region_grids → ground → choose → regions → inputs → bake → farm → baker.
 //! [`layers`] provides first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
@@ -80,6 +80,7 @@
 
 mod bake;
 mod baker;
+mod cache;
 mod choose;
 mod columns;
 mod error;
@@ -91,7 +92,6 @@ mod fuzz;
 mod ground;
 mod inputs;
 pub mod layers;
-mod objects;
 mod options;
 mod pack;
 mod pages;
@@ -102,24 +102,24 @@ mod region_grids;
 mod regions;
 mod sink;
 
+mod root_blocks;
 mod tally;
 #[cfg(test)]
 mod test_bakes;
 mod texel_mask;
-mod tiles;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, Written, bake, bake_again, bake_to, bake_with_objects};
+pub use bake::{Bake, Written, bake, bake_again, bake_to, bake_with_cache};
 pub use baker::{Baker, BakerPage};
+pub use cache::{
+    BakeCache, BestEffortCache, CacheKey, CacheReport, CacheUsage, DiskCache, ENTRY_MAGIC, Fetched,
+    MemoryCache,
+};
 pub use error::{Error, Result};
 pub use estimate::{Estimate, estimate};
 pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
 pub use ground::Ground;
-pub use objects::{
-    CachedObjects, Fetched, FolderContents, FolderObjects, FolderReport, MemoryObjects, OBJECT_MAGIC,
-    ObjectKey, Objects,
-};
 pub use options::{
     AssumeGround, BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS,
     LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::path::PathBuf;
 
 use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
-use adumbra::{AtRest, Bias, Bounds, RangeError, RangeField, Receivers, Region, Sun};
+use adumbra::{Bias, Bounds, Encoding, RangeError, RangeField, Receivers, Region, Sun};
 
 use crate::error::{Error, Result};
 
@@ -113,7 +113,7 @@ pub struct BakeOptions {
     /// large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
     pub levels: u32,
     /// How [`bake_to`](crate::bake_to) stores the voxels.
-    pub at_rest: AtRest,
+    pub encoding: Encoding,
     /// The region of the world to cover instead of the scene's own extent. Set by
     /// [`RegionPlan::options`](crate::RegionPlan::options), with a frame and a voxel size that all regions share.
     #[doc(hidden)]
@@ -148,7 +148,7 @@ impl BakeOptions {
             spill_folder: None,
             switch_within_voxels: 0,
             levels: DEFAULT_LEVELS,
-            at_rest: AtRest::default(),
+            encoding: Encoding::default(),
             region: None,
             builder: Builder::Fast,
         }
@@ -162,7 +162,7 @@ impl BakeOptions {
 
     pub(crate) fn check(&self) -> Result<()> {
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
-            let range = "a finite number of metres, 0 or more";
+            let range = "a finite length in world units, 0 or more";
             return Err(RangeError::new(RangeField::Thickness, self.thickness_world, range).into());
         }
         if self.switch_within_voxels > MAX_SWITCH_WITHIN {
@@ -235,7 +235,7 @@ impl Size {
                 let refuse =
                     |value: String, range| Err(RangeError::new(RangeField::VoxelSize, value, range).into());
                 if !(size.is_finite() && size > 0.0) {
-                    return refuse(size.to_string(), "a finite number of metres above 0");
+                    return refuse(size.to_string(), "a finite length in world units above 0");
                 }
                 let texels = (longest_side / size).ceil();
                 if texels > f64::from(MAX_RESOLUTION) {

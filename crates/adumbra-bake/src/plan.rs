@@ -1,4 +1,4 @@
-//! What is known before the first block: tiles, settings and the memory budget.
+//! What is known before the first block: root blocks, settings and the memory budget.
 
 use std::sync::{Arc, Mutex};
 
@@ -7,9 +7,9 @@ use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::error::{Error, Result};
 use crate::options::{AssumeGround, BakeOptions, Builder};
 use crate::pages::Spill;
+use crate::root_blocks::RootBlocks;
 use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
-use crate::tiles::Tiles;
 use crate::triangles::casters::{Bins, CasterOptions, Casters, SceneClusters};
 use crate::triangles::corners::Corners;
 use crate::triangles::project;
@@ -23,7 +23,7 @@ use adumbra_scene::{Instance, Scene, UpAxis};
 use rayon::prelude::*;
 
 pub(crate) struct Plan<'s> {
-    pub(crate) tiles: Tiles<'s>,
+    pub(crate) root_blocks: RootBlocks<'s>,
     pub(crate) settings: FileSettings,
     pub(crate) workers: usize,
     /// Bytes of the scene, the casters and the top grid.
@@ -60,7 +60,7 @@ impl Placement {
         let (finest, voxel_size) = extents.resolution_and_voxel_size(options)?;
         let step = LEVEL_STEP.pow(level);
         let (resolution, voxel_size) = (finest.div_ceil(step), voxel_size * f64::from(step));
-        let grid = LightGrid::covering(options.sun, &extent, voxel_size).on_pages_of(page_texels(finest));
+        let grid = LightGrid::covering(options.sun, &extent, voxel_size).snapped_to(lattice_step(finest));
         Self::on(grid, resolution, options)
     }
 
@@ -102,7 +102,7 @@ impl Placement {
     }
 }
 
-/// Smallest level of the root cubes.
+/// Smallest level of the root blocks.
 const MIN_ROOT_LEVEL: u32 = 5;
 /// Largest root level for the plain builder, which holds all columns of a root block at once.
 const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
@@ -112,20 +112,20 @@ const TOP_GRID_LEVEL: u32 = 5;
 /// 2^[`TOP_GRID_LEVEL`] across.
 const LONG_GRID: u32 = 4;
 
-/// Grids begin and end at multiples of a page from the world's origin, so that texels stay where they are when a scene
-/// grows. A page is this share of the resolution, within the limits below: small grids are not to be mostly margin.
-const PAGES_ACROSS: u32 = 8;
-const MIN_PAGE: u32 = 8;
-/// Largest page, texels: a page of the quadtree.
-const MAX_PAGE: u32 = 1 << PAGE_LEVEL;
+/// Grids begin and end at multiples of a lattice step from the world's origin, so that texels stay where they are when a
+/// scene grows. The step is this share of the resolution, within the limits below, so that small grids are not mostly margin.
+const STEPS_ACROSS: u32 = 8;
+const MIN_STEP: u32 = 8;
+/// Largest lattice step, texels: a page of the file.
+const MAX_STEP: u32 = 1 << PAGE_LEVEL;
 
 /// More than rounding adds to a coordinate, relative to it.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns the texels of a page of a bake whose finest level has this resolution. One rule for all levels, so that each has
-/// whole pages where the finest one has.
-pub(crate) fn page_texels(finest_resolution: u32) -> u32 {
-    (finest_resolution / PAGES_ACROSS).clamp(MIN_PAGE, MAX_PAGE)
+/// Returns the lattice step, in texels, of a bake whose finest level has this resolution. All levels use it, so that each
+/// has whole steps where the finest one has.
+pub(crate) fn lattice_step(finest_resolution: u32) -> u32 {
+    (finest_resolution / STEPS_ACROSS).clamp(MIN_STEP, MAX_STEP)
 }
 
 /// Returns which triangles are casters.
@@ -171,11 +171,11 @@ impl<'s> Plan<'s> {
         let assume_ground = options.assume_ground == AssumeGround::Yes;
         let rules = rules.with_ground(assume_ground, &grid);
         let reach = rules.contact_reach_texels() + 1.0;
-        let tiles = [top_dims[0], top_dims[1]];
+        let root_blocks = [top_dims[0], top_dims[1]];
         let clusters = Arc::clone(clusters);
         let casters = match bins {
             Some(bins) => Casters::binned(scene, clusters, Arc::clone(bins)),
-            None => Casters::new(scene, clusters, &grid, 1 << root_level, tiles, reach),
+            None => Casters::new(scene, clusters, &grid, 1 << root_level, root_blocks, reach),
         };
         let settings = FileSettings {
             resolution,
@@ -201,7 +201,7 @@ impl<'s> Plan<'s> {
         };
         let worker_bytes = working_bytes + crate::sink::building_bytes(root_level);
         let mut plan = Self {
-            tiles: Tiles { grid, rules, casters, root_level, top_dims },
+            root_blocks: RootBlocks { grid, rules, casters, root_level, top_dims },
             settings,
             workers: rayon::current_num_threads(),
             scene_bytes,
@@ -227,7 +227,7 @@ impl<'s> Plan<'s> {
     pub(crate) fn switch_limit(&self) -> SwitchLimit {
         SwitchLimit {
             within_voxels: self.settings.switch_within_voxels,
-            depth_voxels: self.tiles.grid.size[2],
+            depth_voxels: self.root_blocks.grid.size[2],
         }
     }
 
@@ -236,8 +236,8 @@ impl<'s> Plan<'s> {
         self.scene_bytes + self.workers as u64 * self.worker_bytes
     }
 
-    /// Bytes for objects while they are read, if memory is limited: what workers need later.
-    pub(crate) fn room_for_objects(&self) -> Option<u64> {
+    /// Bytes for entries while they are read, if memory is limited: what workers need later.
+    pub(crate) fn room_for_entries(&self) -> Option<u64> {
         self.limit_bytes.map(|_| self.workers as u64 * self.worker_bytes)
     }
 

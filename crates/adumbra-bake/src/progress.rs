@@ -5,14 +5,14 @@ use std::sync::atomic::AtomicBool;
 /// Progress of a bake.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Finished tiles.
-    pub done_tiles: usize,
-    /// Total number of tiles.
-    pub total_tiles: usize,
-    /// Texels per tile.
-    pub texels_per_tile: u64,
+    /// Finished root blocks.
+    pub done: usize,
+    /// Total number of root blocks.
+    pub total: usize,
+    /// Texels per root block.
+    pub texels_per_unit: u64,
     /// Bytes of the result so far.
-    pub graph_bytes: u64,
+    pub result_bytes: u64,
 }
 
 /// Statistics of a finished bake. They vary from run to run and are never written into the file.
@@ -20,15 +20,15 @@ pub struct Progress {
 pub struct Report {
     /// Wall-clock time in seconds.
     pub seconds: f64,
-    /// Number of tiles.
-    pub tiles: usize,
-    /// Number of tiles that were not baked, because objects of an earlier bake have them.
-    pub reused_tiles: usize,
+    /// Number of root blocks.
+    pub root_blocks: usize,
+    /// Number of root blocks that were not baked, because entries of an earlier bake have them.
+    pub reused_root_blocks: usize,
     /// Number of worker threads.
     pub threads: usize,
     /// Texels that were evaluated one by one.
     pub drawn_texels: u64,
-    /// Largest sum of the bytes that the bake accounted for: scene, tiles, graph.
+    /// Largest sum of the bytes that the bake accounted for: scene, root blocks, tree.
     pub accounted_bytes: u64,
     /// Bytes that were written to disk because of the memory limit, counted each time they were written.
     pub spilled_bytes: u64,
@@ -39,8 +39,8 @@ impl Report {
     pub(crate) fn with(&self, more: &Self) -> Self {
         Self {
             seconds: self.seconds + more.seconds,
-            tiles: self.tiles + more.tiles,
-            reused_tiles: self.reused_tiles + more.reused_tiles,
+            root_blocks: self.root_blocks + more.root_blocks,
+            reused_root_blocks: self.reused_root_blocks + more.reused_root_blocks,
             threads: self.threads.max(more.threads),
             drawn_texels: self.drawn_texels + more.drawn_texels,
             accounted_bytes: self.accounted_bytes.max(more.accounted_bytes),

@@ -6,7 +6,7 @@ use adumbra_scene::Scene;
 
 use crate::error::Result;
 use crate::options::{BakeOptions, FrameChoice, Size};
-use crate::plan::{Placement, page_texels};
+use crate::plan::{Placement, lattice_step};
 use crate::triangles::casters::SceneClusters;
 
 /// How far beyond its sides, in texels of any level, a region's look-ups may read: half of the widest filter, and what the
@@ -38,7 +38,7 @@ pub(crate) fn placements(
     let levels = options.level_count(region.texels);
     let beyond = REACH_TEXELS * f64::from(LEVEL_STEP.pow(levels - 1));
     let [z_low, z_high] = depths(scene, clusters, &world, region, beyond);
-    let page = page_texels(region.texels);
+    let lattice_step = lattice_step(region.texels);
     let place = |level: u32| {
         let step = LEVEL_STEP.pow(level);
         let texels = region.texels / step;
@@ -49,7 +49,7 @@ pub(crate) fn placements(
         let side = texels + 2 * REACH_TEXELS as u32;
         let depth = ((z_high / scale).ceil() + 1.0 - corner[2]).clamp(1.0, f64::from(u32::MAX)) as u32;
         let grid = LightGrid::new(options.sun, frame, voxel_size * scale, corner, [side, side, depth]);
-        Placement::on(grid.on_pages_of(page), texels, options)
+        Placement::on(grid.snapped_to(lattice_step), texels, options)
     };
     (0..levels).map(place).collect()
 }

@@ -1,4 +1,4 @@
-//! Counters of a running bake: tiles, texels, seconds, bytes.
+//! Counters of a running bake: root blocks, texels, seconds, bytes.
 
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use std::time::Instant;
@@ -11,8 +11,8 @@ pub(crate) struct Tally<'a, 's> {
     plan: &'a Plan<'s>,
     progress: &'a (dyn Fn(Progress) + Sync),
     start: Instant,
-    total_tiles: usize,
-    done_tiles: AtomicUsize,
+    total: usize,
+    done: AtomicUsize,
     drawn_texels: AtomicU64,
     accounted_bytes: AtomicU64,
 }
@@ -20,12 +20,12 @@ pub(crate) struct Tally<'a, 's> {
 impl<'a, 's> Tally<'a, 's> {
     pub(crate) fn new(
         plan: &'a Plan<'s>,
-        total_tiles: usize,
+        total: usize,
         start: Instant,
         progress: &'a (dyn Fn(Progress) + Sync),
     ) -> Self {
-        let (done_tiles, drawn_texels, accounted_bytes) = Default::default();
-        Self { plan, progress, start, total_tiles, done_tiles, drawn_texels, accounted_bytes }
+        let (done, drawn_texels, accounted_bytes) = Default::default();
+        Self { plan, progress, start, total, done, drawn_texels, accounted_bytes }
     }
 
     /// Adds texels that were evaluated one by one.
@@ -33,30 +33,35 @@ impl<'a, 's> Tally<'a, 's> {
         self.drawn_texels.fetch_add(texels, Ordering::Relaxed);
     }
 
-    /// Records a finished tile. `held_bytes` is the size of what has been built, apart from its pages; `result_bytes`
+    /// Records a finished root block. `held_bytes` is the size of what has been built, apart from its pages; `result_bytes`
     /// is the size of the result so far.
     ///
     /// # Errors
     /// Returns [`Error::MemoryLimit`](crate::Error::MemoryLimit) if the limit is exceeded, and
     /// [`Error::Spill`](crate::Error::Spill) if pages could not be written or read.
-    pub(crate) fn finished_tile(&self, what: &'static str, held_bytes: u64, result_bytes: u64) -> Result<()> {
+    pub(crate) fn finished_root_block(
+        &self,
+        what: &'static str,
+        held_bytes: u64,
+        result_bytes: u64,
+    ) -> Result<()> {
         let plan = self.plan;
         let held = plan.baking_bytes() + held_bytes + plan.paged_bytes()?;
         self.accounted_bytes.fetch_max(held, Ordering::Relaxed);
         plan.check_memory(what, held)?;
         (self.progress)(Progress {
-            done_tiles: self.done_tiles.fetch_add(1, Ordering::Relaxed) + 1,
-            total_tiles: self.total_tiles,
-            texels_per_tile: 1 << (2 * plan.tiles.root_level),
-            graph_bytes: result_bytes,
+            done: self.done.fetch_add(1, Ordering::Relaxed) + 1,
+            total: self.total,
+            texels_per_unit: 1 << (2 * plan.root_blocks.root_level),
+            result_bytes,
         });
         Ok(())
     }
 
-    /// Checks the memory after the last tile, when `held_bytes` are needed besides the scene and the pages.
+    /// Checks the memory after the last root block, when `held_bytes` are needed besides the scene and the pages.
     ///
     /// # Errors
-    /// Returns the errors of [`Tally::finished_tile`].
+    /// Returns the errors of [`Tally::finished_root_block`].
     pub(crate) fn check_end(&self, what: &'static str, held_bytes: u64) -> Result<()> {
         let held = self.plan.scene_bytes + held_bytes + self.plan.paged_bytes()?;
         self.accounted_bytes.fetch_max(held, Ordering::Relaxed);
@@ -67,8 +72,8 @@ impl<'a, 's> Tally<'a, 's> {
     pub(crate) fn report(&self) -> Report {
         Report {
             seconds: self.start.elapsed().as_secs_f64(),
-            tiles: self.total_tiles,
-            reused_tiles: 0,
+            root_blocks: self.total,
+            reused_root_blocks: 0,
             threads: self.plan.workers,
             drawn_texels: self.drawn_texels.load(Ordering::Relaxed),
             accounted_bytes: self.accounted_bytes.load(Ordering::Relaxed),

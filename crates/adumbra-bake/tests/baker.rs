@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::sync::{Arc, Mutex};
 
-use adumbra::{AtRest, Bounds, IoError, Sun};
+use adumbra::{Bounds, Encoding, IoError, Sun};
 use adumbra_bake::{
-    BakeOptions, BakePlan, Baker, BakerPage, Error, Fetched, MemoryObjects, ObjectKey, Objects, Size, Watch,
+    BakeCache, BakeOptions, BakePlan, Baker, BakerPage, CacheKey, Error, Fetched, MemoryCache, Size, Watch,
     bake_to,
 };
 use adumbra_scene::random::Random;
@@ -61,7 +61,7 @@ fn edited_files(resolution: u64, bakes: usize) -> Vec<u64> {
         drawn_texels.push(done.drawn_texels);
         let bytes = written(&baker);
         assert!(bytes == fresh(&baker), "{number}");
-        assert!(baker.file().unwrap().to_bytes(AtRest::Coded).unwrap() == bytes, "{number}");
+        assert!(baker.file().unwrap().to_bytes(Encoding::Coded).unwrap() == bytes, "{number}");
         let edits = edits(&baker, &mut random);
         baker.edit(&edits).unwrap();
     }
@@ -101,16 +101,16 @@ fn pages_cover_each_level_once() {
     }
 }
 
-/// Objects that remember the order in which they came.
+/// Entries that remember the order in which they came.
 #[derive(Debug, Default)]
-struct InOrder(MemoryObjects, Mutex<Vec<ObjectKey>>);
+struct InOrder(MemoryCache, Mutex<Vec<CacheKey>>);
 
-impl Objects for InOrder {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+impl BakeCache for InOrder {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
         self.0.get(key, most_bytes)
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
         self.1.lock().unwrap().push(*key);
         self.0.put(key, bytes)
     }
@@ -119,27 +119,27 @@ impl Objects for InOrder {
 #[test]
 fn coarse_levels_and_pages_near_the_focus_come_first() {
     let scene = generate(GeneratedKind::City, 3);
-    let objects = Arc::new(InOrder::default());
-    let mut baker = Baker::with_objects(scene.clone(), &options(4096), objects.clone()).unwrap();
+    let cache = Arc::new(InOrder::default());
+    let mut baker = Baker::with_cache(scene.clone(), &options(4096), cache.clone()).unwrap();
     let focus = [60.0, 0.0, -40.0];
-    // One tile at a time, so that there is an order.
+    // One root block at a time, so that there is an order.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| baker.bake_coarser(Some(focus), Watch::none())).unwrap();
     let mut out = Cursor::new(Vec::new());
     let written = baker.write_coarser_to(Watch::none(), &mut out).unwrap();
     assert_eq!((written.levels, written.settings.resolution), (2, 1024));
     let plan = BakePlan::new(&scene, baker.options()).unwrap();
-    let level_of = |key: &ObjectKey| plan.parts().iter().find(|part| part.key() == key).unwrap().level();
-    let came = std::mem::take(&mut *objects.1.lock().unwrap());
+    let level_of = |key: &CacheKey| plan.parts().iter().find(|part| part.key() == key).unwrap().level();
+    let came = std::mem::take(&mut *cache.1.lock().unwrap());
     let levels: Vec<u32> = came.iter().map(level_of).collect();
     assert!(levels.contains(&1) && levels.contains(&2) && levels.is_sorted_by(|a, b| a >= b), "{levels:?}");
     pool.install(|| baker.bake(Some(focus), Watch::none())).unwrap();
     // Pages of a level are in the order of the plan.
     let finest = plan.parts().iter().filter(|part| part.level() == 0).map(|part| *part.key());
-    let places: HashMap<ObjectKey, BakerPage> =
+    let places: HashMap<CacheKey, BakerPage> =
         finest.zip(baker.pages().filter(|page| page.level == 0)).collect();
     let p_grid = baker.grids()[0].to_grid(focus);
-    let distance = |key: &ObjectKey| {
+    let distance = |key: &CacheKey| {
         let BakerPage { corner, size, .. } = places[key];
         let beside = |a: usize| {
             let first = f64::from(corner[a]);
@@ -147,7 +147,7 @@ fn coarse_levels_and_pages_near_the_focus_come_first() {
         };
         beside(0).hypot(beside(1)).floor()
     };
-    let distances: Vec<f64> = objects.1.lock().unwrap().iter().map(distance).collect();
+    let distances: Vec<f64> = cache.1.lock().unwrap().iter().map(distance).collect();
     assert!(
         distances.len() > 20 && distances.is_sorted() && distances.last() > distances.first(),
         "{distances:?}"

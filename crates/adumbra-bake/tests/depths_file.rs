@@ -1,7 +1,7 @@
 //! Files of bakes: written, read back, and refused if damaged.
 
 use adumbra::layout::depths::code::Place;
-use adumbra::{AtRest, ShadowFile, Sun};
+use adumbra::{Encoding, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_files::replace_file;
 use adumbra_scene::random::Random;
@@ -20,7 +20,7 @@ fn depths_file_is_read_as_it_was_written() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("city.adumbra");
     let file = baked(GeneratedKind::City, 1024);
-    let bytes = replace_file(&path, |out| file.write_to(out, AtRest::default())).unwrap();
+    let bytes = replace_file(&path, |out| file.write_to(out, Encoding::default())).unwrap();
     assert_eq!(bytes, path.metadata().unwrap().len());
     let again = ShadowFile::read(&path).unwrap();
     assert_eq!(again, file);
@@ -37,13 +37,13 @@ fn coded_file_has_the_words_of_the_raw_one() {
         let file = bake_file(&generate(kind, 3), &options).unwrap();
         // 1024 and 256 texels; a level of 64 would be left out.
         assert_eq!(file.level_count(), 2);
-        let [raw, coded] = [AtRest::Raw, AtRest::Coded].map(|at_rest| file.to_bytes(at_rest).unwrap());
+        let [raw, coded] = [Encoding::Raw, Encoding::Coded].map(|encoding| file.to_bytes(encoding).unwrap());
         assert_eq!(raw.len() as u64, file.encoded_len());
         assert!(2 * coded.len() < raw.len(), "{kind:?}, {frame:?}: {} of {}", coded.len(), raw.len());
         let decoded = ShadowFile::from_bytes(&coded).unwrap();
         assert_eq!(decoded, file, "{kind:?}, {frame:?}");
-        assert!(decoded.to_bytes(AtRest::Raw).unwrap() == raw, "{kind:?}, {frame:?}");
-        assert!(ShadowFile::from_bytes(&raw).unwrap().to_bytes(AtRest::Coded).unwrap() == coded);
+        assert!(decoded.to_bytes(Encoding::Raw).unwrap() == raw, "{kind:?}, {frame:?}");
+        assert!(ShadowFile::from_bytes(&raw).unwrap().to_bytes(Encoding::Coded).unwrap() == coded);
     }
 }
 
@@ -56,15 +56,15 @@ fn depths_file_that_is_cut_or_changed_is_refused() {
         std::fs::write(&path, bytes).unwrap();
         ShadowFile::read(&path).is_err()
     };
-    for at_rest in [AtRest::Raw, AtRest::Coded] {
-        let bytes = file.to_bytes(at_rest).unwrap();
+    for encoding in [Encoding::Raw, Encoding::Coded] {
+        let bytes = file.to_bytes(encoding).unwrap();
         for length in 0..bytes.len() {
-            assert!(refused(&bytes[..length]), "{at_rest:?}: {length}");
+            assert!(refused(&bytes[..length]), "{encoding:?}: {length}");
         }
         for at in 0..bytes.len() {
             let mut changed = bytes.clone();
             changed[at] ^= 1 << (at & 7);
-            assert!(refused(&changed), "{at_rest:?}: {at}");
+            assert!(refused(&changed), "{encoding:?}: {at}");
         }
     }
 }

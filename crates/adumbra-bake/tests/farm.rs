@@ -4,9 +4,9 @@ use std::io::Cursor;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use adumbra::{AtRest, Bounds, Receivers, Sun};
+use adumbra::{Bounds, Encoding, Receivers, Sun};
 use adumbra_bake::{
-    BakeOptions, BakePlan, Error, Objects, PartBaker, Size, Watch, bake_to, bake_with_objects, link,
+    BakeCache, BakeOptions, BakePlan, Error, PartBaker, Size, Watch, bake_to, bake_with_cache, link,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
@@ -25,9 +25,9 @@ fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
     out.into_inner()
 }
 
-fn linked(plan: &BakePlan, objects: &Arc<dyn Objects>, limits: &BakeOptions) -> Result<Vec<u8>, Error> {
+fn linked(plan: &BakePlan, cache: &Arc<dyn BakeCache>, limits: &BakeOptions) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
-    link(plan, objects, limits, Watch::none(), &mut out)?;
+    link(plan, cache, limits, Watch::none(), &mut out)?;
     Ok(out.into_inner())
 }
 
@@ -36,7 +36,7 @@ fn through_text(plan: &BakePlan) -> BakePlan {
     serde_json::from_str(&serde_json::to_string(plan).unwrap()).expect("a plan that was written can be read")
 }
 
-fn store() -> Arc<dyn Objects> {
+fn store() -> Arc<dyn BakeCache> {
     Arc::new(InMemory::default())
 }
 
@@ -50,7 +50,7 @@ fn link_in_any_order(kind: GeneratedKind, options: &BakeOptions, random: &mut Ra
         assert_eq!(read, plan);
         read
     };
-    let objects = store();
+    let cache = store();
     let mut ids: Vec<usize> = (0..plan.parts().len()).collect();
     for last in (1..ids.len()).rev() {
         ids.swap(last, (random.unit() * (last + 1) as f64) as usize);
@@ -59,20 +59,20 @@ fn link_in_any_order(kind: GeneratedKind, options: &BakeOptions, random: &mut Ra
     for some in ids.chunks(5) {
         // Each on a machine of its own.
         let baker = PartBaker::new(&scene, &plan, options).unwrap();
-        let done = baker.bake(some, &objects, Watch::none()).unwrap();
+        let done = baker.bake(some, &cache, Watch::none()).unwrap();
         assert_eq!((done.baked, done.reused), (some.len(), 0));
         baked += done.baked;
-        let again = baker.bake(some, &objects, Watch::none()).unwrap();
+        let again = baker.bake(some, &cache, Watch::none()).unwrap();
         assert_eq!((again.baked, again.reused), (0, some.len()));
     }
     assert_eq!(baked, plan.parts().len());
     let bytes = fresh(&scene, options);
-    assert!(linked(&plan, &objects, options).unwrap() == bytes, "{kind:?}");
-    // The options of the plan make the same file in one go, and find the same objects.
+    assert!(linked(&plan, &cache, options).unwrap() == bytes, "{kind:?}");
+    // The options of the plan make the same file in one go, and find the same entries.
     let mut out = Cursor::new(Vec::new());
-    let written = bake_with_objects(&scene, &plan.options(), &objects, Watch::none(), &mut out).unwrap();
+    let written = bake_with_cache(&scene, &plan.options(), &cache, Watch::none(), &mut out).unwrap();
     assert!(out.into_inner() == bytes, "{kind:?}");
-    assert_eq!(written.report.reused_tiles, written.report.tiles);
+    assert_eq!(written.report.reused_root_blocks, written.report.root_blocks);
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn parts_in_any_order_link_to_the_bytes_of_one_bake() {
     let bounds = Some(Bounds { min: [-90.0, -1.0, -80.0], max: [70.0, 60.0, 90.0] });
     let cases = [
         (GeneratedKind::City, options(2048)),
-        (GeneratedKind::Primitives, BakeOptions { at_rest: AtRest::Raw, levels: 1, ..options(1024) }),
+        (GeneratedKind::Primitives, BakeOptions { encoding: Encoding::Raw, levels: 1, ..options(1024) }),
         (GeneratedKind::City, BakeOptions { bounds, thickness_world: 0.3, ..options(1024) }),
         (
             GeneratedKind::Wires,
@@ -117,17 +117,17 @@ fn shards_are_the_parts_once_each_with_about_equal_costs() {
 }
 
 #[test]
-fn missing_damaged_and_foreign_objects_are_errors() {
+fn missing_damaged_and_foreign_entries_are_errors() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let plan = BakePlan::new(&scene, &options).unwrap();
     let memory = Arc::new(InMemory::default());
-    let objects: Arc<dyn Objects> = memory.clone();
-    let error = linked(&plan, &objects, &options).unwrap_err();
+    let cache: Arc<dyn BakeCache> = memory.clone();
+    let error = linked(&plan, &cache, &options).unwrap_err();
     assert!(matches!(error, Error::MissingParts { .. }), "{error}");
     let all: Vec<usize> = (0..plan.parts().len()).collect();
     let baker = PartBaker::new(&scene, &plan, &options).unwrap();
-    baker.bake(&all, &objects, Watch::none()).unwrap();
-    let bytes = linked(&plan, &objects, &options).unwrap();
+    baker.bake(&all, &cache, Watch::none()).unwrap();
+    let bytes = linked(&plan, &cache, &options).unwrap();
     // One is lost, one has a wrong bit, and one is another's.
     let keys: Vec<_> = [0, 1, 2].map(|id| *plan.parts()[id].key()).into();
     {
@@ -137,12 +137,12 @@ fn missing_damaged_and_foreign_objects_are_errors() {
         held.insert(keys[1], other);
         held.get_mut(&keys[2]).unwrap()[60] ^= 4;
     }
-    let error = linked(&plan, &objects, &options).unwrap_err();
+    let error = linked(&plan, &cache, &options).unwrap_err();
     assert!(matches!(error, Error::MissingParts { .. }), "{error}");
-    let done = baker.bake(&all, &objects, Watch::none()).unwrap();
+    let done = baker.bake(&all, &cache, Watch::none()).unwrap();
     assert_eq!((done.baked, done.reused), (3, all.len() - 3));
-    assert!(linked(&plan, &objects, &options).unwrap() == bytes);
-    let error = baker.bake(&[0, all.len()], &objects, Watch::none()).unwrap_err();
+    assert!(linked(&plan, &cache, &options).unwrap() == bytes);
+    let error = baker.bake(&[0, all.len()], &cache, Watch::none()).unwrap_err();
     assert!(matches!(error, Error::NoPart { id, last } if id == all.len() && last == id - 1), "{error}");
 }
 
@@ -191,43 +191,43 @@ fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let plan = BakePlan::new(&scene, &options).unwrap();
     let memory = Arc::new(InMemory::default());
-    let objects: Arc<dyn Objects> = memory.clone();
+    let cache: Arc<dyn BakeCache> = memory.clone();
     let all: Vec<usize> = (0..plan.parts().len()).collect();
     let baker = PartBaker::new(&scene, &plan, &options).unwrap();
     let (cancel, seen) = (AtomicBool::new(false), AtomicUsize::new(0));
     let progress = |p: adumbra_bake::Progress| {
-        if seen.fetch_max(p.done_tiles, Ordering::Relaxed) > p.total_tiles / 3 {
+        if seen.fetch_max(p.done, Ordering::Relaxed) > p.total / 3 {
             cancel.store(true, Ordering::Relaxed);
         }
     };
     // One thread sees at once that it is to end.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
-    let error = pool.install(|| baker.bake(&all, &objects, Watch::new(&progress, &cancel)).unwrap_err());
+    let error = pool.install(|| baker.bake(&all, &cache, Watch::new(&progress, &cancel)).unwrap_err());
     assert!(matches!(error, Error::Interrupted), "{error}");
     let kept = memory.len();
     assert!(kept > 0 && kept < all.len(), "{kept}");
-    let done = baker.bake(&all, &objects, Watch::none()).unwrap();
+    let done = baker.bake(&all, &cache, Watch::none()).unwrap();
     assert_eq!((done.baked, done.reused), (all.len() - kept, kept));
-    assert!(linked(&plan, &objects, &options).unwrap() == fresh(&scene, &options));
+    assert!(linked(&plan, &cache, &options).unwrap() == fresh(&scene, &options));
 }
 
 #[test]
 fn memory_limit_of_linking_spills_and_changes_no_byte() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(2048));
     let plan = BakePlan::new(&scene, &options).unwrap();
-    let objects = store();
+    let cache = store();
     let all: Vec<usize> = (0..plan.parts().len()).collect();
-    PartBaker::new(&scene, &plan, &options).unwrap().bake(&all, &objects, Watch::none()).unwrap();
+    PartBaker::new(&scene, &plan, &options).unwrap().bake(&all, &cache, Watch::none()).unwrap();
     let limits = |bytes| BakeOptions { max_memory_bytes: bytes, ..options.clone() };
     let within = |bytes: Option<u64>| {
         let mut out = Cursor::new(Vec::new());
-        let written = link(&plan, &objects, &limits(bytes), Watch::none(), &mut out).unwrap();
+        let written = link(&plan, &cache, &limits(bytes), Watch::none(), &mut out).unwrap();
         (out.into_inner(), written.report)
     };
     let (plain, report) = within(None);
     assert_eq!(report.spilled_bytes, 0);
     let (bytes, report) = within(Some(report.accounted_bytes - (64 << 10)));
     assert!(bytes == plain && report.spilled_bytes > 0, "{report:?}");
-    let error = linked(&plan, &objects, &limits(Some(1 << 10))).unwrap_err();
+    let error = linked(&plan, &cache, &limits(Some(1 << 10))).unwrap_err();
     assert!(matches!(error, Error::MemoryLimit { .. }), "{error}");
 }

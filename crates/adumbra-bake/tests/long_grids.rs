@@ -23,10 +23,10 @@ fn the_number_of_tiles_does_not_grow_with_the_length_of_a_shadow() {
             levels: 1,
             ..BakeOptions::new(sun, Size::Resolution(512))
         };
-        all.push(estimate(&wall(), &options).unwrap().tiles);
+        all.push(estimate(&wall(), &options).unwrap().root_blocks);
     }
     // A shadow of 11 km has 120 times the texels of one of 60 m.
-    assert!(all.iter().all(|&tiles| tiles <= 20 * all[0]), "{all:?}");
+    assert!(all.iter().all(|&root_blocks| root_blocks <= 20 * all[0]), "{all:?}");
 }
 
 #[test]

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use adumbra::regions::{RegionSampler, Regions};
 use adumbra::{Bounds, Filter, LightGrid, RangeField, Region, ShadowFile, Sun};
 use adumbra_bake::{
-    BakeOptions, BakePlan, Baker, Error, FrameChoice, MemoryObjects, Objects, PartBaker, RegionPlan, Size,
-    Watch, bake, bake_to, bake_with_objects, link,
+    BakeCache, BakeOptions, BakePlan, Baker, Error, FrameChoice, MemoryCache, PartBaker, RegionPlan, Size,
+    Watch, bake, bake_to, bake_with_cache, link,
 };
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_testing::{add_box, add_quad, full, scene_of};
@@ -204,7 +204,7 @@ fn worlds_too_wide_for_a_file_are_cut_into_regions() {
 fn parts_of_a_region_link_to_the_bytes_of_its_bake() {
     let scene = generate(GeneratedKind::Primitives, 3);
     let plan = RegionPlan::new(&scene, &options(FrameChoice::Oblique, 2048.0), TEXELS).unwrap();
-    let objects: Arc<dyn Objects> = Arc::new(MemoryObjects::default());
+    let cache: Arc<dyn BakeCache> = Arc::new(MemoryCache::default());
     let mut reused = 0;
     for region in plan.regions().take(3) {
         let options = plan.options(region);
@@ -214,13 +214,13 @@ fn parts_of_a_region_link_to_the_bytes_of_its_bake() {
         let parts: BakePlan = serde_json::from_str(&serde_json::to_string(&parts).unwrap()).unwrap();
         let ids: Vec<usize> = (0..parts.parts().len()).collect();
         let baker = PartBaker::new(&scene, &parts, &options).unwrap();
-        baker.bake(&ids, &objects, Watch::none()).unwrap();
+        baker.bake(&ids, &cache, Watch::none()).unwrap();
         let mut linked = Cursor::new(Vec::new());
-        link(&parts, &objects, &options, Watch::none(), &mut linked).unwrap();
+        link(&parts, &cache, &options, Watch::none(), &mut linked).unwrap();
         assert!(linked.get_ref() == fresh.get_ref(), "{region:?}");
         let mut again = Cursor::new(Vec::new());
-        let written = bake_with_objects(&scene, &options, &objects, Watch::none(), &mut again).unwrap();
-        reused += written.report.reused_tiles;
+        let written = bake_with_cache(&scene, &options, &cache, Watch::none(), &mut again).unwrap();
+        reused += written.report.reused_root_blocks;
         assert!(again.get_ref() == fresh.get_ref(), "{region:?}");
         // An edit in memory gives the same file too.
         let mut baker = Baker::new(scene.clone(), &options).unwrap();
@@ -231,7 +231,7 @@ fn parts_of_a_region_link_to_the_bytes_of_its_bake() {
         let coarse = ShadowFile::from_bytes(coarse.get_ref()).unwrap();
         assert!(Some(coarse.grid) == baker.file().unwrap().level(1).map(|level| level.grid), "{region:?}");
     }
-    assert!(reused > 0, "nothing was taken from the objects");
+    assert!(reused > 0, "nothing was taken from the entries");
 }
 
 #[test]

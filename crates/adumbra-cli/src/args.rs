@@ -23,7 +23,7 @@ use adumbra_program::query::Query;
 use adumbra_program::schemas::SchemaArgs;
 use adumbra_program::verify::Verify;
 use adumbra_scene::GeneratedKind;
-pub(crate) use bake::Bake;
+pub(crate) use bake::{Bake, EncodingArg};
 use clap::builder::PossibleValue;
 use clap::{Parser, Subcommand, ValueEnum};
 pub(crate) use farm::{ExportFormat, Link, Plan, Tile};
@@ -82,10 +82,7 @@ pub(crate) enum Verb {
         Example: adumbra query city.adumbra --points p.f32 --normals n.f32 --filter 9 -o v.f32"
     )]
     Query(QueryFile),
-    /// Write a shadow file for a web page
-    #[command(after_help = "Example: adumbra export city.adumbra --web public/city.adumbra")]
-    Export(Export),
-    /// Look after what bake --cache keeps
+    /// Inspect or prune a bake cache
     #[command(subcommand)]
     Cache(Cache),
     /// Write what a bake consists of, so that many machines can share it
@@ -100,12 +97,9 @@ pub(crate) enum Verb {
     /// Make the shadow file of a plan whose parts are baked; exit code 75 if some are missing
     #[command(after_help = "Example: adumbra link --plan city.plan.json -o city.adumbra")]
     Link(Link),
-    /// Store a shadow file with the context coder, at about a third of its bytes
-    #[command(after_help = "Example: adumbra pack city.adumbra")]
-    Pack(Convert),
-    /// Store a shadow file as it is in memory, for loading without decoding
-    #[command(after_help = "Example: adumbra unpack city.adumbra -o city.raw.adumbra")]
-    Unpack(Convert),
+    /// Convert a shadow file to another encoding
+    #[command(after_help = "Example: adumbra convert city.adumbra --encoding raw -o city.raw.adumbra")]
+    Convert(Convert),
     /// Tell how long points see the sun on a day, to the minute, by rays
     #[command(
         after_help = "North is -Z and east +X. Each step of the day counts as lit if its first sun is.\n\n\
@@ -222,8 +216,18 @@ pub(crate) struct Info {
     /// Level of detail of the picture, 0 = the finest
     #[arg(long, value_name = "N", default_value_t = 0, requires = "picture")]
     pub(crate) level: u32,
+    /// Print the lines that an app needs to use the file, and nothing else
+    #[arg(long, value_enum, value_name = "ENGINE", conflicts_with_all = ["picture", "json"])]
+    pub(crate) snippet: Option<SnippetArg>,
     #[command(flatten)]
     pub(crate) run: RunArgs,
+}
+
+/// What a snippet is for.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(crate) enum SnippetArg {
+    /// A web page with three.js
+    Three,
 }
 
 /// A level of detail of a shadow file.
@@ -273,6 +277,9 @@ pub(crate) struct QueryFile {
 pub(crate) struct Convert {
     /// Shadow file
     pub(crate) file: PathBuf,
+    /// How the new file is stored
+    #[arg(long, value_enum)]
+    pub(crate) encoding: EncodingArg,
     /// The shadow file to write [default: the file itself]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
@@ -292,7 +299,7 @@ pub(crate) enum Cache {
 
 #[derive(clap::Args)]
 pub(crate) struct CacheInfo {
-    /// Folder or URL of bake --cache
+    /// Folder or URL of a bake cache
     pub(crate) place: PathBuf,
     /// Print JSON
     #[arg(long)]
@@ -301,7 +308,7 @@ pub(crate) struct CacheInfo {
 
 #[derive(clap::Args)]
 pub(crate) struct CachePrune {
-    /// Folder or URL of bake --cache
+    /// Folder or URL of a bake cache
     pub(crate) place: PathBuf,
     /// What may stay, such as 500MB or 2GiB
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
@@ -309,17 +316,6 @@ pub(crate) struct CachePrune {
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
-}
-
-#[derive(clap::Args)]
-pub(crate) struct Export {
-    /// Shadow file
-    pub(crate) file: PathBuf,
-    /// Copy for a web page, coded; prints the lines to paste into the page
-    #[arg(long, value_name = "FILE")]
-    pub(crate) web: PathBuf,
-    #[command(flatten)]
-    pub(crate) run: RunArgs,
 }
 
 #[cfg(feature = "render")]

@@ -32,7 +32,7 @@ pub struct Report {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sun_origin: Option<SunOrigin>,
     /// Angular diameter in degrees of the sun's disc in the truth for soft techniques.
-    pub sun_angle_degrees: f64,
+    pub sun_degrees: f64,
     /// Rays per pixel towards that disc.
     pub sun_samples: u32,
     /// Number of frames that each median is taken over.
@@ -116,7 +116,7 @@ pub struct BakedFigures {
 pub enum TruthKind {
     /// One ray towards the middle of the sun.
     Hard,
-    /// Rays towards a disc of [`Report::sun_angle_degrees`].
+    /// Rays towards a disc of [`Report::sun_degrees`].
     Disc,
 }
 
@@ -320,7 +320,7 @@ impl Report {
             lit pixels called shadowed. Clear of edges: the same two, counting only pixels more than two of the \
             technique's texels away from any edge of the true shadow.\n\n{}\n",
             self.frames,
-            self.sun_angle_degrees,
+            self.sun_degrees,
             self.sun_samples,
             table.markdown()
         )

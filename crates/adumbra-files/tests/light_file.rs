@@ -4,7 +4,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use adumbra::{AtRest, IoError, ShadowFile};
+use adumbra::{Encoding, IoError, ShadowFile};
 use adumbra_files::replace_file;
 use adumbra_testing::{EarlierFile, vectors};
 
@@ -13,7 +13,7 @@ fn example() -> Vec<u8> {
 }
 
 fn write(file: &ShadowFile, path: &Path) -> Result<u64, IoError> {
-    replace_file(path, |out| file.write_to(out, AtRest::Raw))
+    replace_file(path, |out| file.write_to(out, Encoding::Raw))
 }
 
 #[test]

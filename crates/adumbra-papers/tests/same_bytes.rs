@@ -4,7 +4,7 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use adumbra::{AtRest, Sun};
+use adumbra::{Encoding, Sun};
 use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size, Watch, bake};
 use adumbra_papers::dag::DagLayout;
 use adumbra_papers::dag::build::{self, DagOptions};
@@ -29,8 +29,9 @@ fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) ->
     let in_frame =
         |frame| BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let mut bytes = Cursor::new(Vec::new());
-    let mut quadtree =
-        |frame| bake(scene, &in_frame(frame), Watch::none()).unwrap().file.write_to(&mut bytes, AtRest::Raw);
+    let mut quadtree = |frame| {
+        bake(scene, &in_frame(frame), Watch::none()).unwrap().file.write_to(&mut bytes, Encoding::Raw)
+    };
     match kind {
         "depths" => quadtree(FrameChoice::Light),
         "oblique" => quadtree(FrameChoice::Oblique),

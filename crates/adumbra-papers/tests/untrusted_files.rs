@@ -4,7 +4,7 @@
 use adumbra::layout::depths::code::LeafHead;
 use adumbra::layout::depths::page::PAGE_LEVEL;
 use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, TreeBuilder};
-use adumbra::{AtRest, Bias, FileSettings, Filter, PointVisibility, ShadowFile};
+use adumbra::{Bias, Encoding, FileSettings, Filter, PointVisibility, ShadowFile};
 use adumbra_papers::dag::build::convert::{depths_of, graph_of, graph_of_depths, unpack};
 use adumbra_papers::dag::packed::{PackedDag, PackedError};
 use adumbra_papers::dag::plain::{Dag, LIT};
@@ -28,7 +28,7 @@ fn tall_depths() -> ShadowFile {
     let tree = TreeBuilder::new(size, Vec::new()).finish().unwrap();
     let grid = overhead_grid([0.0, 8.0, 0.0], size);
     let settings = FileSettings { resolution: 8, ..settings_for(&grid) };
-    let bytes = ShadowFile::new(grid, settings, tree).to_bytes(AtRest::Raw).unwrap();
+    let bytes = ShadowFile::new(grid, settings, tree).to_bytes(Encoding::Raw).unwrap();
     assert!(bytes.len() < 1_000, "{} bytes", bytes.len());
     ShadowFile::from_bytes(&bytes).unwrap()
 }

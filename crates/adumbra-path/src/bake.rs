@@ -97,7 +97,7 @@ pub fn bake_path(
     for run in runs {
         placer.place(run, |Candidate { step, file, .. }, gap| {
             let mut bytes = Cursor::new(Vec::new());
-            file.write_to(&mut bytes, options.bake.at_rest)?;
+            file.write_to(&mut bytes, options.bake.encoding)?;
             let seconds = steps[*step].seconds;
             let raw_bytes = file.encoded_len();
             let key = BakedKey { step: *step, seconds, bytes: bytes.into_inner(), raw_bytes, gap };

@@ -28,7 +28,7 @@ fn options_of_range(error: &RangeError) -> Option<&'static str> {
         | RangeField::PenumbraRadius
         | RangeField::PointCount
         | RangeField::GroundSize
-        | RangeField::SunAngle
+        | RangeField::SunDegrees
         | RangeField::Placement => return None,
     })
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use adumbra::file::FileMemory;
 use adumbra::regions::Regions;
-use adumbra::{AtRest, IoError, ShadowFile, SunPath};
+use adumbra::{Encoding, IoError, ShadowFile, SunPath};
 
 use crate::exit::Failure;
 use crate::memory::MemoryLimit;
@@ -34,10 +34,10 @@ impl MemoryLimit {
     /// # Errors
     ///
     /// Returns [`Failure`] if the file cannot be read, or if it or coding it does not fit into the limit.
-    pub fn read_to_store(&self, path: &Path, at_rest: AtRest) -> Result<ShadowFile, Failure> {
+    pub fn read_to_store(&self, path: &Path, encoding: Encoding) -> Result<ShadowFile, Failure> {
         self.check_files("storing the shadow file", || {
             let FileMemory { peak_bytes, writing_bytes, .. } = ShadowFile::memory(path)?;
-            Ok(if at_rest == AtRest::Coded { peak_bytes.max(writing_bytes) } else { peak_bytes })
+            Ok(if encoding == Encoding::Coded { peak_bytes.max(writing_bytes) } else { peak_bytes })
         })?;
         Ok(ShadowFile::read(path)?)
     }

@@ -50,7 +50,7 @@ pub struct Bias {
 /// How the voxels of a file are stored.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "lowercase")]
-pub enum AtRest {
+pub enum Encoding {
     /// As they are in memory.
     Raw,
     /// Coded, in about a third of the bytes.
@@ -138,9 +138,9 @@ mod tests {
         let schema = schemars::schema_for!(FileSettings).to_value();
         assert_described(&schema, &json!(settings));
         assert_described(&schema, &json!(elsewhere));
-        let at_rest = schemars::schema_for!(AtRest).to_value();
-        for way in [adumbra::AtRest::Raw, adumbra::AtRest::Coded] {
-            assert_described(&at_rest, &json!(way));
+        let encoding = schemars::schema_for!(Encoding).to_value();
+        for way in [adumbra::Encoding::Raw, adumbra::Encoding::Coded] {
+            assert_described(&encoding, &json!(way));
         }
         let frame = schemars::schema_for!(Frame).to_value();
         assert_described(&frame, &json!(adumbra::Frame::Light));

@@ -18,7 +18,7 @@ pub enum Style {
     /// A line every ten seconds.
     Plain,
     /// JSON lines, at most ten per second:
-    /// {"event","done_tiles","total_tiles","texels_per_second","eta_seconds","graph_bytes"}.
+    /// {"event","done","total","texels_per_second","eta_seconds","result_bytes"}.
     Json,
     /// Nothing.
     None,
@@ -29,19 +29,19 @@ pub enum Style {
 pub struct Line {
     /// `bake`, or `trace` where points are traced.
     event: &'static str,
-    /// Number of tiles that are done. Of a tree, a tile is one of 512 equal cubes, and of points a block of them.
-    done_tiles: usize,
-    /// Total number of tiles.
-    total_tiles: usize,
+    /// Number of units that are done: root blocks of a bake, 512 equal cubes of a tree, or blocks of points.
+    done: usize,
+    /// Total number of units.
+    total: usize,
     /// Texels per second since the bake began. Of a tree, these are voxels, and of points themselves.
     texels_per_second: f64,
     /// Estimated seconds until the bake is done, extrapolated from the time so far. Null at first.
     eta_seconds: Option<f64>,
     /// Bytes of memory that the result takes so far.
-    graph_bytes: u64,
+    result_bytes: u64,
 }
 
-/// Share of the tiles below which no remaining time is estimated.
+/// Share of the units below which no remaining time is estimated.
 const WARM_UP_SHARE: f64 = 0.03;
 
 /// The units that progress is counted in.
@@ -54,8 +54,9 @@ pub struct Units {
 }
 
 impl Units {
-    /// Tiles and texels, for light-aligned bakes.
-    pub const TEXELS: Self = Self { event: "bake", doing: "baking", parts: "tiles", millions: "Mtexel" };
+    /// Root blocks and texels, for light-aligned bakes.
+    pub const TEXELS: Self =
+        Self { event: "bake", doing: "baking", parts: "root blocks", millions: "Mtexel" };
     /// Cubes and voxels, for world-aligned bakes.
     pub const VOXELS: Self = Self { event: "bake", doing: "baking", parts: "cubes", millions: "Mvoxel" };
     /// Blocks of points, for rays from points.
@@ -90,24 +91,24 @@ impl Reporter {
     pub fn update(&self, p: Progress) {
         let mut state = self.state.lock().unwrap_or_else(|e| e.into_inner());
         let seconds = self.start.elapsed().as_secs_f64();
-        let share = p.done_tiles as f64 / p.total_tiles as f64;
-        let rate = p.done_tiles as f64 * p.texels_per_tile as f64 / seconds.max(1e-9);
+        let share = p.done as f64 / p.total as f64;
+        let rate = p.done as f64 * p.texels_per_unit as f64 / seconds.max(1e-9);
         // Points come by thousands a second, texels by millions.
         let decimals = if rate < 1e7 { 2 } else { 0 };
         let eta = (share >= WARM_UP_SHARE).then(|| seconds * (1.0 - share) / share);
         let format_eta = eta.map_or("warming up".to_owned(), |s| format!("{s:.0} s left"));
-        let finished = p.done_tiles == p.total_tiles;
+        let finished = p.done == p.total;
         let due = |last: Option<Instant>, gap: Duration| last.is_none_or(|t| t.elapsed() >= gap) || finished;
         match self.style {
             Style::Auto => {
-                let bar = state.bar.get_or_insert_with(|| new_bar(p.total_tiles as u64, self.units));
-                bar.set_position(p.done_tiles as u64);
+                let bar = state.bar.get_or_insert_with(|| new_bar(p.total as u64, self.units));
+                bar.set_position(p.done as u64);
                 bar.set_message(format!(
                     "{:.*} {}/s, {:.1} MB, {format_eta}",
                     decimals,
                     rate / 1e6,
                     self.units.millions,
-                    p.graph_bytes as f64 / 1e6
+                    p.result_bytes as f64 / 1e6
                 ));
                 if finished {
                     bar.finish_and_clear();
@@ -120,13 +121,13 @@ impl Reporter {
                     crate::note!(
                         "{}: {} of {} {}, {:.*} {}/s, {:.1} MB, {format_eta}",
                         self.units.doing,
-                        p.done_tiles,
-                        p.total_tiles,
+                        p.done,
+                        p.total,
                         self.units.parts,
                         decimals,
                         rate / 1e6,
                         self.units.millions,
-                        p.graph_bytes as f64 / 1e6
+                        p.result_bytes as f64 / 1e6
                     );
                 }
             }
@@ -135,11 +136,11 @@ impl Reporter {
                     state.last = Some(Instant::now());
                     let line = Line {
                         event: self.units.event,
-                        done_tiles: p.done_tiles,
-                        total_tiles: p.total_tiles,
+                        done: p.done,
+                        total: p.total,
                         texels_per_second: rate,
                         eta_seconds: eta,
-                        graph_bytes: p.graph_bytes,
+                        result_bytes: p.result_bytes,
                     };
                     if let Ok(line) = serde_json::to_value(&line) {
                         crate::note!("{line}");

@@ -1,17 +1,17 @@
-//! Keeps the objects of bakes in a store that many machines share: S3, Google Cloud Storage, Azure Blob Storage, a server
+//! A bake cache in a store that many machines share: S3, Google Cloud Storage, Azure Blob Storage, a server
 //! with HTTP, or whatever else the crate `object_store` knows.
 //!
 //! ```no_run
 //! use std::sync::Arc;
 //!
-//! use adumbra_bake::{BakeOptions, Objects, Size, Watch, bake_with_objects};
-//! use adumbra_store::StoreObjects;
+//! use adumbra_bake::{BakeCache, BakeOptions, Size, Watch, bake_with_cache};
+//! use adumbra_store::StoreCache;
 //!
 //! let scene = adumbra_scene::load("city.glb".as_ref(), &adumbra_scene::LoadOptions::default())?;
 //! let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
-//! let objects: Arc<dyn Objects> = Arc::new(StoreObjects::open("s3://bucket/city")?);
+//! let cache: Arc<dyn BakeCache> = Arc::new(StoreCache::open("s3://bucket/city")?);
 //! let out = std::fs::File::create("city.adumbra")?;
-//! bake_with_objects(&scene, &BakeOptions::new(sun, Size::Resolution(65_536)), &objects, Watch::none(), out)?;
+//! bake_with_cache(&scene, &BakeOptions::new(sun, Size::Resolution(65_536)), &cache, Watch::none(), out)?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -23,14 +23,14 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra::IoError;
-use adumbra_bake::{Fetched, FolderContents, FolderReport, OBJECT_MAGIC, ObjectKey, Objects};
+use adumbra_bake::{BakeCache, CacheKey, CacheReport, CacheUsage, ENTRY_MAGIC, Fetched};
 use object_store::path::Path;
 use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload};
 use tokio::runtime::{Builder, Runtime};
 use url::Url;
 
-/// Objects in a store, below a URL: `ab/cdef….object` for the key `abcdef…`.
-pub struct StoreObjects {
+/// Entries in a store, below a URL: `ab/cdef….entry` for the key `abcdef…`.
+pub struct StoreCache {
     /// What messages call the store: the URL without a password.
     name: String,
     store: Arc<dyn ObjectStore>,
@@ -38,13 +38,13 @@ pub struct StoreObjects {
     runtime: Runtime,
 }
 
-impl fmt::Debug for StoreObjects {
+impl fmt::Debug for StoreCache {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("StoreObjects").field(&self.name).finish()
+        f.debug_tuple("StoreCache").field(&self.name).finish()
     }
 }
 
-impl StoreObjects {
+impl StoreCache {
     /// Opens a store: `s3://bucket/prefix`, `gs://bucket/prefix`, `az://container/prefix`, `https://server/folder` and so
     /// on. The process's environment has what else is needed, such as `AWS_ACCESS_KEY_ID`, `AWS_ENDPOINT` and
     /// `AWS_ALLOW_HTTP`, under the names that the crate `object_store` defines. Nothing is read yet.
@@ -72,7 +72,7 @@ impl StoreObjects {
         Self::new(shown, Arc::from(store), below)
     }
 
-    /// Keeps objects in a store of the crate `object_store`, below a path. Messages call it `name`.
+    /// Keeps entries in a store of the crate `object_store`, below a path. Messages call it `name`.
     ///
     /// # Errors
     /// Returns [`IoError`] if no threads can be started.
@@ -82,29 +82,29 @@ impl StoreObjects {
         Ok(Self { name, store, below, runtime })
     }
 
-    /// Counts the objects, by their names.
+    /// Counts the entries, by their names.
     ///
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
-    pub fn contents(&self) -> Result<FolderReport, IoError> {
-        let mut contents = FolderContents::default();
+    pub fn contents(&self) -> Result<CacheReport, IoError> {
+        let mut contents = CacheUsage::default();
         for ObjectMeta { size, .. } in self.list()? {
-            contents.objects += 1;
+            contents.entries += 1;
             contents.bytes += size;
         }
-        Ok(FolderReport { contents, failures: Vec::new() })
+        Ok(CacheReport { contents, failures: Vec::new() })
     }
 
-    /// Removes objects until the others have at most `most_bytes`; those that were written longest ago go first, because
+    /// Removes entries until the others have at most `most_bytes`; those that were written longest ago go first, because
     /// stores do not know what was read. Returns what was removed. What cannot be removed stays.
     ///
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
-    pub fn prune(&self, most_bytes: u64) -> Result<FolderReport, IoError> {
+    pub fn prune(&self, most_bytes: u64) -> Result<CacheReport, IoError> {
         let mut list = self.list()?;
         list.sort_by(|a, b| (a.last_modified, &a.location).cmp(&(b.last_modified, &b.location)));
         let mut left: u64 = list.iter().map(|object| object.size).sum();
-        let FolderReport { contents: mut removed, mut failures } = FolderReport::default();
+        let CacheReport { contents: mut removed, mut failures } = CacheReport::default();
         for ObjectMeta { location, size, .. } in list {
             if left <= most_bytes {
                 break;
@@ -112,22 +112,22 @@ impl StoreObjects {
             match self.wait(self.remove(&location, size)) {
                 Ok(true) => {
                     left -= size;
-                    removed.objects += 1;
+                    removed.entries += 1;
                     removed.bytes += size;
                 }
                 Ok(false) => left -= size,
                 Err(error) => failures.push(self.failed("remove", &location, error)),
             }
         }
-        Ok(FolderReport { contents: removed, failures })
+        Ok(CacheReport { contents: removed, failures })
     }
 
-    /// Removes an object. `false` if it is not one, or is gone.
+    /// Removes an entry. `false` if the path holds something else, or another process has removed it.
     async fn remove(&self, path: &Path, size: u64) -> Result<bool, Error> {
-        let length = size.min(OBJECT_MAGIC.len() as u64);
+        let length = size.min(ENTRY_MAGIC.len() as u64);
         if length > 0 {
             match self.store.get_range(path, 0..length).await {
-                Ok(magic) if *magic == OBJECT_MAGIC[..] => {}
+                Ok(magic) if *magic == ENTRY_MAGIC[..] => {}
                 Ok(_) | Err(Error::NotFound { .. }) => return Ok(false),
                 Err(error) => return Err(error),
             }
@@ -149,24 +149,24 @@ impl StoreObjects {
                 let listed = self.wait(self.store.list_with_delimiter(Some(&folder)));
                 let listed = listed.map_err(|error| self.failed("list", &folder, error))?;
                 folders.extend(listed.common_prefixes);
-                let is_object = |object: &ObjectMeta| self.key_of(&object.location).is_some();
-                found.extend(listed.objects.into_iter().filter(is_object));
+                let is_entry = |object: &ObjectMeta| self.key_of(&object.location).is_some();
+                found.extend(listed.objects.into_iter().filter(is_entry));
             }
         }
         Ok(found)
     }
 
-    fn path(&self, key: &ObjectKey) -> Path {
+    fn path(&self, key: &CacheKey) -> Path {
         let name = key.to_string();
         let (folder, rest) = name.split_at(2);
-        self.below.clone().join(folder).join(format!("{rest}.object"))
+        self.below.clone().join(folder).join(format!("{rest}.entry"))
     }
 
-    /// Returns the key of an object by its place.
-    fn key_of(&self, path: &Path) -> Option<ObjectKey> {
+    /// Returns the key of the entry at a path.
+    fn key_of(&self, path: &Path) -> Option<CacheKey> {
         let parts: Vec<_> = path.prefix_match(&self.below)?.collect();
         let [first, rest] = &parts[..] else { return None };
-        let rest = rest.as_ref().strip_suffix(".object")?;
+        let rest = rest.as_ref().strip_suffix(".entry")?;
         (first.as_ref().len() == 2).then(|| format!("{}{rest}", first.as_ref()).parse().ok())?
     }
 
@@ -183,8 +183,8 @@ impl StoreObjects {
         Ok(Fetched::Whole(found.bytes().await?.to_vec()))
     }
 
-    /// Puts an object where there is none. If there is one with the same bytes, nothing is written; another one is damaged,
-    /// and is replaced.
+    /// Writes an entry if there is none. An entry with the same bytes stays as it is; one with other bytes is damaged, and is
+    /// replaced.
     async fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
         let payload = || PutPayload::from(bytes.to_vec());
         let create = PutOptions { mode: PutMode::Create, ..PutOptions::default() };
@@ -227,8 +227,8 @@ fn kind_of_cause(error: &Error) -> ErrorKind {
     ErrorKind::TimedOut
 }
 
-impl Objects for StoreObjects {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+impl BakeCache for StoreCache {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
         let path = self.path(key);
         match self.wait(self.read(&path, most_bytes)) {
             Ok(found) => Ok(found),
@@ -237,7 +237,7 @@ impl Objects for StoreObjects {
         }
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
         let path = self.path(key);
         self.wait(self.write(&path, bytes)).map_err(|error| self.failed("write", &path, error))
     }

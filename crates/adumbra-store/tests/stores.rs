@@ -1,4 +1,4 @@
-//! Objects in stores. The server of S3 is in `python/tests`, because it comes with Python.
+//! Entries in stores. The server of S3 is in `python/tests`, because it comes with Python.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -6,39 +6,39 @@ use std::thread;
 
 use adumbra::Sun;
 use adumbra_bake::{
-    BakeOptions, Fetched, OBJECT_MAGIC, ObjectKey, Objects, Size, Watch, bake_to, bake_with_objects,
+    BakeCache, BakeOptions, CacheKey, ENTRY_MAGIC, Fetched, Size, Watch, bake_to, bake_with_cache,
 };
 use adumbra_scene::{GeneratedKind, Scene, generate};
-use adumbra_store::StoreObjects;
+use adumbra_store::StoreCache;
 use object_store::ObjectStoreExt;
 use object_store::memory::InMemory;
 use object_store::path::Path;
 
-fn key(digit: char) -> ObjectKey {
+fn key(digit: char) -> CacheKey {
     digit.to_string().repeat(64).parse().expect("64 digits")
 }
 
-fn in_memory() -> StoreObjects {
-    StoreObjects::new("memory".to_owned(), Arc::new(InMemory::new()), Path::from("below/here")).unwrap()
+fn in_memory() -> StoreCache {
+    StoreCache::new("memory".to_owned(), Arc::new(InMemory::new()), Path::from("below/here")).unwrap()
 }
 
 #[test]
-fn objects_are_kept_and_damaged_ones_are_replaced() {
+fn entries_are_stored_and_damaged_ones_are_replaced() {
     let store = in_memory();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Nothing);
     store.put(&key('a'), b"first").unwrap();
     store.put(&key('a'), b"first").unwrap();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"first".to_vec()));
-    // Whoever puts other bytes has found the object damaged.
+    // Whoever puts other bytes has found the entry damaged.
     store.put(&key('a'), b"whole").unwrap();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"whole".to_vec()));
     assert_eq!(store.get(&key('a'), 4).unwrap(), Fetched::TooLong(5));
     let all = store.contents().unwrap().contents;
-    assert_eq!((all.objects, all.bytes), (1, 5));
+    assert_eq!((all.entries, all.bytes), (1, 5));
 }
 
 #[test]
-fn writers_of_one_object_are_all_right() {
+fn concurrent_writers_of_one_entry_succeed() {
     let store = in_memory();
     let bytes = vec![7; 100_000];
     thread::scope(|scope| {
@@ -50,41 +50,41 @@ fn writers_of_one_object_are_all_right() {
 }
 
 #[test]
-fn pruned_stores_have_what_was_written_last() {
+fn pruning_keeps_the_latest_entries() {
     let store = in_memory();
-    let object = [&OBJECT_MAGIC[..], &[1; 2]].concat();
+    let entry = [&ENTRY_MAGIC[..], &[1; 2]].concat();
     for digit in '0'..='9' {
-        store.put(&key(digit), &object).unwrap();
+        store.put(&key(digit), &entry).unwrap();
         thread::sleep(std::time::Duration::from_millis(3));
     }
     let removed = store.prune(35).unwrap().contents;
-    assert_eq!((removed.objects, removed.bytes), (7, 70));
-    assert_eq!(store.contents().unwrap().contents.objects, 3);
+    assert_eq!((removed.entries, removed.bytes), (7, 70));
+    assert_eq!(store.contents().unwrap().contents.entries, 3);
     assert!(store.get(&key('6'), 10).unwrap() == Fetched::Nothing);
-    assert!(store.get(&key('7'), 10).unwrap() == Fetched::Whole(object));
+    assert!(store.get(&key('7'), 10).unwrap() == Fetched::Whole(entry));
 }
 
 /// A bucket may have other things in it, and be given by mistake.
 #[test]
-fn what_is_no_object_is_not_removed() {
+fn foreign_objects_are_not_removed() {
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
     let inner = Arc::new(InMemory::new());
-    let store = StoreObjects::new("memory".to_owned(), inner.clone(), Path::from("here")).unwrap();
+    let store = StoreCache::new("memory".to_owned(), inner.clone(), Path::from("here")).unwrap();
     let rest = "a".repeat(62);
     let others = [
-        "here/ab/notes.object".to_owned(),
-        format!("here/abc/{rest}.object"),
-        format!("here/AB/{rest}.object"),
-        format!("here/ab/{rest}a.object"),
+        "here/ab/notes.entry".to_owned(),
+        format!("here/abc/{rest}.entry"),
+        format!("here/AB/{rest}.entry"),
+        format!("here/ab/{rest}a.entry"),
         format!("here/ab/{rest}.backup"),
         // Only its first bytes tell.
-        format!("here/ab/{rest}.object"),
+        format!("here/ab/{rest}.entry"),
     ];
     for path in &others {
-        runtime.block_on(inner.put(&Path::from(&**path), "mine, and not an object".into())).unwrap();
+        runtime.block_on(inner.put(&Path::from(&**path), "mine, and not an entry".into())).unwrap();
     }
-    store.put(&key('a'), OBJECT_MAGIC).unwrap();
-    assert_eq!(store.prune(0).unwrap().contents.objects, 1);
+    store.put(&key('a'), ENTRY_MAGIC).unwrap();
+    assert_eq!(store.prune(0).unwrap().contents.entries, 1);
     for path in &others {
         assert!(runtime.block_on(inner.head(&Path::from(&**path))).is_ok(), "{path}");
     }
@@ -110,12 +110,12 @@ fn bakes_write_the_same_file(scene: &Scene, resolution: u64) {
     bake_to(scene, &options, Watch::none(), &mut fresh).unwrap();
     for number in 0..2 {
         std::fs::create_dir_all(folder.path().join("a b")).unwrap();
-        let objects: Arc<dyn Objects> = Arc::new(StoreObjects::open(&url).unwrap());
+        let cache: Arc<dyn BakeCache> = Arc::new(StoreCache::open(&url).unwrap());
         let mut out = Cursor::new(Vec::new());
-        let written = bake_with_objects(scene, &options, &objects, Watch::none(), &mut out).unwrap();
+        let written = bake_with_cache(scene, &options, &cache, Watch::none(), &mut out).unwrap();
         assert!(out.into_inner() == *fresh.get_ref());
-        let expected = if number == 0 { 0 } else { written.report.tiles };
-        assert_eq!(written.report.reused_tiles, expected);
+        let expected = if number == 0 { 0 } else { written.report.root_blocks };
+        assert_eq!(written.report.reused_root_blocks, expected);
     }
 }
 
@@ -124,7 +124,7 @@ fn urls_that_are_no_stores_are_errors() {
     for (url, expected) in
         [("ftp://server/a", "ftp://server/a"), ("s3://", "s3:"), ("nonsense://x", "nonsense")]
     {
-        let error = StoreObjects::open(url).unwrap_err().to_string();
+        let error = StoreCache::open(url).unwrap_err().to_string();
         assert!(error.contains(expected) && error.contains("s3://bucket/prefix"), "{error}");
     }
 }
@@ -132,10 +132,10 @@ fn urls_that_are_no_stores_are_errors() {
 /// A server that is not there is a matter of time, not of the input.
 #[test]
 fn servers_that_are_away_can_be_asked_again() {
-    // As `StoreObjects::open` does. Another test may have done it already.
+    // As `StoreCache::open` does. Another test may have done it already.
     let _ = rustls::crypto::ring::default_provider().install_default();
     let store = object_store::http::HttpBuilder::new()
-        .with_url("http://127.0.0.1:9/objects")
+        .with_url("http://127.0.0.1:9/entries")
         .with_client_options(object_store::ClientOptions::new().with_allow_http(true))
         .with_retry(object_store::RetryConfig {
             max_retries: 1,
@@ -145,7 +145,7 @@ fn servers_that_are_away_can_be_asked_again() {
         .build()
         .unwrap();
     let store =
-        StoreObjects::new("http://127.0.0.1:9/objects".to_owned(), Arc::new(store), Path::default()).unwrap();
+        StoreCache::new("http://127.0.0.1:9/entries".to_owned(), Arc::new(store), Path::default()).unwrap();
     let error = store.get(&key('c'), 100).unwrap_err();
     let kind = error.source.kind();
     assert!(

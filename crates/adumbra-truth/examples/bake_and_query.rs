@@ -7,7 +7,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use adumbra::{AtRest, Filter, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_files::replace_file;
 use adumbra_scene::{GeneratedKind, LoadOptions, generate, load};
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
     let options = BakeOptions::new(sun, Size::Resolution(8192));
     let baked = bake(&scene, &options, Watch::none())?;
-    let bytes = replace_file(&path, |out| baked.file.write_to(out, AtRest::default()))?;
+    let bytes = replace_file(&path, |out| baked.file.write_to(out, Encoding::default()))?;
     println!("{}: {bytes} bytes, baked in {:.1} s", path.display(), baked.report.seconds);
 
     // What a game does: read the file, take look-ups of 1 × 1 texels, look points up.

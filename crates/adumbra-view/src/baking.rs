@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, MemoryObjects, Objects, Progress, Size, Watch, bake, bake_again};
+use adumbra_bake::{BakeCache, BakeOptions, MemoryCache, Progress, Size, Watch, bake, bake_again};
 
 use crate::background::{background_pool, caught};
 use crate::event::{Event, EventSender};
@@ -57,12 +57,12 @@ fn levels(finest: u64) -> Vec<u64> {
 }
 
 impl RunningBake {
-    /// Starts a bake. `objects` has what earlier bakes have made; without a memory limit they are used.
+    /// Starts a bake. `cache` has what earlier bakes have made; without a memory limit they are used.
     pub(crate) fn start(
         key: BakeKey,
         scene: Arc<LoadedScene>,
         max_memory: Option<u64>,
-        objects: Arc<MemoryObjects>,
+        cache: Arc<MemoryCache>,
         sender: EventSender,
     ) -> Self {
         static NEXT: AtomicU64 = AtomicU64::new(1);
@@ -73,9 +73,9 @@ impl RunningBake {
             let outcome = caught(|| {
                 let pool = background_pool()?;
                 // What only the bake before the last one used will hardly be needed again.
-                objects.remove_unused();
-                let objects = max_memory.is_none().then_some(objects as Arc<dyn Objects>);
-                let inputs = Inputs { scene: &scene, max_memory, objects };
+                cache.remove_unused();
+                let cache = max_memory.is_none().then_some(cache as Arc<dyn BakeCache>);
+                let inputs = Inputs { scene: &scene, max_memory, cache };
                 pool.install(|| bake_levels(number, key, &inputs, &seen, &sender)).map_err(|e| e.to_string())
             });
             if let Err(error) = outcome {
@@ -102,7 +102,7 @@ impl Drop for RunningBake {
 struct Inputs<'a> {
     scene: &'a LoadedScene,
     max_memory: Option<u64>,
-    objects: Option<Arc<dyn Objects>>,
+    cache: Option<Arc<dyn BakeCache>>,
 }
 
 fn bake_levels(
@@ -116,7 +116,7 @@ fn bake_levels(
         // Reports each percent once, because the window redraws its panel for each report.
         let reported = AtomicU32::new(0);
         let done = |p: Progress| {
-            let share = p.done_tiles as f64 / p.total_tiles.max(1) as f64;
+            let share = p.done as f64 / p.total.max(1) as f64;
             let percent = (100.0 * share) as u32;
             if reported.fetch_max(percent, Ordering::Relaxed) < percent {
                 sender.send(Event::Baking { bake: number, resolution, share: share as f32 });
@@ -128,8 +128,8 @@ fn bake_levels(
             ..BakeOptions::new(key.sun, Size::Resolution(resolution))
         };
         let (still, watch) = (&inputs.scene.still, Watch::new(&done, cancel));
-        let baked = match &inputs.objects {
-            Some(objects) => bake_again(still, &options, objects, watch)?,
+        let baked = match &inputs.cache {
+            Some(cache) => bake_again(still, &options, cache, watch)?,
             None => bake(still, &options, watch)?,
         };
         let file = baked.file;

@@ -107,7 +107,8 @@ impl ShownFile {
 
     /// Describes the contents of the file, one line each.
     pub(crate) fn lines(&self) -> Vec<String> {
-        let voxels = format!("{} voxels of {:.3} m", self.settings().resolution, self.grid().voxel_size);
+        let voxels =
+            format!("{} voxels of {:.3} world units", self.settings().resolution, self.grid().voxel_size);
         let mega = |bytes: u64| format!("{:.2} MB", bytes as f64 * 1e-6);
         match self {
             Self::Whole(file) => vec![format!("{voxels}, {}", mega(file.encoded_len()))],

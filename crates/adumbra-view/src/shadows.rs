@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use adumbra_bake::MemoryObjects;
+use adumbra_bake::MemoryCache;
 
 use crate::baking::{BakeKey, RunningBake};
 use crate::event::EventSender;
@@ -20,7 +20,7 @@ pub(crate) struct Shadows {
     stopped: Option<Stopped>,
     max_memory_bytes: Option<u64>,
     /// What earlier bakes have made.
-    objects: Arc<MemoryObjects>,
+    cache: Arc<MemoryCache>,
     sender: EventSender,
 }
 
@@ -60,7 +60,7 @@ impl Shadows {
             given: None,
             stopped: None,
             max_memory_bytes,
-            objects: Arc::default(),
+            cache: Arc::default(),
             sender,
         }
     }
@@ -179,9 +179,9 @@ impl Shadows {
             Some(running) if !wanted || running.key != key => running.cancel(),
             None if wanted => {
                 let sender = self.sender.clone();
-                let objects = self.objects.clone();
+                let cache = self.cache.clone();
                 let scene = scene.clone();
-                self.running = Some(RunningBake::start(key, scene, self.max_memory_bytes, objects, sender));
+                self.running = Some(RunningBake::start(key, scene, self.max_memory_bytes, cache, sender));
             }
             _ => {}
         }

@@ -6,7 +6,7 @@ use std::env;
 use std::error::Error;
 use std::time::{Duration, Instant};
 
-use adumbra::{AtRest, ShadowFile};
+use adumbra::{Encoding, ShadowFile};
 
 /// Times each file is read. The shortest time counts.
 const ROUNDS: usize = 7;
@@ -14,7 +14,7 @@ const ROUNDS: usize = 7;
 fn main() -> Result<(), Box<dyn Error>> {
     let path = env::args().nth(1).ok_or("usage: read_speed FILE.adumbra")?;
     let file = ShadowFile::read(&path)?;
-    let [raw, coded] = [AtRest::Raw, AtRest::Coded].map(|at_rest| file.to_bytes(at_rest));
+    let [raw, coded] = [Encoding::Raw, Encoding::Coded].map(|encoding| file.to_bytes(encoding));
     let (raw, coded) = (raw?, coded?);
     let megabytes = raw.len() as f64 / 1e6;
     let [raw_seconds, coded_seconds] = [shortest(&raw)?, shortest(&coded)?].map(|time| time.as_secs_f64());

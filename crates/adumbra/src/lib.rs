@@ -42,4 +42,4 @@ pub use file::ShadowFile;
 pub use grid::{Bounds, Frame, LightExtent, LightGrid, Placement, Region, Sun};
 pub use path::{PathSampler, SunPath, SunStep};
 pub use query::{Filter, PointVisibility, Sampler};
-pub use settings::{AtRest, Bias, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};
+pub use settings::{Bias, Encoding, FileSettings, MAX_PLANE_SLOPE, MAX_SLOPE, Receivers};

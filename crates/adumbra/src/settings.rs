@@ -53,7 +53,7 @@ impl Bias {
 /// How the voxels of a file are stored. A reader accepts either, and both hold the same voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
-pub enum AtRest {
+pub enum Encoding {
     /// As they are in memory, so that a page can be used without decoding it.
     Raw,
     /// Coded: about a third of the bytes.

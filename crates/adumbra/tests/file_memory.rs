@@ -2,7 +2,7 @@
 
 use adumbra::file::FileMemory;
 use adumbra::layout::depths::PLACED_PAGE_BYTES;
-use adumbra::{AtRest, Error, FormatError, ShadowFile};
+use adumbra::{Encoding, Error, FormatError, ShadowFile};
 use adumbra_testing::{Folder, vectors};
 
 /// Returns the bytes that the levels of a file hold.
@@ -23,10 +23,10 @@ fn memory_of_every_valid_file_is_what_it_holds() {
         // The lab's files are there too.
         let Ok(file) = ShadowFile::read(&path) else { continue };
         with_levels += u32::from(file.level_count() > 1);
-        for at_rest in [AtRest::Raw, AtRest::Coded] {
-            let bytes = file.to_bytes(at_rest).unwrap();
+        for encoding in [Encoding::Raw, Encoding::Coded] {
+            let bytes = file.to_bytes(encoding).unwrap();
             let memory = ShadowFile::memory(folder.write("a.adumbra", &bytes)).unwrap();
-            assert_eq!(memory.held_bytes, held_bytes(&file), "{}, {at_rest:?}", path.display());
+            assert_eq!(memory.held_bytes, held_bytes(&file), "{}, {encoding:?}", path.display());
             // The file's bytes are there until the last level is read.
             assert!(memory.peak_bytes > memory.held_bytes + bytes.len() as u64, "{memory:?}");
         }

@@ -14,7 +14,7 @@ use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 use adumbra::file::Header;
 use adumbra::layout::depths::page::{IN_PAGE, Page};
 use adumbra::layout::depths::{NEVER, UNIFORM};
-use adumbra::{AtRest, Bounds, Error, IoError, Receivers, ShadowFile};
+use adumbra::{Bounds, Encoding, Error, IoError, Receivers, ShadowFile};
 use adumbra_testing::{
     PageParts, TreeParts, assert_faults_found, count_faults, expected_points, faulty_vectors, named_vectors,
     overhead_grid, settings_for, specified_example, vector_answers, vectors,
@@ -28,11 +28,11 @@ fn valid() -> Vec<(String, Vec<u8>)> {
 
 /// Returns name and bytes of every raw vector, sorted by name.
 fn raw() -> Vec<(String, Vec<u8>)> {
-    valid().into_iter().filter(|(_, bytes)| at_rest(bytes) == AtRest::Raw).collect()
+    valid().into_iter().filter(|(_, bytes)| encoding(bytes) == Encoding::Raw).collect()
 }
 
-fn at_rest(bytes: &[u8]) -> AtRest {
-    Header::parse(bytes).expect("a header").at_rest
+fn encoding(bytes: &[u8]) -> Encoding {
+    Header::parse(bytes).expect("a header").encoding
 }
 
 fn example() -> Vec<u8> {
@@ -44,7 +44,7 @@ fn valid_vectors_give_their_answers() {
     let folder = "valid";
     for (name, bytes) in named_vectors(folder, 10) {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
-        assert_eq!(file.to_bytes(at_rest(&bytes)), Ok(bytes), "{name}");
+        assert_eq!(file.to_bytes(encoding(&bytes)), Ok(bytes), "{name}");
         let raw = encode(&file);
         for point in expected_points(&vector_answers(folder, &name)) {
             let (expected, what) = (point.visibility, point.all);
@@ -155,12 +155,12 @@ fn specification_shows_the_example_as_it_is() {
 fn coded_files_hold_the_same_words() {
     for (name, bytes) in raw() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
-        let coded = file.to_bytes(AtRest::Coded).unwrap();
-        assert_eq!(at_rest(&coded), AtRest::Coded);
+        let coded = file.to_bytes(Encoding::Coded).unwrap();
+        assert_eq!(encoding(&coded), Encoding::Coded);
         let decoded = exercise(&coded).unwrap();
         assert_eq!(decoded, file, "{name}");
         assert_eq!(encode(&decoded), bytes, "{name}");
-        assert_eq!(decoded.to_bytes(AtRest::Coded), Ok(coded), "{name}");
+        assert_eq!(decoded.to_bytes(Encoding::Coded), Ok(coded), "{name}");
     }
 }
 
@@ -175,9 +175,9 @@ fn file_of_another_writer_is_not_coded_if_it_would_change() {
     bytes[0] = b'@';
     let bytes = interpret(&bytes);
     let file = exercise(&bytes).unwrap();
-    let error = file.to_bytes(AtRest::Coded).unwrap_err();
+    let error = file.to_bytes(Encoding::Coded).unwrap_err();
     assert_eq!((error.kind(), error.to_string().contains("bundle (0, 0)")), ("Uncodable", true), "{error}");
-    let error = file.write_to(Cursor::new(Vec::new()), AtRest::Coded).unwrap_err();
+    let error = file.write_to(Cursor::new(Vec::new()), Encoding::Coded).unwrap_err();
     assert_eq!(error.kind(), ErrorKind::InvalidData);
 }
 
@@ -240,7 +240,7 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
 fn damage(count: u64) -> (u32, BTreeMap<&'static str, u32>) {
     let coded = raw().into_iter().map(|(name, bytes)| {
         let file = ShadowFile::from_bytes(&bytes).expect("a valid vector");
-        (format!("{name}, coded"), file.to_bytes(AtRest::Coded).expect("a file of a writer"))
+        (format!("{name}, coded"), file.to_bytes(Encoding::Coded).expect("a file of a writer"))
     });
     let all: Vec<_> = raw().into_iter().chain(coded).collect();
     count_faults(&all, count, |bytes, seed| {
@@ -309,10 +309,10 @@ fn failing_writer_is_an_error_after_any_byte() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         let write = |room: usize| {
             let mut disk = FullDisk { room: room as u64, file: Cursor::default() };
-            file.write_to(&mut disk, at_rest(&bytes)).map(|length| (length, disk.file.into_inner()))
+            file.write_to(&mut disk, encoding(&bytes)).map(|length| (length, disk.file.into_inner()))
         };
         // Coding takes longer than writing.
-        let rooms = if at_rest(&bytes) == AtRest::Raw { 1024 } else { 16 };
+        let rooms = if encoding(&bytes) == Encoding::Raw { 1024 } else { 16 };
         for room in (0..bytes.len()).step_by(1 + bytes.len() / rooms) {
             assert_eq!(write(room).unwrap_err().kind(), ErrorKind::StorageFull);
         }
@@ -325,7 +325,7 @@ fn file_is_written_where_the_output_stands() {
     let file = ShadowFile::from_bytes(&example()).unwrap();
     let mut out = Cursor::new(b"before".to_vec());
     out.set_position(6);
-    file.write_to(&mut out, AtRest::Raw).unwrap();
+    file.write_to(&mut out, Encoding::Raw).unwrap();
     assert_eq!(out.position() as usize, out.get_ref().len());
     assert_eq!(out.into_inner(), [b"before".as_slice(), &example()].concat());
 }
@@ -346,9 +346,9 @@ fn file_that_cannot_be_read_is_not_written() {
     let all = wrong.into_iter().chain([ShadowFile::new(file.grid, settings, tree()), level_of_one_size]);
     for (i, wrong) in all.enumerate() {
         let mut written = Cursor::new(Vec::new());
-        let error = wrong.write_to(&mut written, AtRest::Coded).unwrap_err();
+        let error = wrong.write_to(&mut written, Encoding::Coded).unwrap_err();
         assert_eq!(error.kind(), ErrorKind::InvalidData, "{i}: {error}");
-        assert_eq!(wrong.to_bytes(AtRest::Raw).unwrap_err().kind(), "HeaderField", "{i}");
+        assert_eq!(wrong.to_bytes(Encoding::Raw).unwrap_err().kind(), "HeaderField", "{i}");
     }
 }
 

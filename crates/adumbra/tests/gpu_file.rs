@@ -102,7 +102,7 @@ fn look_up_out_of_range_is_refused() {
         field
     };
     for sun_degrees in [0.0, 0.009, 20.1, f64::NAN] {
-        assert_eq!(both_ways(with(Penumbra { sun_degrees, ..Penumbra::default() })), RangeField::SunAngle);
+        assert_eq!(both_ways(with(Penumbra { sun_degrees, ..Penumbra::default() })), RangeField::SunDegrees);
     }
     for max_radius_texels in [0.5, 64.5, f64::NAN] {
         let penumbra = Penumbra { max_radius_texels, ..Penumbra::default() };

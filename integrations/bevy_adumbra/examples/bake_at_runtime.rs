@@ -31,7 +31,7 @@ fn setup(
         ))
         .id();
     commands.bake_shadow(light, BakeSettings { resolution: 4096, ..default() });
-    let root = commands.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    let root = commands.spawn((ShadowStatic, Transform::default(), Visibility::default())).id();
     let ground = meshes.add(Plane3d::default().mesh().size(300.0, 300.0));
     let material = materials.add(Color::srgb(0.8, 0.8, 0.75));
     commands.spawn((Mesh3d(ground), MeshMaterial3d(material.clone()), ChildOf(root)));

@@ -50,7 +50,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
         BakedShadow::new(assets.load("city.adumbra")),
         RenderLayers::layer(2),
     ));
-    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
+    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), ShadowStatic));
     for (order, half) in [Half::Cascades, Half::File].into_iter().enumerate() {
         commands.spawn((
             common::camera(),

@@ -19,7 +19,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
             BakedShadow { align: false, ..BakedShadow::new(assets.load("city.adumbra")) },
         ))
         .observe(|change: On<BakedShadowChanged>| info!("the baked shadow is {}", change.status));
-    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
+    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), ShadowStatic));
     commands.spawn(common::camera());
 }
 

@@ -16,7 +16,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
         VolumetricLight,
         BakedShadow::new(assets.load("city.adumbra")),
     ));
-    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
+    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), ShadowStatic));
     commands.spawn((common::camera(), VolumetricFog { ambient_intensity: 0.05, ..default() }));
     commands.spawn((
         FogVolume { density_factor: 0.008, ..default() },

@@ -116,7 +116,7 @@ fn main() {
 fn set_up(app: &mut App, file: ShadowFile) -> Entity {
     let world = app.world_mut();
     let scene: Handle<WorldAsset> = world.resource::<AssetServer>().load("scene.glb#Scene0");
-    world.spawn((WorldAssetRoot(scene.clone()), BakedStatic));
+    world.spawn((WorldAssetRoot(scene.clone()), ShadowStatic));
     let limits = *world.resource::<DeviceLimits>();
     let file = BakedShadowFile::new(file, limits).expect("a file that fits");
     let file = world.resource_mut::<Assets<BakedShadowFile>>().add(file);

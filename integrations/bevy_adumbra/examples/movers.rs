@@ -22,7 +22,7 @@ fn setup(
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         BakedShadow::new(assets.load("city.adumbra")),
     ));
-    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
+    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), ShadowStatic));
     commands.spawn(common::camera());
     let mesh = meshes.add(Sphere::new(2.0));
     let material = materials.add(Color::srgb(0.9, 0.3, 0.2));

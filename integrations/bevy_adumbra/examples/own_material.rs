@@ -62,7 +62,7 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
         DirectionalLight { shadow_maps_enabled: true, ..default() },
         BakedShadow::new(assets.load("city.adumbra")),
     ));
-    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
+    commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), ShadowStatic));
     commands.spawn(common::camera());
 }
 

@@ -112,7 +112,41 @@ pub(crate) fn give_back(
 
 #[cfg(test)]
 mod tests {
+    use adumbra_bake::{BakeOptions, Size, Watch, bake};
+    use adumbra_scene::{GeneratedKind, generate};
+
     use super::*;
+
+    #[test]
+    fn a_light_below_a_rig_is_kept_wherever_the_rig_turns() {
+        let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
+        let towards_sun = Vec3::from_array(sun.towards().map(|c| c as f32));
+        let options = BakeOptions::new(sun, Size::Resolution(64));
+        let file = bake(&generate(GeneratedKind::Primitives, 1), &options, Watch::none()).unwrap().file;
+        let mut world = World::new();
+        world.init_resource::<Rooted>();
+        world.init_resource::<ShadowStreams>();
+        world.init_resource::<Assets<BakedShadowFile>>();
+        let file = BakedShadowFile::new(file, crate::DeviceLimits::default()).unwrap();
+        let file = world.resource_mut::<Assets<BakedShadowFile>>().add(file);
+        let of_app = Quat::from_rotation_x(-1.0);
+        let rig = world.spawn(Transform::default()).id();
+        let light = (DirectionalLight::default(), BakedShadow::new(file), Transform::from_rotation(of_app));
+        let light = world.spawn((light, ChildOf(rig))).id();
+        let mut systems = Schedule::default();
+        systems.add_systems((give_back, align_lights).chain());
+        for radians in [1.570_796_4, 1.6, 2.9, -0.4] {
+            let turned = Quat::from_rotation_y(radians);
+            world.get_mut::<Transform>(rig).unwrap().rotation = turned;
+            systems.run(&mut world);
+            let towards = turned * (world.get::<Transform>(light).unwrap().rotation * Vec3::Z);
+            assert!(towards.distance(towards_sun) < TURNED, "{radians}");
+            assert!(!world.get::<Aligned>(light).unwrap().has_warned);
+        }
+        world.entity_mut(light).remove::<BakedShadow>();
+        systems.run(&mut world);
+        assert_eq!(world.get::<Transform>(light).unwrap().rotation, of_app);
+    }
 
     #[test]
     fn a_light_that_is_followed_is_not_kept() {

@@ -3,6 +3,7 @@
 use adumbra::{Bias, Filter};
 use bevy::asset::Handle;
 use bevy::ecs::prelude::*;
+use bevy::prelude::Transform;
 use bevy::reflect::prelude::*;
 
 use crate::BakedShadowFile;
@@ -11,7 +12,7 @@ use crate::status::BakedShadowStatus;
 
 /// Shadows of a directional light from baked files. Put it on the light, whose `shadow_maps_enabled` must be true.
 ///
-/// While a file is in use, entities below a [`BakedStatic`] cast no shadow through this light's cascades, because their
+/// While a file is in use, entities below a [`ShadowStatic`] cast no shadow through this light's cascades, because their
 /// shadows are in the file. Everything else goes on casting through them, and the darker shadow wins.
 /// [`BakedShadowStatus`] on the same entity tells what is going on.
 #[derive(Component, Clone, Debug, Reflect)]
@@ -28,15 +29,15 @@ pub struct BakedShadow {
     pub filter: ShadowFilter,
     /// Full angle of the sun's disc in degrees, 0.01 to 20, for shadows that soften with distance; the real sun has 0.53.
     /// It takes the place of `filter`, and costs about 64 look-ups per pixel.
-    pub softness: Option<f32>,
+    pub sun_degrees: Option<f32>,
     /// Whether to turn the light towards the sun of the first file. Otherwise a file is in use while the light's
     /// direction is that of its sun, to within 0.05 degrees.
     pub align: bool,
     /// How far points are lifted off their surfaces. `None` is the bias that the file was baked for.
     pub bias: Option<ShadowBias>,
-    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that a `BakeShadow`
+    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that a `RuntimeBake`
     /// on the same light bakes ahead of it (feature `bake`), in place of `files` and `streams`. A filter is the mean of 3 × 3
-    /// rays; `softness` is not possible. Of the files that an app may have in use, such a light takes four.
+    /// rays; `sun_degrees` is not possible. Of the files that an app may have in use, such a light takes four.
     pub follow: bool,
 }
 
@@ -52,7 +53,7 @@ impl BakedShadow {
         Self { streams: vec![source.into()], ..Self::default() }
     }
 
-    /// Shadows that follow the light wherever it turns, as the sun does in a day: put a `BakeShadow` on the same light
+    /// Shadows that follow the light wherever it turns, as the sun does in a day: put a `RuntimeBake` on the same light
     /// (feature `bake`). Keys are baked ahead of the light in the background, coarse to fine. There is an answer in every
     /// frame after the first key, also where the light jumps.
     pub fn follow_sun() -> Self {
@@ -67,7 +68,7 @@ impl Default for BakedShadow {
             files: Vec::new(),
             streams: Vec::new(),
             filter: ShadowFilter::default(),
-            softness: None,
+            sun_degrees: None,
             align: true,
             bias: None,
             follow: false,
@@ -162,7 +163,7 @@ impl From<ShadowBias> for Bias {
 /// out, as a bake leaves them out.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]
-pub struct BakedStatic;
+pub struct ShadowStatic;
 
 /// The root of what a file was baked from: the file's world is that of this entity. Shadows follow it wherever the app moves
 /// it, turns it, or scales it by one number, at any time, and so does the file's sun. Without one, a file's world is the app's.
@@ -171,6 +172,7 @@ pub struct BakedStatic;
 /// words on the GPU.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
+#[require(Transform)]
 pub enum FileRoot {
     /// The root of a file that is loaded whole, as in [`BakedShadow::files`].
     Whole(Handle<BakedShadowFile>),
@@ -190,15 +192,15 @@ impl FileRoot {
     }
 }
 
-/// This entity and everything below it moves after all, although it is below a [`BakedStatic`].
+/// This entity and everything below it moves after all, although it is below a [`ShadowStatic`].
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]
-pub struct NotBaked;
+pub struct ExcludeFromBake;
 
-/// A mesh whose shadow is in the files. The plugin keeps this marker on the meshes below a [`BakedStatic`].
+/// A mesh whose shadow is in the files. The plugin keeps this marker on the meshes below a [`ShadowStatic`].
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]
-pub struct InBake;
+pub struct IncludedInBake;
 
 /// How shadows of meshes in the files are kept out of the cascades. A resource.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]

@@ -24,11 +24,11 @@ pub enum BakedShadowError {
     NoFiles,
     /// Nothing bakes the keys of a light that is to be followed.
     #[error(
-        "BakedShadow::follow needs keys, and nothing bakes them; put a BakeShadow on the light (feature `bake`)"
+        "BakedShadow::follow needs keys, and nothing bakes them; put a RuntimeBake on the light (feature `bake`)"
     )]
     NothingFollows,
     /// A light that is followed has penumbrae.
-    #[error("BakedShadow::softness is not possible with BakedShadow::follow; set one of them alone")]
+    #[error("BakedShadow::sun_degrees is not possible with BakedShadow::follow; set one of them alone")]
     SoftFollow,
     /// There is no light to shadow.
     #[error("BakedShadow is on an entity without a DirectionalLight; put it on the sun")]

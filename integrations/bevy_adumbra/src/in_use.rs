@@ -88,13 +88,18 @@ impl FileInUse {
 
 /// Returns what a light asks of look-ups in a file in its place.
 pub(crate) fn look_up(shadow: &BakedShadow, placement: Placement) -> LookUp {
-    let penumbra = shadow.softness.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
+    let penumbra =
+        shadow.sun_degrees.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
     LookUp { filter: shadow.filter.into(), bias: shadow.bias.map(Into::into), penumbra, placement }
 }
 
 /// Returns the way in which a light's files are looked up.
 pub(crate) fn way(shadow: &BakedShadow) -> Way {
-    if shadow.softness.is_some() { Way::Soft } else { Way::Filtered }
+    match shadow {
+        BakedShadow { follow: true, .. } => Way::March,
+        BakedShadow { sun_degrees: Some(_), .. } => Way::Soft,
+        _ => Way::Filtered,
+    }
 }
 
 /// The files in use.

@@ -14,12 +14,12 @@
 //!         DirectionalLight { shadow_maps_enabled: true, ..default() },
 //!         BakedShadow::new(assets.load("city.adumbra")),
 //!     ));
-//!     commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), BakedStatic));
+//!     commands.spawn((WorldAssetRoot(assets.load("city.glb#Scene0")), ShadowStatic));
 //! }
 //! ```
 //!
 //! Every material that calls `apply_pbr_lighting` receives these shadows, and so does volumetric fog. Meshes that are not
-//! below a [`BakedStatic`] go on casting through Bevy's cascades; a world without any makes no depth pass.
+//! below a [`ShadowStatic`] go on casting through Bevy's cascades; a world without any makes no depth pass.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -73,7 +73,7 @@ mod threads;
 mod warnings;
 
 use bevy::app::{App, Plugin, PostUpdate, PreUpdate};
-use bevy::asset::{AssetApp, AssetServer, Assets};
+use bevy::asset::{AssetApp, AssetEventSystems, AssetServer, Assets};
 use bevy::ecs::schedule::IntoScheduleConfigs;
 use bevy::ecs::system::IntoSystem;
 use bevy::light::SimulationLightSystems;
@@ -83,16 +83,17 @@ use bevy::render::{ExtractSchedule, GpuResourceAppExt, Render, RenderApp, Render
 use bevy::shader::Shader;
 
 #[cfg(feature = "bake")]
-pub use bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
+pub use bake::{BakeError, BakeProgress, BakeSettings, RuntimeBake, RuntimeBakeCommands};
 pub use components::{
-    BakedShadow, BakedStatic, FileRoot, InBake, NotBaked, ShadowBias, ShadowFilter, StaticCasters,
+    BakedShadow, ExcludeFromBake, FileRoot, IncludedInBake, ShadowBias, ShadowFilter, ShadowStatic,
+    StaticCasters,
 };
 pub use error::{BakedShadowError, SharedError};
 pub use file::{BakedShadowFile, ShadowFileError, ShadowFileLoader, ShadowFileSettings};
 pub use limits::DeviceLimits;
 pub use moving::SunKeys;
 #[cfg(feature = "processor")]
-pub use processor::{ShadowBake, ShadowBakeError, ShadowBakeLoader, ShadowFileSaver};
+pub use processor::{AssetBake, AssetBakeError, AssetBakeLoader, ShadowFileSaver};
 pub use source::StreamSource;
 pub use statics::CascadeCasters;
 pub use status::{BakedShadowChanged, BakedShadowStatus};
@@ -104,9 +105,9 @@ fn register_types(app: &mut App) {
     app.register_type::<BakedShadow>()
         .register_type::<BakedShadowStatus>()
         .register_type::<BakedShadowChanged>()
-        .register_type::<BakedStatic>()
-        .register_type::<NotBaked>()
-        .register_type::<InBake>()
+        .register_type::<ShadowStatic>()
+        .register_type::<ExcludeFromBake>()
+        .register_type::<IncludedInBake>()
         .register_type::<FileRoot>()
         .register_type::<StaticCasters>()
         .register_type::<CascadeCasters>()
@@ -114,7 +115,7 @@ fn register_types(app: &mut App) {
         .register_type::<StreamBudget>()
         .register_type::<DeviceLimits>();
     #[cfg(feature = "bake")]
-    app.register_type::<BakeShadow>().register_type::<BakeProgress>();
+    app.register_type::<RuntimeBake>().register_type::<BakeProgress>();
 }
 
 /// Adds baked shadows to an app. It goes after `DefaultPlugins`.
@@ -134,9 +135,9 @@ impl Plugin for AdumbraPlugin {
             .register_asset_reflect::<BakedShadowFile>()
             .preregister_asset_loader::<ShadowFileLoader>(&ShadowFileLoader::EXTENSIONS);
         #[cfg(feature = "processor")]
-        app.preregister_asset_loader::<ShadowBakeLoader>(&ShadowBakeLoader::EXTENSIONS)
-            .register_asset_processor(processor::ShadowBakeProcess::from(ShadowFileSaver))
-            .set_default_asset_processor::<processor::ShadowBakeProcess>("shadow.ron");
+        app.preregister_asset_loader::<AssetBakeLoader>(&AssetBakeLoader::EXTENSIONS)
+            .register_asset_processor(processor::AssetBakeProcess::from(ShadowFileSaver))
+            .set_default_asset_processor::<processor::AssetBakeProcess>("shadow.ron");
         app.init_resource::<DeviceLimits>()
             .init_resource::<StaticCasters>()
             .init_resource::<CascadeCasters>()
@@ -166,7 +167,6 @@ impl Plugin for AdumbraPlugin {
                     (stream::drive_streams, moving::write_keys).chain().in_set(AdumbraSystems::Stream),
                     (
                         lights::find_files_in_use,
-                        lights::add_ways,
                         warnings::warn_of_movers,
                         warnings::find_moved_root.pipe(warnings::warn_of_moved_root),
                     )
@@ -175,24 +175,29 @@ impl Plugin for AdumbraPlugin {
                     statics::skip_cascades
                         .after(SimulationLightSystems::UpdateDirectionalLightCascades)
                         .before(SimulationLightSystems::UpdateLightFrusta),
+                    // In the frame in which a light asks, as its directory does.
+                    lights::add_ways.before(AssetEventSystems),
                     statics::leave_out.in_set(AdumbraSystems::LeaveCascades),
                 ),
             );
         #[cfg(feature = "gltf")]
         app.add_systems(PreUpdate, gltf::attach_files.in_set(AdumbraSystems::AttachFiles));
         #[cfg(feature = "bake")]
-        app.init_resource::<bake::StaticKeys>().init_resource::<bake::AssetVersions>().add_systems(
-            PostUpdate,
-            (
-                bake::count_changes,
-                bake::find_meshes,
-                bake::bake_shadows,
-                bake::follow_suns,
-                bake::mark_changes,
-            )
-                .chain()
-                .in_set(AdumbraSystems::Bake),
-        );
+        app.add_observer(bake::pause_bakes)
+            .init_resource::<bake::StaticKeys>()
+            .init_resource::<bake::AssetVersions>()
+            .add_systems(
+                PostUpdate,
+                (
+                    bake::count_changes,
+                    bake::find_meshes,
+                    bake::bake_shadows,
+                    bake::follow_suns,
+                    bake::mark_changes,
+                )
+                    .chain()
+                    .in_set(AdumbraSystems::Bake),
+            );
         let Some(render) = app.get_sub_app_mut(RenderApp) else { return };
         render
             // Made anew if the device is lost.
@@ -233,6 +238,6 @@ impl Plugin for AdumbraPlugin {
         let limits = *app.world().resource::<DeviceLimits>();
         app.register_asset_loader(ShadowFileLoader::new(limits));
         #[cfg(feature = "processor")]
-        app.register_asset_loader(ShadowBakeLoader::new(limits));
+        app.register_asset_loader(AssetBakeLoader::new(limits));
     }
 }

@@ -9,7 +9,7 @@ use bevy::shader::Shader;
 
 use crate::components::{BakedShadow, FileRoot};
 use crate::error::BakedShadowError;
-use crate::in_use::{FileInUse, FilesInUse, LightFiles};
+use crate::in_use::{FileInUse, FilesInUse, LightFiles, way};
 use crate::moving::SunKeys;
 use crate::patch::{PatchState, ShaderPatch};
 use crate::placing::{Rooted, Roots, turned};
@@ -22,7 +22,7 @@ type Files<'w> = (Res<'w, Assets<BakedShadowFile>>, Res<'w, AssetServer>, Res<'w
 
 /// What bakes files for a light.
 #[cfg(feature = "bake")]
-type Bakes = crate::bake::BakeShadow;
+type Bakes = crate::bake::RuntimeBake;
 #[cfg(not(feature = "bake"))]
 #[derive(Component)]
 enum Bakes {}
@@ -111,7 +111,7 @@ fn follow(shadow: &BakedShadow, keys: Option<&SunKeys>, of_light: &mut LightFile
     let Some(keys) = keys else {
         return BakedShadowStatus::Unusable(BakedShadowError::NothingFollows);
     };
-    if shadow.softness.is_some() {
+    if shadow.sun_degrees.is_some() {
         return BakedShadowStatus::Unusable(BakedShadowError::SoftFollow);
     }
     if keys.is_night() {
@@ -192,13 +192,14 @@ fn add_files(
     }
 }
 
-/// Adds the ways in which files in use are looked up to the shaders, when the first one needs it.
+/// Adds the ways in which lights ask for look-ups to the shaders, when the first one does: before its file is there, so that
+/// pipelines are not compiled again once it is.
 pub(crate) fn add_ways(
-    in_use: Res<FilesInUse>,
+    lights: Query<&BakedShadow>,
     mut shaders: ResMut<Assets<Shader>>,
     mut patch: ResMut<ShaderPatch>,
 ) {
-    let ways = in_use.files.iter().map(|file| file.way);
+    let ways = lights.iter().map(way);
     // Neither resource is marked as changed for nothing.
     if !ways.clone().all(|way| patch.has_way(way)) {
         patch.add_ways(ways, &mut shaders);

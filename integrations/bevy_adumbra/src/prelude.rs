@@ -2,8 +2,8 @@
 
 pub use crate::AdumbraPlugin;
 #[cfg(feature = "bake")]
-pub use crate::bake::{BakeError, BakeProgress, BakeSettings, BakeShadow, BakeShadowCommands};
-pub use crate::components::{BakedShadow, BakedStatic, FileRoot, NotBaked, ShadowBias, ShadowFilter};
+pub use crate::bake::{BakeError, BakeProgress, BakeSettings, RuntimeBake, RuntimeBakeCommands};
+pub use crate::components::{BakedShadow, ExcludeFromBake, FileRoot, ShadowBias, ShadowFilter, ShadowStatic};
 pub use crate::error::BakedShadowError;
 pub use crate::file::BakedShadowFile;
 pub use crate::moving::SunKeys;

@@ -15,7 +15,7 @@ use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::{fs, io};
 
-use adumbra::{AtRest, Error, ShadowFile, Sun};
+use adumbra::{Encoding, Error, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::LoadOptions;
 use bevy::asset::io::{Reader, Writer};
@@ -35,7 +35,7 @@ use crate::{BakedShadowFile, DeviceLimits, ShadowFileLoader, ShadowFileSettings}
 /// What a `.shadow.ron` says: the scene to bake, and how.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct ShadowBake {
+pub struct AssetBake {
     /// The scene, a `.glb` or `.gltf`; its path is relative to the folder of this file.
     pub scene: String,
     /// Direction towards the sun in the world, of any length.
@@ -53,16 +53,16 @@ fn usual_resolution() -> u64 {
 }
 
 /// The processor of `.shadow.ron` files.
-pub(crate) type ShadowBakeProcess =
-    LoadTransformAndSave<ShadowBakeLoader, IdentityAssetTransformer<BakedShadowFile>, ShadowFileSaver>;
+pub(crate) type AssetBakeProcess =
+    LoadTransformAndSave<AssetBakeLoader, IdentityAssetTransformer<BakedShadowFile>, ShadowFileSaver>;
 
 /// Loads `.shadow.ron` files: reads the scene that they name and bakes it, on threads of its own.
 #[derive(TypePath, Clone, Debug)]
-pub struct ShadowBakeLoader {
+pub struct AssetBakeLoader {
     limits: DeviceLimits,
 }
 
-impl ShadowBakeLoader {
+impl AssetBakeLoader {
     pub(crate) const EXTENSIONS: [&str; 1] = ["shadow.ron"];
 
     pub(crate) fn new(limits: DeviceLimits) -> Self {
@@ -73,11 +73,11 @@ impl ShadowBakeLoader {
 /// An error of loading a `.shadow.ron` file.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
-pub enum ShadowBakeError {
+pub enum AssetBakeError {
     /// The file could not be read, or threads could not be started.
     #[error("the scene could not be baked: {0}")]
     Io(#[from] io::Error),
-    /// The file is not as [`ShadowBake`] describes it.
+    /// The file is not as [`AssetBake`] describes it.
     #[error(
         "not a valid .shadow.ron: {0}; it should look like (scene: \"city.glb\", towards_sun: (0.5, 0.8, 0.35), resolution: 8192)"
     )]
@@ -105,20 +105,20 @@ pub enum ShadowBakeError {
     Lost,
 }
 
-impl AssetLoader for ShadowBakeLoader {
+impl AssetLoader for AssetBakeLoader {
     type Asset = BakedShadowFile;
     type Settings = ();
-    type Error = ShadowBakeError;
+    type Error = AssetBakeError;
 
     async fn load(
         &self,
         reader: &mut dyn Reader,
         _settings: &(),
         load_context: &mut LoadContext<'_>,
-    ) -> Result<BakedShadowFile, ShadowBakeError> {
+    ) -> Result<BakedShadowFile, AssetBakeError> {
         let mut text = Vec::new();
         reader.read_to_end(&mut text).await?;
-        let settings: ShadowBake = ron::de::from_bytes(&text)?;
+        let settings: AssetBake = ron::de::from_bytes(&text)?;
         let sun = Sun::from_direction(settings.towards_sun)?;
         let copy = Copy::new(&settings.scene, load_context).await?;
         let (sender, receiver) = async_channel::bounded(1);
@@ -126,7 +126,7 @@ impl AssetLoader for ShadowBakeLoader {
             // Whoever waits may be gone.
             let _ = sender.send_blocking(bake_copy(&copy, &settings, sun));
         });
-        let file = receiver.recv().await.map_err(|_| ShadowBakeError::Lost)??;
+        let file = receiver.recv().await.map_err(|_| AssetBakeError::Lost)??;
         Ok(BakedShadowFile::new(file, self.limits)?)
     }
 
@@ -143,16 +143,16 @@ struct Copy {
 
 impl Copy {
     /// Copies a scene of any asset source. Each of its files becomes a dependency of the asset.
-    async fn new(name: &str, load_context: &mut LoadContext<'_>) -> Result<Self, ShadowBakeError> {
+    async fn new(name: &str, load_context: &mut LoadContext<'_>) -> Result<Self, AssetBakeError> {
         let resolve = |base: &AssetPath<'static>, name: &str| {
-            base.resolve_embed_str(name).map_err(|e| ShadowBakeError::Name(name.to_owned(), e))
+            base.resolve_embed_str(name).map_err(|e| AssetBakeError::Name(name.to_owned(), e))
         };
         let path = resolve(load_context.path(), name)?;
         let is_gltf = |e: &OsStr| e.eq_ignore_ascii_case("glb") || e.eq_ignore_ascii_case("gltf");
         let file_name = path.path().file_name().filter(|_| path.path().extension().is_some_and(is_gltf));
-        let file_name = file_name.ok_or_else(|| ShadowBakeError::NotGltf(name.to_owned()))?;
+        let file_name = file_name.ok_or_else(|| AssetBakeError::NotGltf(name.to_owned()))?;
         let bytes = load_context.read_asset_bytes(&path).await;
-        let bytes = bytes.map_err(|e| ShadowBakeError::Read(path.clone(), Box::new(e)))?;
+        let bytes = bytes.map_err(|e| AssetBakeError::Read(path.clone(), Box::new(e)))?;
         let folder = tempfile::tempdir()?;
         let scene = folder.path().join(file_name);
         for file in adumbra_scene::files_of_gltf(&scene, &bytes)? {
@@ -170,7 +170,7 @@ impl Copy {
     }
 }
 
-fn bake_copy(copy: &Copy, settings: &ShadowBake, sun: Sun) -> Result<ShadowFile, ShadowBakeError> {
+fn bake_copy(copy: &Copy, settings: &AssetBake, sun: Sun) -> Result<ShadowFile, AssetBakeError> {
     let scene = adumbra_scene::load(&copy.scene, &LoadOptions::default())?;
     let options = BakeOptions {
         thickness_world: settings.thickness_world,
@@ -196,7 +196,7 @@ impl AssetSaver for ShadowFileSaver {
         _settings: &(),
         _asset_path: AssetPath<'_>,
     ) -> Result<ShadowFileSettings, io::Error> {
-        let bytes = asset.file().to_bytes(AtRest::default()).map_err(io::Error::other)?;
+        let bytes = asset.file().to_bytes(Encoding::default()).map_err(io::Error::other)?;
         writer.write_all(&bytes).await?;
         Ok(ShadowFileSettings::default())
     }

@@ -7,11 +7,14 @@ use std::sync::Arc;
 use adumbra::stream::ShadowSource;
 use bevy::asset::AssetPath;
 use bevy::reflect::prelude::*;
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use serde::ser::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// Where a streamed file is read from.
 #[derive(Clone, Reflect)]
 #[reflect(opaque)]
-#[reflect(Clone, Debug, PartialEq)]
+#[reflect(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum StreamSource {
     /// An asset, by its path. It is opened once, and ranges of it are read if its reader can seek. Otherwise it is read
@@ -28,6 +31,37 @@ impl StreamSource {
     /// A source of the app's own. Its clones are the same source, so lights that share one share its bytes.
     pub fn ranges(source: impl ShadowSource + 'static) -> Self {
         Self::Ranges(Arc::new(source))
+    }
+}
+
+/// What a saved world has of a source.
+#[derive(Serialize, Deserialize)]
+enum Saved {
+    Asset(AssetPath<'static>),
+    Disk(PathBuf),
+}
+
+/// A source of the app's own cannot be saved.
+impl Serialize for StreamSource {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let saved = match self {
+            Self::Asset(path) => Saved::Asset(path.clone()),
+            Self::Disk(path) => Saved::Disk(path.clone()),
+            Self::Ranges(_) => {
+                let what = "StreamSource::Ranges cannot be saved; leave BakedShadow out, and set it once the world is loaded";
+                return Err(S::Error::custom(what));
+            }
+        };
+        saved.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for StreamSource {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Ok(match Saved::deserialize(deserializer)? {
+            Saved::Asset(path) => Self::Asset(path),
+            Saved::Disk(path) => Self::Disk(path),
+        })
     }
 }
 

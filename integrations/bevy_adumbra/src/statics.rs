@@ -5,6 +5,7 @@ use bevy::camera::visibility::{CascadesVisibleEntities, NoCpuCulling};
 use bevy::ecs::archetype::Archetypes;
 use bevy::ecs::component::{ComponentId, ComponentInfo, Components};
 use bevy::ecs::entity::EntityHashSet;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::prelude::*;
 use bevy::ecs::system::SystemParam;
 use bevy::light::{Cascades, NotShadowCaster};
@@ -17,7 +18,7 @@ use bevy::reflect::prelude::*;
 use bevy::render::Extract;
 use bevy::render::sync_world::MainEntity;
 
-use crate::components::{BakedShadow, BakedStatic, InBake, NotBaked, StaticCasters};
+use crate::components::{BakedShadow, ExcludeFromBake, IncludedInBake, ShadowStatic, StaticCasters};
 use crate::in_use::FilesInUse;
 use crate::status::BakedShadowStatus;
 
@@ -38,35 +39,37 @@ type NoMotion<'w, 's> = (RemovedComponents<'w, 's, SkinnedMesh>,);
 #[cfg(feature = "animation")]
 type Changes = Or<(
     Added<Mesh3d>,
-    Added<BakedStatic>,
-    Added<NotBaked>,
+    Added<ShadowStatic>,
+    Added<ExcludeFromBake>,
     Changed<ChildOf>,
     Added<SkinnedMesh>,
     Added<bevy::animation::AnimatedBy>,
 )>;
 #[cfg(not(feature = "animation"))]
-type Changes = Or<(Added<Mesh3d>, Added<BakedStatic>, Added<NotBaked>, Changed<ChildOf>, Added<SkinnedMesh>)>;
+type Changes =
+    Or<(Added<Mesh3d>, Added<ShadowStatic>, Added<ExcludeFromBake>, Changed<ChildOf>, Added<SkinnedMesh>)>;
 
-/// Keeps [`InBake`] on the meshes below a [`BakedStatic`]. Cost: nothing while the hierarchy does not change; then one
+/// Keeps [`IncludedInBake`] on the meshes below a [`ShadowStatic`]. Cost: nothing while the hierarchy does not change; then one
 /// walk over what is below the entities that changed.
 pub(crate) fn mark_meshes(
     mut commands: Commands,
     changed: Query<Entity, Changes>,
-    (mut roots_removed, mut exceptions_removed, mut parents_removed): (
-        RemovedComponents<BakedStatic>,
-        RemovedComponents<NotBaked>,
+    (mut roots_removed, mut exceptions_removed, mut parents_removed, mut enabled): (
+        RemovedComponents<ShadowStatic>,
+        RemovedComponents<ExcludeFromBake>,
         RemovedComponents<ChildOf>,
+        RemovedComponents<Disabled>,
     ),
     mut still: NoMotion,
     parents: Query<&ChildOf>,
     children: Query<&Children>,
-    roots: Query<(), With<BakedStatic>>,
-    moving: Query<(), Or<(With<NotBaked>, Animated)>>,
-    meshes: Query<Has<InBake>, With<Mesh3d>>,
+    roots: Query<(), With<ShadowStatic>>,
+    moving: Query<(), Or<(With<ExcludeFromBake>, Animated)>>,
+    meshes: Query<Has<IncludedInBake>, With<Mesh3d>>,
 ) {
     let mut seen = EntityHashSet::default();
     let removed = roots_removed.read().chain(exceptions_removed.read());
-    let removed = removed.chain(parents_removed.read()).chain(still.0.read());
+    let removed = removed.chain(parents_removed.read()).chain(still.0.read()).chain(enabled.read());
     #[cfg(feature = "animation")]
     let removed = removed.chain(still.1.read());
     for from in changed.iter().chain(removed) {
@@ -81,9 +84,9 @@ pub(crate) fn mark_meshes(
             if is_static != is_marked {
                 let mut entity = commands.entity(entity);
                 if is_static {
-                    entity.try_insert(InBake)
+                    entity.try_insert(IncludedInBake)
                 } else {
-                    entity.try_remove::<InBake>()
+                    entity.try_remove::<IncludedInBake>()
                 };
             }
         }
@@ -94,8 +97,8 @@ pub(crate) fn mark_meshes(
 fn is_in_bake(
     entity: Entity,
     parents: &Query<&ChildOf>,
-    roots: &Query<(), With<BakedStatic>>,
-    moving: &Query<(), Or<(With<NotBaked>, Animated)>>,
+    roots: &Query<(), With<ShadowStatic>>,
+    moving: &Query<(), Or<(With<ExcludeFromBake>, Animated)>>,
 ) -> bool {
     let mut at = entity;
     loop {
@@ -110,9 +113,9 @@ fn is_in_bake(
     }
 }
 
-/// A mesh below a [`BakedStatic`] that the file in use does not have where it is now.
+/// A mesh below a [`ShadowStatic`] that the file in use does not have where it is now.
 #[derive(Component, Debug)]
-pub(crate) struct NotYetBaked;
+pub(crate) struct AwaitingBake;
 
 /// The lights whose cascades have nothing to draw in this frame, so that the render world makes no depth pass. Their components
 /// stay as the app has them.
@@ -125,8 +128,8 @@ type Unculled = (With<Mesh3d>, With<NoCpuCulling>, Without<NotShadowCaster>);
 /// Which casters besides meshes there are. Bevy does not list them by cascade.
 #[derive(SystemParam)]
 pub(crate) struct OtherCasters<'w, 's> {
-    unculled: Query<'w, 's, (), (Unculled, Or<(Without<InBake>, With<NotYetBaked>)>)>,
-    unculled_in_bake: Query<'w, 's, (), (Unculled, With<InBake>)>,
+    unculled: Query<'w, 's, (), (Unculled, Or<(Without<IncludedInBake>, With<AwaitingBake>)>)>,
+    unculled_in_bake: Query<'w, 's, (), (Unculled, With<IncludedInBake>)>,
     components: &'w Components,
     archetypes: &'w Archetypes,
     /// The component of meshlets, as of so many components.
@@ -157,7 +160,10 @@ pub(crate) fn skip_cascades(
     choice: Res<StaticCasters>,
     mut lights: Query<(Entity, &BakedShadowStatus, &mut Cascades), With<BakedShadow>>,
     files: Res<FilesInUse>,
-    movers: Query<(), (With<Mesh3d>, Without<NotShadowCaster>, Or<(Without<InBake>, With<NotYetBaked>)>)>,
+    movers: Query<
+        (),
+        (With<Mesh3d>, Without<NotShadowCaster>, Or<(Without<IncludedInBake>, With<AwaitingBake>)>),
+    >,
     mut others: OtherCasters,
 ) {
     if *choice == StaticCasters::Keep || !movers.is_empty() || others.exist(true) {
@@ -200,7 +206,7 @@ pub(crate) fn leave_out(
         (Entity, &GlobalTransform, &BakedShadowStatus, &mut CascadesVisibleEntities),
         (With<DirectionalLight>, With<BakedShadow>),
     >,
-    in_bake: Query<(&GlobalTransform, Option<&Aabb>), (With<InBake>, Without<NotYetBaked>)>,
+    in_bake: Query<(&GlobalTransform, Option<&Aabb>), (With<IncludedInBake>, Without<AwaitingBake>)>,
     files: Res<FilesInUse>,
     mut others: OtherCasters,
     mut casters: ResMut<CascadeCasters>,

@@ -4,13 +4,15 @@ use std::fmt;
 
 use bevy::ecs::prelude::*;
 use bevy::reflect::prelude::*;
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::error::BakedShadowError;
 
 /// What the shadows of a [`BakedShadow`](crate::BakedShadow) come from. It is kept up to date on the light, and
 /// [`BakedShadowChanged`] is triggered when it changes.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum BakedShadowStatus {
     /// No file is loaded yet. Shadows come from the light's cascades.
@@ -63,6 +65,20 @@ impl BakedShadowStatus {
             ) => (a, b) == (c, d),
             _ => self == other,
         }
+    }
+}
+
+/// A saved world has it as text.
+impl Serialize for BakedShadowStatus {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// The plugin finds it anew in a world that is loaded.
+impl<'de> Deserialize<'de> for BakedShadowStatus {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer).map(|_| Self::default())
     }
 }
 

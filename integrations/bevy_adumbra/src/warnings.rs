@@ -9,24 +9,24 @@ use bevy::mesh::Mesh3d;
 use bevy::prelude::{Assets, GlobalTransform};
 
 use crate::BakedShadowFile;
-use crate::components::{BakedShadow, BakedStatic, FileRoot, InBake};
+use crate::components::{BakedShadow, FileRoot, IncludedInBake, ShadowStatic};
 use crate::status::BakedShadowStatus;
 use crate::stream::ShadowStreams;
 
 /// A light whose files were not baked by the running app, from where things are.
 #[cfg(feature = "bake")]
-type Loaded = (With<BakedShadow>, Without<crate::bake::BakeShadow>);
+type Loaded = (With<BakedShadow>, Without<crate::bake::RuntimeBake>);
 #[cfg(not(feature = "bake"))]
 type Loaded = With<BakedShadow>;
 
-/// Warns if something moves and receives a file that answers only static surfaces. Without a [`BakedStatic`] it is
+/// Warns if something moves and receives a file that answers only static surfaces. Without a [`ShadowStatic`] it is
 /// not known what moves.
 pub(crate) fn warn_of_movers(
     mut done: Local<bool>,
     lights: Query<(Entity, &BakedShadow, &BakedShadowStatus)>,
     (files, streams): (Res<Assets<BakedShadowFile>>, Res<ShadowStreams>),
-    in_bake: Query<(), With<InBake>>,
-    movers: Query<(), (With<Mesh3d>, Without<NotShadowReceiver>, Without<InBake>)>,
+    in_bake: Query<(), With<IncludedInBake>>,
+    movers: Query<(), (With<Mesh3d>, Without<NotShadowReceiver>, Without<IncludedInBake>)>,
 ) {
     if *done || in_bake.is_empty() || movers.is_empty() {
         return;
@@ -51,7 +51,7 @@ pub(crate) fn warn_of_movers(
 pub(crate) fn find_moved_root(
     mut has_found: Local<bool>,
     lights: Query<&BakedShadowStatus, Loaded>,
-    statics: Query<(Entity, &GlobalTransform), (With<BakedStatic>, Without<Mesh3d>)>,
+    statics: Query<(Entity, &GlobalTransform), (With<ShadowStatic>, Without<Mesh3d>)>,
     roots: Query<(), With<FileRoot>>,
 ) -> Option<Entity> {
     if *has_found || !roots.is_empty() || !lights.iter().any(BakedShadowStatus::is_active) {
@@ -67,7 +67,7 @@ pub(crate) fn find_moved_root(
 pub(crate) fn warn_of_moved_root(In(moved): In<Option<Entity>>) {
     let Some(entity) = moved else { return };
     warn!(
-        "the BakedStatic {entity} is moved, turned or scaled, and its file stays where it was baked; if the file was baked \
+        "the ShadowStatic {entity} is moved, turned or scaled, and its file stays where it was baked; if the file was baked \
          from what is below it, put FileRoot::new(file) on it"
     );
 }
@@ -83,16 +83,17 @@ mod tests {
     fn a_static_root_that_is_not_at_rest_is_found_until_a_file_follows_a_root() {
         let mut world = World::new();
         let find = |world: &mut World| world.run_system_once(find_moved_root).unwrap();
-        world.spawn((BakedStatic, GlobalTransform::default()));
-        let root = world.spawn((BakedStatic, GlobalTransform::from(Transform::from_xyz(0.0, 2.0, 0.0)))).id();
+        world.spawn((ShadowStatic, GlobalTransform::default()));
+        let root =
+            world.spawn((ShadowStatic, GlobalTransform::from(Transform::from_xyz(0.0, 2.0, 0.0)))).id();
         assert_eq!(find(&mut world), None, "no light has a file");
         let light = world.spawn((BakedShadow::default(), BakedShadowStatus::Active { files: 1 })).id();
         assert_eq!(find(&mut world), Some(root));
         #[cfg(feature = "bake")]
         {
-            world.entity_mut(light).insert(crate::bake::BakeShadow::default());
+            world.entity_mut(light).insert(crate::bake::RuntimeBake::default());
             assert_eq!(find(&mut world), None, "the app bakes where things are");
-            world.entity_mut(light).remove::<crate::bake::BakeShadow>();
+            world.entity_mut(light).remove::<crate::bake::RuntimeBake>();
         }
         world.entity_mut(light).insert(BakedShadowStatus::Waiting);
         assert_eq!(find(&mut world), None);

@@ -1,13 +1,18 @@
 //! The plugin in an app without a renderer: needs no GPU.
 
 use std::any::TypeId;
+use std::path::Path;
 
 use bevy::asset::AssetPlugin;
+use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::reflect::AppTypeRegistry;
 use bevy::prelude::*;
 use bevy::reflect::{TypeData, TypeRegistry};
+use bevy::world_serialization::DynamicWorldBuilder;
+use bevy::world_serialization::serde::WorldDeserializer;
 use bevy_adumbra::prelude::*;
-use bevy_adumbra::{CascadeCasters, DeviceLimits, InBake, StaticCasters};
+use bevy_adumbra::{CascadeCasters, DeviceLimits, IncludedInBake, StaticCasters};
+use serde::de::DeserializeSeed;
 
 fn has<T: 'static, D: TypeData>(registry: &TypeRegistry) -> bool {
     registry.get_type_data::<D>(TypeId::of::<T>()).is_some()
@@ -22,9 +27,9 @@ fn components_and_resources_are_registered() {
     let registry = app.world().resource::<AppTypeRegistry>().read();
     assert!(has::<BakedShadow, ReflectComponent>(&registry));
     assert!(has::<BakedShadowStatus, ReflectComponent>(&registry));
-    assert!(has::<BakedStatic, ReflectComponent>(&registry));
-    assert!(has::<NotBaked, ReflectComponent>(&registry));
-    assert!(has::<InBake, ReflectComponent>(&registry));
+    assert!(has::<ShadowStatic, ReflectComponent>(&registry));
+    assert!(has::<ExcludeFromBake, ReflectComponent>(&registry));
+    assert!(has::<IncludedInBake, ReflectComponent>(&registry));
     assert!(has::<BakedShadowChanged, ReflectEvent>(&registry));
     assert!(has::<StaticCasters, ReflectResource>(&registry));
     assert!(has::<CascadeCasters, ReflectResource>(&registry));
@@ -32,7 +37,7 @@ fn components_and_resources_are_registered() {
     assert!(has::<StreamBudget, ReflectResource>(&registry));
     #[cfg(feature = "bake")]
     {
-        assert!(has::<BakeShadow, ReflectComponent>(&registry));
+        assert!(has::<RuntimeBake, ReflectComponent>(&registry));
         assert!(has::<BakeProgress, ReflectComponent>(&registry));
     }
 }
@@ -49,7 +54,7 @@ fn a_status_survives_reflection() {
 #[derive(Resource, Default)]
 struct Marked(Vec<usize>);
 
-fn count(in_bake: Query<(), With<InBake>>, mut marked: ResMut<Marked>) {
+fn count(in_bake: Query<(), With<IncludedInBake>>, mut marked: ResMut<Marked>) {
     marked.0.push(in_bake.iter().count());
 }
 
@@ -69,9 +74,31 @@ fn systems_of_an_app_are_ordered_against_the_plugins() {
         );
     app.finish();
     app.cleanup();
-    app.world_mut().spawn((Mesh3d::default(), BakedStatic));
+    app.world_mut().spawn((Mesh3d::default(), ShadowStatic));
     app.update();
     assert_eq!(app.world().resource::<Marked>().0, [0, 1]);
+}
+
+#[test]
+fn a_mesh_that_is_said_to_be_static_later_is_marked_in_that_frame() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default()))
+        .init_asset::<Shader>()
+        .init_asset::<Mesh>()
+        .init_asset::<Image>()
+        .init_asset::<StandardMaterial>()
+        .add_plugins(AdumbraPlugin);
+    app.finish();
+    app.cleanup();
+    let [house, other] = [0, 1].map(|_| app.world_mut().spawn(Mesh3d::default()).id());
+    let mut marked = |change: &dyn Fn(&mut World)| {
+        change(app.world_mut());
+        app.update();
+        [house, other].map(|mesh| app.world().get::<IncludedInBake>(mesh).is_some())
+    };
+    assert_eq!(marked(&|_| {}), [false, false]);
+    assert_eq!(marked(&|world| _ = world.entity_mut(house).insert(ShadowStatic)), [true, false]);
+    assert_eq!(marked(&|world| _ = world.entity_mut(house).remove::<ShadowStatic>()), [false, false]);
 }
 
 #[test]
@@ -87,4 +114,37 @@ fn without_assets_or_a_renderer_nothing_is_done_and_nothing_panics() {
         app.update();
         assert_eq!(app.world().get::<BakedShadowStatus>(light), Some(&BakedShadowStatus::Waiting));
     }
+}
+
+#[test]
+fn a_world_is_saved_whatever_its_lights_do() {
+    let mut app = App::new();
+    app.add_plugins((MinimalPlugins, AssetPlugin::default(), AdumbraPlugin));
+    let light = app.world_mut().spawn(BakedShadow::streamed("world.adumbra")).id();
+    app.world_mut().entity_mut(light).insert(BakedShadowStatus::Unusable(BakedShadowError::NoShadowMaps));
+    #[cfg(feature = "bake")]
+    app.world_mut().entity_mut(light).insert(BakeProgress::Failed(BakeError::NoTriangles));
+    let root = app.world_mut().spawn(FileRoot::streamed(Path::new("folder/world.adumbra"))).id();
+    let registry = app.world().resource::<AppTypeRegistry>().clone();
+    let types = registry.read();
+    let saved = DynamicWorldBuilder::from_world(app.world(), &types);
+    let text = saved.extract_entities([light, root].into_iter()).build().serialize(&types).unwrap();
+    assert!(text.contains("set DirectionalLight::shadow_maps_enabled"), "{text}");
+
+    let loaded = WorldDeserializer {
+        type_registry: &types,
+        load_from_path: &mut app.world().resource::<AssetServer>(),
+    };
+    let loaded = loaded.deserialize(&mut ron::Deserializer::from_str(&text).unwrap()).unwrap();
+    drop(types);
+    let (mut new, mut entities) = (World::new(), EntityHashMap::default());
+    new.insert_resource(registry.clone());
+    loaded.write_to_world(&mut new, &mut entities).unwrap();
+    let [light, root] = [light, root].map(|entity| entities[&entity]);
+    assert_eq!(new.get::<BakedShadow>(light).unwrap().streams, ["world.adumbra".into()]);
+    assert_eq!(new.get::<FileRoot>(root), Some(&FileRoot::streamed(Path::new("folder/world.adumbra"))));
+    assert!(new.get::<Transform>(root).is_some(), "a root has a place");
+    assert_eq!(new.get::<BakedShadowStatus>(light), Some(&BakedShadowStatus::Waiting));
+    #[cfg(feature = "bake")]
+    assert_eq!(new.get::<BakeProgress>(light), Some(&BakeProgress::Waiting));
 }

@@ -23,7 +23,7 @@ export interface Shadows {
 }
 
 /** How a file is looked up: by a filter, or with the penumbrae of a sun that is a disc of this many degrees. */
-export type FileSettings = { readonly filter: FilterWidth } | { readonly softnessDegrees: number };
+export type FileSettings = { readonly filter: FilterWidth } | { readonly sunDegrees: number };
 
 /** A renderer. */
 export interface Drawing {

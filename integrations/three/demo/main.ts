@@ -80,7 +80,7 @@ class Page {
 
   /** Softness or filter, as the panel has them. */
   get #settings(): FileSettings {
-    if (this.#lookUp?.isSoft === true) return { softnessDegrees: Number(softness.value) };
+    if (this.#lookUp?.isSoft === true) return { sunDegrees: Number(softness.value) };
     return { filter: Number(filter.value) as FilterWidth };
   }
 

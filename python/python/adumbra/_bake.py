@@ -38,7 +38,7 @@ class BakeOptions(LoadOptions, total=False):
     bounds: ArrayLike | None
     frame: Literal["auto", "light", "oblique"]
     yaw: float | None
-    at_rest: Literal["coded", "raw"]
+    encoding: Literal["coded", "raw"]
     max_memory: int | None
 
 
@@ -60,7 +60,7 @@ def bake(
     bounds: ArrayLike | None = None,
     frame: Literal["auto", "light", "oblique"] = "auto",
     yaw: float | None = None,
-    at_rest: Literal["coded", "raw"] = "coded",
+    encoding: Literal["coded", "raw"] = "coded",
     output: str | os.PathLike[str] | None = None,
     cache: str | os.PathLike[str] | None = None,
     max_memory: int | None = None,
@@ -82,8 +82,8 @@ def bake(
         azimuth: Azimuth of the sun in degrees, clockwise from -Z as seen from above: 90 is +X. 0 unless it is given.
         elevation: Elevation of the sun in degrees above the horizon, above 0 and at most 90.
         resolution: Texels on the longest side of the scene as the sun sees it: a power of two, 8 to 262144.
-        voxel_size: Edge of a voxel in metres, above 0, instead of a resolution.
-        thickness: How far below an open surface its shadow may begin, in metres along the light, at least 0. The bias at the
+        voxel_size: Edge of a voxel in world units, above 0, instead of a resolution.
+        thickness: How far below an open surface its shadow may begin, in world units along the light, at least 0. The bias at the
             surface's slope applies if that is more. More gives smaller files.
         switch_within: How far behind the first surface its shadow may begin, in voxels, up to 65535. 0 allows anywhere that no
             filter around a surface reads.
@@ -100,7 +100,7 @@ def bake(
             whichever file a forecast says is smaller, and light below 5 degrees of sun.
         yaw: Oblique frame: turn of the grid in degrees, -180 to 180, from +X to the grid's x axis, towards +Z. Without it,
             along most of the scene's edges.
-        at_rest: How ``output`` is stored, and how :meth:`ShadowFile.save` stores it by default. ``"coded"`` is about a third
+        encoding: How ``output`` is stored, and how :meth:`ShadowFile.save` stores it by default. ``"coded"`` is about a third
             of the bytes of ``"raw"``.
         output: The shadow file to write. An earlier file is replaced whole, once the bake has succeeded.
         cache: Folder with what earlier bakes have made. It is created if it is not there. An edit of a scene bakes only the
@@ -109,7 +109,7 @@ def bake(
             ``output`` if that is given.
         threads: Number of threads, 1 to 1024. All cores unless it is given.
         progress: ``None``: a bar if ``tqdm`` is installed and stderr is a terminal. ``True``: a bar. ``False``: nothing. A
-            function is called with the number of finished tiles and of all, on the calling thread; what it raises stops the
+            function is called with the number of finished root blocks and of all, on the calling thread; what it raises stops the
             bake.
         **loading: Options for a scene that is given by its path, see :class:`LoadOptions`.
 
@@ -141,7 +141,7 @@ def bake(
         bounds=bounds,
         frame=frame,
         yaw=yaw,
-        at_rest=at_rest,
+        encoding=encoding,
         max_memory=max_memory,
     )
     with reporting(progress) as report:
@@ -173,7 +173,7 @@ def options_of(
     bounds: ArrayLike | None = None,
     frame: str = "auto",
     yaw: float | None = None,
-    at_rest: str = "coded",
+    encoding: str = "coded",
     max_memory: int | None = None,
 ) -> dict[str, Any]:
     """Return the options of a bake as the native part takes them."""
@@ -192,7 +192,7 @@ def options_of(
         "bounds": None if bounds is None else _corners(bounds),
         "frame": frame,
         "yaw": None if yaw is None else float(yaw),
-        "at_rest": at_rest,
+        "encoding": encoding,
         "max_memory": memory_of(max_memory),
     }
 

@@ -14,7 +14,7 @@ class MemoryLimitError(AdumbraError):
 
 
 class MissingPartsError(AdumbraError):
-    """Parts of a plan have not been baked yet, or their objects are damaged. Bake them, then link again."""
+    """Parts of a plan have not been baked yet, or their entries are damaged. Bake them, then link again."""
 
 
 class SceneWarning(UserWarning):

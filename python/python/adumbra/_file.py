@@ -58,23 +58,23 @@ class ShadowFile:
         """
         return cls(_native.File.from_bytes(bytes(data)))
 
-    def to_bytes(self, at_rest: Stored | None = None) -> bytes:
+    def to_bytes(self, encoding: Stored | None = None) -> bytes:
         """Return the bytes that :meth:`save` writes."""
-        return self._native.to_bytes(self.at_rest if at_rest is None else at_rest)
+        return self._native.to_bytes(self.encoding if encoding is None else encoding)
 
-    def save(self, path: str | os.PathLike[str], at_rest: Stored | None = None) -> int:
+    def save(self, path: str | os.PathLike[str], encoding: Stored | None = None) -> int:
         """Write the file, and return its length in bytes. An earlier file is replaced whole.
 
         Args:
             path: The file.
-            at_rest: ``"coded"``, which is about a third of the bytes, or ``"raw"``, as it is in memory. Without it, as the file
+            encoding: ``"coded"``, which is about a third of the bytes, or ``"raw"``, as it is in memory. Without it, as the file
                 was baked or read.
 
         Raises:
             OSError: The file cannot be written.
             ValueError: There is no such way to store it.
         """
-        return self._native.write(os.fspath(path), self.at_rest if at_rest is None else at_rest)
+        return self._native.write(os.fspath(path), self.encoding if encoding is None else encoding)
 
     def level(self, level: int) -> ShadowFile:
         """Return a level of detail with all coarser ones. It shares the voxels, so this is cheap.
@@ -220,13 +220,13 @@ class ShadowFile:
 
     @property
     def bytes(self) -> int:
-        """Length of the file in bytes, stored as :attr:`at_rest` says."""
+        """Length of the file in bytes, stored as :attr:`encoding` says."""
         return self._native.stored_bytes
 
     @property
-    def at_rest(self) -> Stored:
+    def encoding(self) -> Stored:
         """How the file was baked or read, and how :meth:`save` writes it by default: ``"coded"`` or ``"raw"``."""
-        return self._native.at_rest
+        return self._native.encoding
 
     @property
     def frame(self) -> Literal["light", "oblique"]:

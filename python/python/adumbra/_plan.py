@@ -35,16 +35,16 @@ class BakedPart(NamedTuple):
     id: int
     """The part."""
     blake3: str
-    """The BLAKE3 of its object's bytes, as hexadecimal digits."""
+    """The BLAKE3 of its entry's bytes, as hexadecimal digits."""
     baked: bool
-    """Whether it was baked; false if its object was there already."""
+    """Whether it was baked; false if its entry was there already."""
 
 
 class Plan:
     """A bake that is planned: its parts can be baked in any order, by any number of processes, and then be linked.
 
-    Each part becomes an object in a folder, the *cache*, which all processes share. Objects are there whole or not at all, so
-    every step can be ended at any moment, and run again: it does what is missing. :meth:`link` makes the file of the objects.
+    Each part becomes an entry in a folder, the *cache*, which all processes share. Entries are there whole or not at all, so
+    every step can be ended at any moment, and run again: it does what is missing. :meth:`link` makes the file from the entries.
     It has the bytes of :func:`bake`::
 
         plan = adumbra.Plan("city.glb", azimuth=140, elevation=35)
@@ -138,14 +138,14 @@ class Plan:
         threads: int | None = None,
         progress: Progress = False,
     ) -> list[BakedPart]:
-        """Bake parts whose objects are not in the cache yet.
+        """Bake the parts whose entries are not in the cache yet.
 
         The first call loads the scene and prepares it, and later calls use that. Other Python threads run meanwhile. Ctrl-C
         stops the bake, and the parts that are done stay in the cache.
 
         Args:
             ids: The parts; all of them for ``None``.
-            cache: The folder of objects. It is created if it is not there.
+            cache: The folder of the cache. It is created if it is not there.
             scene: The scene that was planned, if it has another path here.
             max_memory: Largest number of bytes that the bake may hold. What does not fit is kept in temporary files in
                 ``cache``.
@@ -192,12 +192,12 @@ class Plan:
         threads: int | None = None,
         progress: Progress = False,
     ) -> ShadowFile:
-        """Make the file of the parts' objects. The scene is not needed.
+        """Make the file from the entries of its parts. The scene is not needed.
 
         Args:
-            cache: The folder of objects.
+            cache: The folder of the cache.
             output: The shadow file to write. An earlier file is replaced whole, once the link has succeeded.
-            sums: The BLAKE3 of parts' objects, from :class:`BakedPart`. An object with other bytes counts as missing.
+            sums: The BLAKE3 of the entries of parts, from :class:`BakedPart`. An entry with other bytes counts as missing.
             max_memory: Largest number of bytes that the link may hold.
             threads: Number of threads, 1 to 1024. All cores unless it is given.
             progress: As for :func:`bake`.

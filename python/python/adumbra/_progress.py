@@ -8,14 +8,14 @@ from contextlib import contextmanager
 from typing import Union
 
 Report = Callable[[int, int], object]
-"""Called with the number of finished tiles, or parts of a plan, and of all."""
+"""Called with the number of finished root blocks, or parts of a plan, and of all."""
 
 Progress = Union[bool, Report, None]
 """Whether to show progress, or what to tell it."""
 
 
 @contextmanager
-def reporting(progress: Progress, unit: str = "tile") -> Iterator[Report | None]:
+def reporting(progress: Progress, unit: str = "root block") -> Iterator[Report | None]:
     """Provide what is told of the progress: a bar of ``tqdm``, the caller's own function, or nothing."""
     if callable(progress):
         yield progress

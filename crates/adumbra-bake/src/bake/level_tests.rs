@@ -4,7 +4,7 @@
 use std::io::{Cursor, Seek, SeekFrom, Write};
 
 use adumbra::layout::depths::DepthTree;
-use adumbra::{AtRest, Bounds, Filter, ShadowFile, Sun};
+use adumbra::{Bounds, Encoding, Filter, ShadowFile, Sun};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
@@ -40,8 +40,8 @@ fn level_whose_grid_is_that_of_its_own_bake_has_the_same_bytes() {
     let level = both.level(1).unwrap();
     assert_eq!((level.grid, level.settings), (own.grid, own.settings));
     assert!(level == own && !own.tree.code().is_empty());
-    for at_rest in [AtRest::Raw, AtRest::Coded] {
-        assert_eq!(level.to_bytes(at_rest).unwrap(), own.to_bytes(at_rest).unwrap());
+    for encoding in [Encoding::Raw, Encoding::Coded] {
+        assert_eq!(level.to_bytes(encoding).unwrap(), own.to_bytes(encoding).unwrap());
     }
 }
 
@@ -136,16 +136,20 @@ fn bake_to_writes_the_bytes_of_a_bake_in_memory() {
     let sun = Sun::from_angles(0.0, 90.0).unwrap();
     let options = BakeOptions { sun, bounds, size: Size::Resolution(16_384), ..options(1.0, 2) };
     let limit = limit_that_spills(&scene, &options);
-    for at_rest in [AtRest::Raw, AtRest::Coded] {
-        let options = BakeOptions { at_rest, ..options.clone() };
+    for encoding in [Encoding::Raw, Encoding::Coded] {
+        let options = BakeOptions { encoding, ..options.clone() };
         let file = baked(&scene, &options);
         assert!(file.level_count() == 2 && has_pages(&file.tree));
-        let expected = file.to_bytes(at_rest).unwrap();
+        let expected = file.to_bytes(encoding).unwrap();
         assert!(ShadowFile::from_bytes(&expected).unwrap() == file);
         for (max_memory_bytes, threads) in [(None, 1), (None, 3), (Some(limit), 1), (Some(limit), 3)] {
             let options = BakeOptions { max_memory_bytes, ..options.clone() };
             let (written, bytes) = written(&scene, &options, threads);
-            assert!(bytes == expected, "{at_rest:?}, {max_memory_bytes:?}, {threads}: {} bytes", bytes.len());
+            assert!(
+                bytes == expected,
+                "{encoding:?}, {max_memory_bytes:?}, {threads}: {} bytes",
+                bytes.len()
+            );
             assert_eq!((written.grid, written.settings, written.levels), (file.grid, file.settings, 2));
             assert_eq!(written.bytes, expected.len() as u64);
             let report = written.report;
@@ -181,7 +185,7 @@ impl Seek for Full {
 fn output_that_is_full_is_an_error() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let options = BakeOptions { size: Size::Resolution(1024), ..options(1.0, 2) };
-    let bytes = baked(&scene, &options).to_bytes(options.at_rest).unwrap().len();
+    let bytes = baked(&scene, &options).to_bytes(options.encoding).unwrap().len();
     for (room, fits) in [(0, false), (300, false), (bytes / 2, false), (bytes - 1, false), (bytes, true)] {
         let mut out = Full(Cursor::new(Vec::new()), room);
         match bake_to(&scene, &options, Watch::none(), &mut out) {
@@ -203,10 +207,11 @@ fn progress_counts_the_blocks_of_all_levels() {
     let options = BakeOptions { size: Size::Resolution(1024), ..options(1.0, 3) };
     let seen = Mutex::new(Vec::new());
     let cancel = AtomicBool::new(false);
-    let progress = |p: crate::Progress| seen.lock().unwrap().push((p.done_tiles, p.total_tiles));
+    let progress = |p: crate::Progress| seen.lock().unwrap().push((p.done, p.total));
     let Bake { report, .. } =
         on_threads(1, || bake(&scene, &options, Watch::new(&progress, &cancel))).unwrap();
     let seen = seen.into_inner().unwrap();
-    let expected: Vec<(usize, usize)> = (1..=report.tiles).map(|done| (done, report.tiles)).collect();
+    let expected: Vec<(usize, usize)> =
+        (1..=report.root_blocks).map(|done| (done, report.root_blocks)).collect();
     assert_eq!(seen, expected);
 }

@@ -14,13 +14,13 @@ use std::time::Instant;
 use adumbra::file::{CommonSection, FileWriter, LEVEL_STEP, StoredBundle};
 use adumbra::layout::depths::SharedRanges;
 use adumbra::layout::depths::page::{BUNDLE_PAGES, Page, page_dims};
-use adumbra::{AtRest, FileSettings, FormatError, LightGrid, Region, ShadowFile};
+use adumbra::{Encoding, FileSettings, FormatError, LightGrid, Region, ShadowFile};
 use adumbra_scene::Scene;
 
+use crate::cache::{BakeCache, PartCache, PartGrid};
 use crate::choose::{self, Choice};
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
-use crate::objects::{Keeper, Objects, Parts};
 use crate::options::BakeOptions;
 use crate::pages::Pages;
 use crate::plan::{Placement, Plan};
@@ -67,35 +67,35 @@ pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Ba
     bake_in_memory(scene, options, None, watch)
 }
 
-/// Bakes `scene` into a file in memory as [`bake`] does, with what `objects` has of earlier bakes. See
-/// [`bake_with_objects`].
+/// Bakes `scene` into a file in memory as [`bake`] does, with what `cache` has of earlier bakes. See
+/// [`bake_with_cache`].
 ///
 /// # Errors
-/// Returns the errors of [`bake`], and [`Error::Io`] with those of `objects`.
+/// Returns the errors of [`bake`], and [`Error::Io`] with those of `cache`.
 pub fn bake_again(
     scene: &Scene,
     options: &BakeOptions,
-    objects: &Arc<dyn Objects>,
+    cache: &Arc<dyn BakeCache>,
     watch: Watch<'_>,
 ) -> Result<Bake> {
-    bake_in_memory(scene, options, Some(objects), watch)
+    bake_in_memory(scene, options, Some(cache), watch)
 }
 
 fn bake_in_memory(
     scene: &Scene,
     options: &BakeOptions,
-    objects: Option<&Arc<dyn Objects>>,
+    cache: Option<&Arc<dyn BakeCache>>,
     watch: Watch<'_>,
 ) -> Result<Bake> {
-    let hashes = objects.map(|_| SceneHashes::new(scene));
-    let objects = objects.zip(hashes.as_ref());
+    let hashes = cache.map(|_| SceneHashes::new(scene));
+    let cache = cache.zip(hashes.as_ref());
     let choice = Choice::new(scene, options, watch.cancel)?;
     let mut levels = Vec::with_capacity(choice.levels.len());
     let mut report = Report::default();
     let mut settings = None;
     for level in (0..choice.levels.len()).rev() {
         let plan = choice.plan(scene, level)?;
-        let built = build_level(&plan, options, &choice, level, objects, watch)?;
+        let built = build_level(&plan, options, &choice, level, cache, watch)?;
         report = report.with(&built.report);
         settings = Some(built.settings);
         levels.push((stored_grid(built.grid, options.region, level), built.made.tree()?));
@@ -122,26 +122,26 @@ pub fn bake_to(
     bake_file(scene, options, None, watch, out)
 }
 
-/// Bakes `scene` into `out` as [`bake_to`] does, to the same bytes, but takes from `objects` what an earlier bake has made
+/// Bakes `scene` into `out` as [`bake_to`] does, to the same bytes, but takes from `cache` what an earlier bake has made
 /// of the same surfaces in the same place, and keeps there what it makes. An edit of a scene bakes the root blocks that
 /// the edit touches, before it and after it.
 ///
 /// # Errors
-/// Returns the errors of [`bake_to`], and [`Error::Io`] with those of `objects`.
-pub fn bake_with_objects(
+/// Returns the errors of [`bake_to`], and [`Error::Io`] with those of `cache`.
+pub fn bake_with_cache(
     scene: &Scene,
     options: &BakeOptions,
-    objects: &Arc<dyn Objects>,
+    cache: &Arc<dyn BakeCache>,
     watch: Watch<'_>,
     out: impl Write + Seek,
 ) -> Result<Written> {
-    bake_file(scene, options, Some(objects), watch, out)
+    bake_file(scene, options, Some(cache), watch, out)
 }
 
 fn bake_file(
     scene: &Scene,
     options: &BakeOptions,
-    objects: Option<&Arc<dyn Objects>>,
+    cache: Option<&Arc<dyn BakeCache>>,
     watch: Watch<'_>,
     out: impl Write + Seek,
 ) -> Result<Written> {
@@ -151,18 +151,18 @@ fn bake_file(
     // Only the resolution differs from level to level.
     let settings = FileSettings { resolution: choice.levels[0].resolution, ..plan.settings };
     let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
-    let mut writer = file_writer(out, settings, &grids, options.at_rest)?;
+    let mut writer = file_writer(out, settings, &grids, options.encoding)?;
     let mut report = Report::default();
     let mut coarsest = Some(plan);
-    let hashes = objects.map(|_| SceneHashes::new(scene));
-    let objects = objects.zip(hashes.as_ref());
+    let hashes = cache.map(|_| SceneHashes::new(scene));
+    let cache = cache.zip(hashes.as_ref());
     for level in (0..grids.len()).rev() {
         let plan = coarsest.take().map_or_else(|| plan_of(level), Ok)?;
-        let built = build_level(&plan, options, &choice, level, objects, watch)?;
+        let built = build_level(&plan, options, &choice, level, cache, watch)?;
         // Linking needs no triangles.
         drop(plan);
         report = report.with(&built.report);
-        write_level(&mut writer, built.made, grids[level].size, options.at_rest, watch.cancel)?;
+        write_level(&mut writer, built.made, grids[level].size, options.encoding, watch.cancel)?;
     }
     let bytes = writer.finish().map_err(Error::Output)?;
     Ok(Written { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
@@ -178,11 +178,11 @@ pub(crate) fn file_writer<W: Write + Seek>(
     out: W,
     settings: FileSettings,
     grids: &[LightGrid],
-    at_rest: AtRest,
+    encoding: Encoding,
 ) -> Result<FileWriter<W>> {
     let stored = |(level, grid): (usize, &LightGrid)| stored_grid(*grid, settings.region, level);
     let stored: Vec<LightGrid> = grids.iter().enumerate().map(stored).collect();
-    FileWriter::new(out, settings, &stored, at_rest).map_err(Error::Output)
+    FileWriter::new(out, settings, &stored, encoding).map_err(Error::Output)
 }
 
 /// Links the pages of a level, and writes them.
@@ -190,12 +190,12 @@ pub(crate) fn write_level(
     writer: &mut FileWriter<impl Write + Seek>,
     pages: Pages,
     size: [u32; 3],
-    at_rest: AtRest,
+    encoding: Encoding,
     cancel: &AtomicBool,
 ) -> Result<()> {
     let mut linked = pages.link()?;
     let (words, shapes) = linked.take_common();
-    let common = CommonSection::new(words, || shapes, at_rest).map_err(invalid)?;
+    let common = CommonSection::new(words, || shapes, encoding).map_err(invalid)?;
     writer.common(&common).map_err(Error::Output)?;
     let dims = page_dims(size);
     let ranges = SharedRanges::new(common.words());
@@ -221,27 +221,27 @@ fn build_level(
     options: &BakeOptions,
     choice: &Choice,
     level: usize,
-    objects: Option<(&Arc<dyn Objects>, &SceneHashes)>,
+    cache: Option<(&Arc<dyn BakeCache>, &SceneHashes)>,
     watch: Watch<'_>,
 ) -> Result<Built<Pages>> {
     let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
     let before: usize = choice.levels[level + 1..].iter().map(blocks).sum();
-    let total_tiles: usize = choice.levels.iter().map(blocks).sum();
+    let total: usize = choice.levels.iter().map(blocks).sum();
     let progress = |p: Progress| {
-        (watch.progress)(Progress { done_tiles: before + p.done_tiles, total_tiles, ..p });
+        (watch.progress)(Progress { done: before + p.done, total, ..p });
     };
-    let (size, root_level) = (plan.tiles.grid.size, plan.tiles.root_level);
+    let (size, root_level) = (plan.root_blocks.grid.size, plan.root_blocks.root_level);
     let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
-    if let Some((objects, hashes)) = objects {
-        let parts = Parts::new(size, root_level);
+    if let Some((cache, hashes)) = cache {
+        let parts = PartGrid::new(size, root_level);
         let numbers: Vec<usize> = (0..parts.count()).collect();
         let keys = hashes.keys(plan, options.builder, &parts, &numbers);
-        let keeper = Keeper::new(objects, parts, numbers.into_iter().zip(keys));
-        sink = sink.with_objects(keeper.within(plan.room_for_objects()));
+        let part_cache = PartCache::new(cache, parts, numbers.into_iter().zip(keys));
+        sink = sink.with_cache(part_cache.within(plan.room_for_entries()));
     }
-    let reused_tiles = sink.found_tiles();
+    let reused_root_blocks = sink.found_root_blocks();
     let mut built = build_planned(plan, options, Watch::new(&progress, watch.cancel), |_| sink)?;
-    built.report.reused_tiles = reused_tiles;
+    built.report.reused_root_blocks = reused_root_blocks;
     Ok(built)
 }
 
@@ -270,7 +270,7 @@ pub fn build<S: Structure>(
     sink: impl FnOnce([u32; 3], u32) -> S,
 ) -> Result<Built<S::Made>> {
     let plan = choose::plan(scene, options)?;
-    build_planned(&plan, options, watch, |plan| sink(plan.tiles.grid.size, plan.tiles.root_level))
+    build_planned(&plan, options, watch, |plan| sink(plan.root_blocks.grid.size, plan.root_blocks.root_level))
 }
 
 /// Builds the structure that `sink` creates for a plan. See [`build`].
@@ -281,16 +281,21 @@ pub(crate) fn build_planned<S: Structure>(
     sink: impl FnOnce(&Plan<'_>) -> S,
 ) -> Result<Built<S::Made>> {
     let start = Instant::now();
-    let tiles: Vec<usize> = (0..plan.tiles.count()).collect();
-    let tally = Tally::new(plan, tiles.len(), start, watch.progress);
+    let root_blocks: Vec<usize> = (0..plan.root_blocks.count()).collect();
+    let tally = Tally::new(plan, root_blocks.len(), start, watch.progress);
     let sink = sink(plan);
-    let finished_tile = || {
+    let finished_root_block = || {
         sink.check_room()?;
         plan.limit_pages_while_building(sink.memory_bytes(), sink.finish_bytes());
         sink.make_room();
-        tally.finished_tile(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
+        tally.finished_root_block(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
     };
-    let run = Run { plan, tiles: &tiles, cancel: watch.cancel, finished_tile: &finished_tile };
+    let run = Run {
+        plan,
+        root_blocks: &root_blocks,
+        cancel: watch.cancel,
+        finished_root_block: &finished_root_block,
+    };
     let blocks = run.each_block(options.builder, &sink, &tally)?;
     let held_bytes = sink.memory_bytes() + sink.finish_bytes();
     plan.limit_pages(plan.scene_bytes + held_bytes);
@@ -298,5 +303,5 @@ pub(crate) fn build_planned<S: Structure>(
     tally.check_end(S::FINISHING, held_bytes)?;
     let made = sink.finish(blocks);
     plan.paged_bytes()?;
-    Ok(Built { grid: plan.tiles.grid, settings: plan.settings, made, report: tally.report() })
+    Ok(Built { grid: plan.root_blocks.grid, settings: plan.settings, made, report: tally.report() })
 }

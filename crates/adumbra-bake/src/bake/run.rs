@@ -16,9 +16,9 @@ use crate::tally::Tally;
 pub(crate) struct Run<'a, 's> {
     pub(crate) plan: &'a Plan<'s>,
     /// Numbers of the root blocks.
-    pub(crate) tiles: &'a [usize],
+    pub(crate) root_blocks: &'a [usize],
     pub(crate) cancel: &'a AtomicBool,
-    pub(crate) finished_tile: &'a (dyn Fn() -> Result<()> + Sync),
+    pub(crate) finished_root_block: &'a (dyn Fn() -> Result<()> + Sync),
 }
 
 impl Run<'_, '_> {
@@ -29,59 +29,60 @@ impl Run<'_, '_> {
         sink: &S,
         tally: &Tally<'_, '_>,
     ) -> Result<Vec<S::Block>> {
-        let tiles = &self.plan.tiles;
+        let root_blocks = &self.plan.root_blocks;
         let limit = self.plan.switch_limit();
         match builder {
             Builder::Fast => {
                 let sink = LimitSink { limit, sink };
-                self.each_tile(|worker: &mut DescentBuffers, tile| {
-                    if let Some(known) = sink.sink.known(tile) {
+                self.each_root_block(|worker: &mut DescentBuffers, root_block| {
+                    if let Some(known) = sink.sink.known(root_block) {
                         return Ok(known);
                     }
                     worker.drawn_texels = 0;
-                    let block = descent::build_root(tiles, tile, &sink, worker, self.cancel)?;
+                    let block = descent::build_root(root_blocks, root_block, &sink, worker, self.cancel)?;
                     tally.drew(worker.drawn_texels);
-                    Ok(sink.taken(tile, block))
+                    Ok(sink.taken(root_block, block))
                 })
             }
-            Builder::Plain => self.each_tile(|worker: &mut PlainBuffers, tile| {
-                if let Some(known) = sink.known(tile) {
+            Builder::Plain => self.each_root_block(|worker: &mut PlainBuffers, root_block| {
+                if let Some(known) = sink.known(root_block) {
                     return Ok(known);
                 }
-                let rect = tiles.rect(tile);
+                let rect = root_blocks.rect(root_block);
                 tally.drew(u64::from(rect.width) * u64::from(rect.height));
-                Ok(sink.taken(tile, plain::build_root(tiles, limit, tile, sink, worker)))
+                Ok(sink.taken(root_block, plain::build_root(root_blocks, limit, root_block, sink, worker)))
             }),
         }
     }
 
     /// Returns the result of each root block, in order. Every worker has its own `W`.
-    fn each_tile<W: Default, T: Send>(
+    fn each_root_block<W: Default, T: Send>(
         &self,
         build: impl Fn(&mut W, usize) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
-        let results: Vec<Mutex<Option<T>>> = self.tiles.iter().map(|_| Mutex::default()).collect();
-        let next_tile = AtomicUsize::new(0);
+        let results: Vec<Mutex<Option<T>>> = self.root_blocks.iter().map(|_| Mutex::default()).collect();
+        let next_root_block = AtomicUsize::new(0);
         let failure = Mutex::new(None);
         rayon::scope(|scope| {
             for _ in 0..self.plan.workers {
                 scope.spawn(|_| {
                     let mut worker = W::default();
                     loop {
-                        let next = next_tile.fetch_add(1, Ordering::Relaxed);
-                        let (Some(slot), Some(&tile)) = (results.get(next), self.tiles.get(next)) else {
+                        let next = next_root_block.fetch_add(1, Ordering::Relaxed);
+                        let (Some(slot), Some(&root_block)) = (results.get(next), self.root_blocks.get(next))
+                        else {
                             break;
                         };
                         let outcome = if self.cancel.load(Ordering::Relaxed) {
                             Err(Error::Interrupted)
                         } else {
-                            build(&mut worker, tile).and_then(|built| {
+                            build(&mut worker, root_block).and_then(|built| {
                                 *lock(slot) = Some(built);
-                                (self.finished_tile)()
+                                (self.finished_root_block)()
                             })
                         };
                         if let Err(error) = outcome {
-                            next_tile.store(results.len(), Ordering::Relaxed);
+                            next_root_block.store(results.len(), Ordering::Relaxed);
                             lock(&failure).get_or_insert(error);
                             break;
                         }

@@ -1,11 +1,11 @@
-//! The columns of a tile, and of an 8 × 8 block, the input of sinks.
+//! The columns of a rectangle of texels, and of an 8 × 8 block, the input of sinks.
 
 use crate::columns::rules::BESIDE_GRID;
 
 /// Side of the smallest block, in columns.
 pub(crate) const BLOCK_SIDE: usize = 8;
 
-/// `[e, x]` of every column of a tile.
+/// `[e, x]` of every column of a rectangle.
 #[derive(Default)]
 pub(crate) struct Columns {
     pub(crate) width: u32,

@@ -1,7 +1,7 @@
-//! Computes the columns of one tile: first surface, end of the first solid, and the nearest receiver that may be
+//! Computes the columns of a rectangle of texels: first surface, end of the first solid, and the nearest receiver that may be
 //! behind.
 //!
-//! Two passes over the tile's triangles. The first samples texel centres. The second tests, for every triangle near a
+//! Two passes over the rectangle's triangles. The first samples texel centres. The second tests, for every triangle near a
 //! texel's footprint, whether it is a receiver behind the column's caster. Only crossings of solids are kept as lists,
 //! to count their winding. The rules are those of §3 of the specification, implemented in `columns/rules.rs`.
 
@@ -14,19 +14,19 @@ use crate::triangles::project::{FixedDepth, SEAM_MARGIN};
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
 
-/// Solid crossings that a tile may hold at once. A tile with more is captured in bands of rows.
+/// Solid crossings that a rectangle may hold at once. One with more is captured in bands of rows.
 const MAX_CROSSINGS: usize = 1 << 20;
 
 /// A rectangle of texels.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct TileRect {
+pub(crate) struct TexelRect {
     pub(crate) x: u32,
     pub(crate) y: u32,
     pub(crate) width: u32,
     pub(crate) height: u32,
 }
 
-/// Buffers that a worker reuses from tile to tile.
+/// Buffers that a worker reuses from one rectangle to the next.
 #[derive(Default)]
 pub(crate) struct CaptureBuffers {
     first: Vec<FirstSurface>,
@@ -45,7 +45,7 @@ struct Crossing {
     key: u32,
 }
 
-/// Returns the bytes that a worker needs for a tile of this many texels, columns included.
+/// Returns the bytes that a worker needs for a rectangle of this many texels, columns included.
 pub(crate) fn working_bytes(texels: u64) -> u64 {
     let texel = size_of::<FirstSurface>() + 2 * size_of::<FixedDepth>() + 4;
     // Vectors grow by doubling.
@@ -57,7 +57,7 @@ pub(crate) fn working_bytes(texels: u64) -> u64 {
 pub(crate) fn capture(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
-    rect: TileRect,
+    rect: TexelRect,
     buffers: &mut CaptureBuffers,
     out: &mut Columns,
 ) {
@@ -88,7 +88,7 @@ pub(crate) fn capture(
 pub(crate) fn capture_layers(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
-    rect: TileRect,
+    rect: TexelRect,
     buffers: &mut CaptureBuffers,
     mut visit: impl FnMut(usize, FirstSurface, &[u32]),
 ) {
@@ -109,11 +109,11 @@ pub(crate) fn capture_layers(
 
 /// Covers all rows of `rect` in bands, from the first on. `capture(band, its first texel in rect)` returns whether the
 /// band's crossings fit. If they do not, the band is split in half. A single row must fit.
-fn for_each_band(rect: TileRect, mut capture: impl FnMut(TileRect, usize) -> bool) {
+fn for_each_band(rect: TexelRect, mut capture: impl FnMut(TexelRect, usize) -> bool) {
     let mut bands = vec![(rect.y, rect.height)];
     while let Some((y, height)) = bands.pop() {
         let start = ((y - rect.y) * rect.width) as usize;
-        if !capture(TileRect { y, height, ..rect }, start) {
+        if !capture(TexelRect { y, height, ..rect }, start) {
             let half = height / 2;
             bands.push((y + half, height - half));
             bands.push((y, half));
@@ -126,7 +126,7 @@ fn for_each_band(rect: TileRect, mut capture: impl FnMut(TileRect, usize) -> boo
 fn capture_surfaces(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
-    rect: TileRect,
+    rect: TexelRect,
     b: &mut CaptureBuffers,
 ) -> bool {
     let fits = sample_band(surfaces, rules, rect, b);
@@ -141,7 +141,7 @@ fn capture_surfaces(
 fn sample_band(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
-    rect: TileRect,
+    rect: TexelRect,
     b: &mut CaptureBuffers,
 ) -> bool {
     let texels = (rect.width * rect.height) as usize;
@@ -173,7 +173,7 @@ fn find_receivers(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
     kinds: &[ReceiverKind],
-    rect: TileRect,
+    rect: TexelRect,
     b: &mut CaptureBuffers,
 ) {
     b.next.clear();
@@ -190,7 +190,7 @@ fn sample_centers(
     surfaces: &impl Surfaces,
     surface: &Surface,
     rules: &ColumnRules,
-    rect: TileRect,
+    rect: TexelRect,
     b: &mut CaptureBuffers,
 ) -> bool {
     let triangle = &surface.shape;
@@ -292,7 +292,7 @@ fn find_next(
     surface: &Surface,
     rules: &ColumnRules,
     kind: ReceiverKind,
-    rect: TileRect,
+    rect: TexelRect,
     b: &mut CaptureBuffers,
 ) {
     let Some(receiver) = rules.receiver(surface) else { return };
@@ -321,7 +321,7 @@ fn find_next(
 }
 
 /// Bounds the columns of a band, which begins at texel `start` of `out`, where filters around the surface read.
-fn bound(surface: &Surface, rules: &ColumnRules, rect: TileRect, start: usize, out: &mut Columns) {
+fn bound(surface: &Surface, rules: &ColumnRules, rect: TexelRect, start: usize, out: &mut Columns) {
     let Some(receiver) = rules.receiver(surface) else { return };
     let triangle = &surface.shape;
     let (y0, y1) = (i64::from(rect.y), i64::from(rect.y + rect.height) - 1);

@@ -9,60 +9,60 @@ use adumbra::{LightGrid, ShadowFile};
 
 use super::plan::{BakePlan, PlannedLevel, PlannedPart};
 use crate::bake::{Written, file_writer, stored_grid, write_level};
+use crate::cache::{BakeCache, PartCache};
 use crate::error::{Error, Result};
-use crate::objects::{Keeper, Objects};
 use crate::options::BakeOptions;
 use crate::pages::Spill;
 use crate::progress::{Progress, Report, Watch};
 use crate::sink::Structure;
 use crate::sink::depths::DepthsSink;
 
-/// Links the objects of a plan's parts to a file in `out`, from its position on. The bytes are those of a bake on one
+/// Links the entries of a plan's parts to a file in `out`, from its position on. The bytes are those of a bake on one
 /// machine. The scene is not needed. Of `limits`, the memory limit and the folder for temporary files count.
 ///
 /// # Errors
-/// Returns [`Error::MissingParts`] if objects are missing or damaged, [`Error::Io`] with the errors of `objects`,
+/// Returns [`Error::MissingParts`] if entries are missing or damaged, [`Error::Io`] with the errors of `cache`,
 /// [`Error::Output`] with those of `out`, and the errors of the memory limit.
 pub fn link(
     plan: &BakePlan,
-    objects: &Arc<dyn Objects>,
+    cache: &Arc<dyn BakeCache>,
     limits: &BakeOptions,
     watch: Watch<'_>,
     out: impl Write + Seek,
 ) -> Result<Written> {
     let start = Instant::now();
     let grids = plan.grids();
-    let mut writer = file_writer(out, plan.settings, &grids, plan.at_rest)?;
+    let mut writer = file_writer(out, plan.settings, &grids, plan.encoding)?;
     let mut report = Report { threads: rayon::current_num_threads(), ..Report::default() };
-    let total_tiles = (0..grids.len()).map(|level| tiles_of(plan, level)).sum();
+    let total = (0..grids.len()).map(|level| root_blocks_of(plan, level)).sum();
     for level in (0..grids.len()).rev() {
         if watch.cancel.load(std::sync::atomic::Ordering::Relaxed) {
             return Err(Error::Interrupted);
         }
         let spill = Arc::new(spill(limits));
-        let (sink, held_bytes) = found(plan, level, objects, limits, &spill)?;
+        let (sink, held_bytes) = found(plan, level, cache, limits, &spill)?;
         report.accounted_bytes = report.accounted_bytes.max(held_bytes + spill.resident_bytes());
-        report.tiles += tiles_of(plan, level);
-        report.reused_tiles = report.tiles;
-        let graph_bytes = sink.result_bytes();
-        write_level(&mut writer, sink.into_pages(), grids[level].size, plan.at_rest, watch.cancel)?;
+        report.root_blocks += root_blocks_of(plan, level);
+        report.reused_root_blocks = report.root_blocks;
+        let result_bytes = sink.result_bytes();
+        write_level(&mut writer, sink.into_pages(), grids[level].size, plan.encoding, watch.cancel)?;
         report.spilled_bytes += spill.spilled_bytes();
-        let texels_per_tile = 1 << (2 * plan.levels[level].root_level);
-        (watch.progress)(Progress { done_tiles: report.tiles, total_tiles, texels_per_tile, graph_bytes });
+        let texels_per_unit = 1 << (2 * plan.levels[level].root_level);
+        (watch.progress)(Progress { done: report.root_blocks, total, texels_per_unit, result_bytes });
     }
     let bytes = writer.finish().map_err(Error::Output)?;
     report.seconds = start.elapsed().as_secs_f64();
     Ok(Written { grid: grids[0], settings: plan.settings, levels: grids.len() as u32, bytes, report })
 }
 
-/// Links the objects of a plan's parts to a file in memory. See [`link`].
+/// Links the entries of a plan's parts to a file in memory. See [`link`].
 pub(crate) fn link_in_memory(
     plan: &BakePlan,
-    objects: &Arc<dyn Objects>,
+    cache: &Arc<dyn BakeCache>,
     limits: &BakeOptions,
 ) -> Result<ShadowFile> {
     let tree = |level| -> Result<(LightGrid, DepthTree)> {
-        let (sink, _) = found(plan, level, objects, limits, &Arc::new(spill(limits)))?;
+        let (sink, _) = found(plan, level, cache, limits, &Arc::new(spill(limits)))?;
         Ok((stored_grid(plan.levels[level].grid, plan.settings.region, level), sink.into_pages().tree()?))
     };
     let coarser = (1..plan.levels.len()).map(tree).collect::<Result<Vec<_>>>()?;
@@ -74,14 +74,14 @@ pub(crate) fn link_in_memory(
 fn found(
     plan: &BakePlan,
     level: usize,
-    objects: &Arc<dyn Objects>,
+    cache: &Arc<dyn BakeCache>,
     limits: &BakeOptions,
     spill: &Arc<Spill>,
 ) -> Result<(DepthsSink, u64)> {
     let PlannedLevel { grid, root_level } = plan.levels[level];
     // Pages have the other half.
-    let keeper = keeper(plan, level, objects).within(limits.max_memory_bytes.map(|bytes| bytes / 2));
-    let sink = DepthsSink::new(grid.size, root_level, true, spill).with_objects(keeper);
+    let part_cache = part_cache(plan, level, cache).within(limits.max_memory_bytes.map(|bytes| bytes / 2));
+    let sink = DepthsSink::new(grid.size, root_level, true, spill).with_cache(part_cache);
     sink.check_room()?;
     let is_missing =
         |part: &PlannedPart| part.level as usize == level && !sink.has_part(part.number as usize);
@@ -111,7 +111,7 @@ fn found(
     Ok((sink, held_bytes))
 }
 
-fn tiles_of(plan: &BakePlan, level: usize) -> usize {
+fn root_blocks_of(plan: &BakePlan, level: usize) -> usize {
     plan.placement(level).blocks()[..2].iter().map(|&n| n as usize).product()
 }
 
@@ -122,9 +122,9 @@ fn spill(limits: &BakeOptions) -> Spill {
     })
 }
 
-/// Returns the objects of a level.
-fn keeper(plan: &BakePlan, level: usize, objects: &Arc<dyn Objects>) -> Keeper {
+/// Returns the entries of a level.
+fn part_cache(plan: &BakePlan, level: usize, cache: &Arc<dyn BakeCache>) -> PartCache {
     let own = plan.parts.iter().filter(|part| part.level as usize == level);
     let keys = own.map(|part| (part.number as usize, part.key));
-    Keeper::new(objects, plan.levels[level].parts(), keys)
+    PartCache::new(cache, plan.levels[level].parts(), keys)
 }

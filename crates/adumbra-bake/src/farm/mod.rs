@@ -4,8 +4,8 @@
 //! |---|---|
 //! | `plan.rs` | what is to be baked: the grids, and the key and cost of each part |
 //! | `stored.rs` | a plan as data |
-//! | `parts.rs` | bakes parts, and keeps their objects |
-//! | `link.rs` | makes the file of objects |
+//! | `parts.rs` | bakes parts, and keeps their entries |
+//! | `link.rs` | makes the file of entries |
 //!
 //! Each step can be repeated, and ended at any moment: it does again what is missing. The file has the bytes of a bake on
 //! one machine. Who bakes which part, and when, is left to a scheduler.

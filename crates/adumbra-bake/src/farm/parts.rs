@@ -9,9 +9,9 @@ use adumbra_scene::Scene;
 
 use super::plan::{BakePlan, Prepared};
 use crate::bake::run::Run;
+use crate::cache::{BakeCache, CacheKey, PartCache};
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
-use crate::objects::{Keeper, ObjectKey, Objects};
 use crate::options::{BakeOptions, Builder};
 use crate::plan::{Plan, caster_options};
 use crate::progress::{Progress, Report, Watch};
@@ -41,7 +41,7 @@ pub struct PartBaker<'s> {
 pub struct BakedParts {
     /// Number of parts that were baked.
     pub baked: usize,
-    /// Number of parts whose objects were there.
+    /// Number of parts whose entries were there.
     pub reused: usize,
     /// Number of texels that were evaluated one by one.
     pub drawn_texels: u64,
@@ -59,7 +59,7 @@ impl<'s> PartBaker<'s> {
     /// Returns [`Error::SceneChanged`] if the scene is not the one that was planned.
     pub fn new(scene: &'s Scene, plan: &'s BakePlan, limits: &BakeOptions) -> Result<Self> {
         let hashes = SceneHashes::new(scene);
-        if ObjectKey::new(*hashes.all().as_bytes()) != plan.scene {
+        if CacheKey::new(*hashes.all().as_bytes()) != plan.scene {
             return Err(Error::SceneChanged("the scene is not the one that was planned"));
         }
         let clusters = SceneClusters::new(scene, caster_options(&plan.options()));
@@ -90,34 +90,34 @@ impl<'s> PartBaker<'s> {
         self
     }
 
-    /// Bakes the parts with these ids whose objects are not in `objects` yet, and puts each there as soon as it is done.
+    /// Bakes the parts with these ids whose entries are not in `cache` yet, and puts each there as soon as it is done.
     /// What is damaged is made again. Parts of coarser levels come first, and of each level they come in the order of
     /// `ids`.
     ///
     /// # Errors
     /// Returns [`Error::NoPart`] for an id that the plan does not have, [`Error::SceneChanged`] if the parts of this
-    /// program have other keys, and the errors of [`bake_with_objects`](crate::bake_with_objects). What was done before is
-    /// in `objects`.
-    pub fn bake(&self, ids: &[usize], objects: &Arc<dyn Objects>, watch: Watch<'_>) -> Result<BakedParts> {
+    /// program have other keys, and the errors of [`bake_with_cache`](crate::bake_with_cache). What was done before is
+    /// in `cache`.
+    pub fn bake(&self, ids: &[usize], cache: &Arc<dyn BakeCache>, watch: Watch<'_>) -> Result<BakedParts> {
         let mut by_level: Vec<Vec<_>> = vec![Vec::new(); self.levels.len()];
         let mut seen = HashSet::new();
         for &id in ids.iter().filter(|&&id| seen.insert(id)) {
             let part = self.plan.part(id)?;
             by_level[part.level as usize].push((part.number as usize, part.key));
         }
-        let tiles_of = |(level, planned): (usize, &Vec<(usize, ObjectKey)>)| -> usize {
+        let root_blocks_of = |(level, planned): (usize, &Vec<(usize, CacheKey)>)| -> usize {
             let parts = self.plan.levels[level].parts();
-            planned.iter().map(|(number, _)| parts.tiles(*number).count()).sum()
+            planned.iter().map(|(number, _)| parts.root_blocks(*number).count()).sum()
         };
-        let total_tiles = by_level.iter().enumerate().map(tiles_of).sum();
+        let total = by_level.iter().enumerate().map(root_blocks_of).sum();
         let start = Instant::now();
         let (mut all, mut before) = (BakedParts::default(), 0);
         for (level, planned) in by_level.iter().enumerate().rev().filter(|(_, planned)| !planned.is_empty()) {
             let progress = |p: Progress| {
-                (watch.progress)(Progress { done_tiles: before + p.done_tiles, total_tiles, ..p });
+                (watch.progress)(Progress { done: before + p.done, total, ..p });
             };
-            let done = self.bake_of_level(level, planned, objects, Watch::new(&progress, watch.cancel))?;
-            before += tiles_of((level, planned));
+            let done = self.bake_of_level(level, planned, cache, Watch::new(&progress, watch.cancel))?;
+            before += root_blocks_of((level, planned));
             all.baked += done.baked;
             all.reused += done.reused;
             all.drawn_texels += done.drawn_texels;
@@ -130,8 +130,8 @@ impl<'s> PartBaker<'s> {
     fn bake_of_level(
         &self,
         level: usize,
-        planned: &[(usize, ObjectKey)],
-        objects: &Arc<dyn Objects>,
+        planned: &[(usize, CacheKey)],
+        cache: &Arc<dyn BakeCache>,
         watch: Watch<'_>,
     ) -> Result<BakedParts> {
         let plan = self.level(level)?;
@@ -141,30 +141,37 @@ impl<'s> PartBaker<'s> {
         if planned.iter().zip(&keys).any(|((_, planned), key)| planned != key) {
             return Err(Error::SceneChanged("the plan was made by another version of this program"));
         }
-        let keeper =
-            Keeper::new(objects, parts.clone(), planned.iter().copied()).within(plan.room_for_objects());
-        let mut sink = DepthsSink::new(plan.tiles.grid.size, plan.tiles.root_level, true, &plan.spill)
-            .for_objects_alone(keeper);
+        let part_cache =
+            PartCache::new(cache, parts.clone(), planned.iter().copied()).within(plan.room_for_entries());
+        let mut sink =
+            DepthsSink::new(plan.root_blocks.grid.size, plan.root_blocks.root_level, true, &plan.spill)
+                .for_entries_alone(part_cache);
         sink.check_room()?;
         let missing: Vec<usize> = numbers.iter().copied().filter(|&part| !sink.has_part(part)).collect();
-        let tiles: Vec<usize> = missing.iter().flat_map(|&part| parts.tiles(part)).collect();
-        if let Some(recent) = self.recent.as_ref().filter(|_| plan.tiles.root_level < PAGE_LEVEL) {
-            let keys = self.hashes.tile_keys(&plan, Builder::Fast, &tiles);
-            let keys = tiles.iter().copied().zip(keys).collect();
+        let root_blocks: Vec<usize> = missing.iter().flat_map(|&part| parts.root_blocks(part)).collect();
+        if let Some(recent) = self.recent.as_ref().filter(|_| plan.root_blocks.root_level < PAGE_LEVEL) {
+            let keys = self.hashes.root_block_keys(&plan, Builder::Fast, &root_blocks);
+            let keys = root_blocks.iter().copied().zip(keys).collect();
             sink = sink.with_recent(RecentOfLevel { all: Arc::clone(recent), level, keys });
         }
-        let reused_tiles = numbers.iter().map(|&part| parts.tiles(part).count()).sum::<usize>() - tiles.len();
+        let reused_root_blocks =
+            numbers.iter().map(|&part| parts.root_blocks(part).count()).sum::<usize>() - root_blocks.len();
         let progress = |p: Progress| {
-            (watch.progress)(Progress { done_tiles: reused_tiles + p.done_tiles, ..p });
+            (watch.progress)(Progress { done: reused_root_blocks + p.done, ..p });
         };
-        let tally = Tally::new(&plan, tiles.len(), Instant::now(), &progress);
-        let finished_tile = || {
+        let tally = Tally::new(&plan, root_blocks.len(), Instant::now(), &progress);
+        let finished_root_block = || {
             sink.check_room()?;
             plan.limit_pages(plan.baking_bytes() + sink.memory_bytes());
             sink.make_room();
-            tally.finished_tile(DepthsSink::SO_FAR, sink.memory_bytes(), sink.result_bytes())
+            tally.finished_root_block(DepthsSink::SO_FAR, sink.memory_bytes(), sink.result_bytes())
         };
-        let run = Run { plan: &plan, tiles: &tiles, cancel: watch.cancel, finished_tile: &finished_tile };
+        let run = Run {
+            plan: &plan,
+            root_blocks: &root_blocks,
+            cancel: watch.cancel,
+            finished_root_block: &finished_root_block,
+        };
         run.each_block(self.options.builder, &sink, &tally)?;
         sink.check_room()?;
         let Report { drawn_texels, accounted_bytes, .. } = tally.report();

@@ -4,13 +4,13 @@ use std::cmp::Reverse;
 use std::sync::Arc;
 
 use adumbra::file::LEVEL_STEP;
-use adumbra::{AtRest, FileSettings, LightGrid, Region};
+use adumbra::{Encoding, FileSettings, LightGrid, Region};
 use adumbra_scene::Scene;
 
+use crate::cache::{CacheKey, PartGrid};
 use crate::choose::Choice;
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
-use crate::objects::{ObjectKey, Parts};
 use crate::options::{BakeOptions, Builder, FrameChoice, Size};
 use crate::plan::{Placement, Plan};
 use crate::progress::NEVER;
@@ -20,10 +20,10 @@ use crate::triangles::casters::{Bins, SceneClusters};
 #[derive(Clone, Debug, PartialEq)]
 pub struct BakePlan {
     /// Hash of the scene.
-    pub(super) scene: ObjectKey,
+    pub(super) scene: CacheKey,
     /// The settings of the file.
     pub(super) settings: FileSettings,
-    pub(super) at_rest: AtRest,
+    pub(super) encoding: Encoding,
     /// The finest first.
     pub(super) levels: Vec<PlannedLevel>,
     /// The most costly first.
@@ -55,7 +55,7 @@ pub struct PlannedPart {
     pub(super) number: u32,
     /// Number of triangles in reach, with those of every instance counted, and a share for the part itself.
     pub(super) cost: u64,
-    pub(super) key: ObjectKey,
+    pub(super) key: CacheKey,
 }
 
 /// Cost of a root block without triangles.
@@ -72,15 +72,15 @@ impl PlannedPart {
         self.cost
     }
 
-    /// Returns the key of the part's object.
-    pub fn key(&self) -> &ObjectKey {
+    /// Returns the key of the part's entry.
+    pub fn key(&self) -> &CacheKey {
         &self.key
     }
 }
 
 impl PlannedLevel {
-    pub(super) fn parts(&self) -> Parts {
-        Parts::new(self.grid.size, self.root_level)
+    pub(super) fn parts(&self) -> PartGrid {
+        PartGrid::new(self.grid.size, self.root_level)
     }
 }
 
@@ -106,14 +106,14 @@ impl BakePlan {
         for level in (0..choice.levels.len()).rev() {
             let plan = choice.plan(scene, level)?;
             settings = plan.settings;
-            bins.insert(0, Arc::clone(&plan.tiles.casters.bins));
-            let own = Parts::new(plan.tiles.grid.size, plan.tiles.root_level);
+            bins.insert(0, Arc::clone(&plan.root_blocks.casters.bins));
+            let own = PartGrid::new(plan.root_blocks.grid.size, plan.root_blocks.root_level);
             let numbers: Vec<usize> = (0..own.count()).collect();
             let keys = hashes.keys(&plan, options.builder, &own, &numbers);
             parts.extend(numbers.into_iter().zip(keys).map(|(number, key)| PlannedPart {
                 level: level as u32,
                 number: number as u32,
-                cost: own.tiles(number).map(|tile| cost_of(&plan, tile)).sum(),
+                cost: own.root_blocks(number).map(|root_block| cost_of(&plan, root_block)).sum(),
                 key,
             }));
         }
@@ -121,9 +121,9 @@ impl BakePlan {
         let level =
             |&Placement { grid, resolution: _, root_level }: &Placement| PlannedLevel { grid, root_level };
         let levels = choice.levels.iter().map(level).collect();
-        let scene = ObjectKey::new(*hashes.all().as_bytes());
+        let scene = CacheKey::new(*hashes.all().as_bytes());
         let prepared = Prepared { clusters: choice.clusters, hashes: Arc::new(hashes), bins };
-        let plan = Self { scene, settings, at_rest: options.at_rest, levels, parts };
+        let plan = Self { scene, settings, encoding: options.encoding, levels, parts };
         Ok((plan, prepared))
     }
 
@@ -165,7 +165,7 @@ impl BakePlan {
             bias: settings.bias,
             switch_within_voxels: settings.switch_within_voxels,
             levels: self.levels.len() as u32,
-            at_rest: self.at_rest,
+            encoding: self.encoding,
             region: settings.region,
             ..BakeOptions::new(grid.sun, Size::VoxelSize(grid.voxel_size))
         }
@@ -219,8 +219,8 @@ impl BakePlan {
     }
 }
 
-fn cost_of(plan: &Plan<'_>, tile: usize) -> u64 {
-    let casters = &plan.tiles.casters;
+fn cost_of(plan: &Plan<'_>, root_block: usize) -> u64 {
+    let casters = &plan.root_blocks.casters;
     let triangles = |&placed| casters.triangles(placed).len() as u64;
-    ROOT_COST + casters.in_tile(tile).iter().map(triangles).sum::<u64>()
+    ROOT_COST + casters.in_bin(root_block).iter().map(triangles).sum::<u64>()
 }

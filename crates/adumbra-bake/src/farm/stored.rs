@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use adumbra::file::MAX_LEVELS;
 use adumbra::file::placement::{check_grid, check_settings};
 use adumbra::query::MAX_FIXED_SIDE;
-use adumbra::{AtRest, FileSettings, Frame, LightGrid, Region, Sun};
+use adumbra::{Encoding, FileSettings, Frame, LightGrid, Region, Sun};
 use blake3::Hasher;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -24,7 +24,7 @@ struct StoredPlan {
     scene: String,
     sun: Sun,
     frame: Frame,
-    at_rest: AtRest,
+    encoding: Encoding,
     settings: FileSettings,
     levels: Vec<StoredLevel>,
     parts: Vec<StoredPart>,
@@ -69,7 +69,7 @@ impl Serialize for BakePlan {
             scene: self.scene.to_string(),
             sun: grid.sun,
             frame: grid.frame,
-            at_rest: self.at_rest,
+            encoding: self.encoding,
             settings: self.settings,
             levels: self.levels.iter().map(level).collect(),
             parts: self.parts.iter().map(part).collect(),
@@ -90,7 +90,7 @@ impl TryFrom<StoredPlan> for BakePlan {
 
     fn try_from(stored: StoredPlan) -> Result<Self, Error> {
         let refuse = |what: String| Err(Error::Plan(what));
-        let StoredPlan { format, digest: found, scene, sun, frame, at_rest, settings, levels, parts } =
+        let StoredPlan { format, digest: found, scene, sun, frame, encoding, settings, levels, parts } =
             stored;
         if format != FORMAT {
             return refuse(format!("its format is \"{format}\", not \"{FORMAT}\""));
@@ -121,7 +121,7 @@ impl TryFrom<StoredPlan> for BakePlan {
         };
         let parts = parts.into_iter().map(part).collect::<Result<Vec<_>, Error>>()?;
         check_parts(&planned, &parts)?;
-        let plan = Self { scene: key(&scene)?, settings, at_rest, levels: planned, parts };
+        let plan = Self { scene: key(&scene)?, settings, encoding, levels: planned, parts };
         if digest(&plan) != found {
             return refuse("it was changed after it was written".to_owned());
         }
@@ -145,17 +145,17 @@ fn check_parts(levels: &[PlannedLevel], parts: &[PlannedPart]) -> Result<(), Err
 
 /// Returns a hash of everything in a plan.
 fn digest(plan: &BakePlan) -> String {
-    let BakePlan { scene, settings, at_rest, levels, parts } = plan;
+    let BakePlan { scene, settings, encoding, levels, parts } = plan;
     let mut hasher = Hasher::new();
     hasher.update(FORMAT.as_bytes());
     hasher.update(scene.as_bytes());
     let FileSettings { bounds, bias, .. } = settings;
     let flags = adumbra::file::placement::flags(settings);
-    let at_rest = match at_rest {
-        AtRest::Raw => 0,
-        AtRest::Coded => 1,
+    let encoding = match encoding {
+        Encoding::Raw => 0,
+        Encoding::Coded => 1,
     };
-    for number in [settings.resolution, flags, settings.switch_within_voxels, at_rest] {
+    for number in [settings.resolution, flags, settings.switch_within_voxels, encoding] {
         hasher.update(&number.to_le_bytes());
     }
     let mut reals = |numbers: &[f64]| {

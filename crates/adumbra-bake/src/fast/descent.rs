@@ -8,7 +8,7 @@ use adumbra::layout::LEAF_NODE_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::columns::Columns;
-use crate::columns::capture::{CaptureBuffers, TileRect, capture};
+use crate::columns::capture::{CaptureBuffers, TexelRect, capture};
 use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
@@ -17,8 +17,8 @@ use crate::fast::block::{Block, BlockSurface, SnappedBox};
 use crate::fast::classify::{Classification, ClassifyBuffers, classify};
 use crate::fast::gather::gather;
 use crate::fast::leaf::{LazyMask, LeafBuffers, NearSurfaces, Setting, leaf_columns};
+use crate::root_blocks::RootBlocks;
 use crate::sink::BlockSink;
-use crate::tiles::Tiles;
 use crate::triangles::casters::Casters;
 use crate::triangles::project::{FixedDepth, SUBTEXEL};
 use crate::triangles::surface::{Surface, Surfaces};
@@ -76,9 +76,11 @@ impl DescentBuffers {
 }
 
 /// Returns the bytes that a worker holds: the surfaces of the fullest root block, and their lists at every level.
-pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
-    let fullest = (0..(tiles[0] * tiles[1]) as usize)
-        .map(|tile| casters.in_tile(tile).iter().map(|&p| casters.triangles(p).len() as u64).sum::<u64>())
+pub(crate) fn working_bytes(casters: &Casters<'_>, root_blocks: [u32; 3]) -> u64 {
+    let fullest = (0..(root_blocks[0] * root_blocks[1]) as usize)
+        .map(|root_block| {
+            casters.in_bin(root_block).iter().map(|&p| casters.triangles(p).len() as u64).sum::<u64>()
+        })
         .max()
         .unwrap_or_default();
     // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
@@ -87,34 +89,34 @@ pub(crate) fn working_bytes(casters: &Casters<'_>, tiles: [u32; 3]) -> u64 {
     fullest * ((2 * size_of::<BlockSurface>() + size_of::<SnappedBox>() + mask) as u64 + 48)
 }
 
-/// Builds root block `tile` of `tiles` into `sink`.
+/// Builds root block `root_block` of `root_blocks` into `sink`.
 ///
 /// # Errors
 /// Returns [`Error::Interrupted`] soon after `cancel` is set.
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn build_root<S: BlockSink>(
-    tiles: &Tiles<'_>,
-    tile: usize,
+    root_blocks: &RootBlocks<'_>,
+    root_block: usize,
     sink: &S,
     buffers: &mut DescentBuffers,
     cancel: &AtomicBool,
 ) -> Result<S::Block> {
-    let rect = tiles.rect(tile);
-    let block = Block { level: tiles.root_level, x: rect.x, y: rect.y };
+    let rect = root_blocks.rect(root_block);
+    let block = Block { level: root_blocks.root_level, x: rect.x, y: rect.y };
     let [reach, contact_reach] =
-        [tiles.rules.reach_texels(), tiles.rules.contact_reach_texels()].map(reach_outside);
+        [root_blocks.rules.reach_texels(), root_blocks.rules.contact_reach_texels()].map(reach_outside);
     let far = block.snapped(contact_reach);
-    let surfaces = gather(&tiles.casters, tile, &far, &tiles.grid, &tiles.rules);
+    let surfaces = gather(&root_blocks.casters, root_block, &far, &root_blocks.grid, &root_blocks.rules);
     let any_masked = surfaces.iter().any(|s| s.surface.masked);
     let masks = vec![LazyMask::new(); if any_masked { surfaces.len() } else { 0 }];
     let descent = Descent {
         boxes: surfaces.iter().map(|s| SnappedBox::of(&s.surface.shape)).collect(),
         setting: Setting {
-            scene: tiles.casters.scene,
-            grid: &tiles.grid,
-            rules: &tiles.rules,
+            scene: root_blocks.casters.scene,
+            grid: &root_blocks.grid,
+            rules: &root_blocks.rules,
             surfaces: &surfaces,
-            opacity: &tiles.casters.clusters.opacity,
+            opacity: &root_blocks.casters.clusters.opacity,
             masks: &masks,
             arch: pulp::Arch::new(),
         },
@@ -240,7 +242,7 @@ impl<S: BlockSink> Descent<'_, S> {
             let columns = leaf_columns(&block, inside, near, known_behind, self.setting, &mut buffers.leaf);
             return self.sink.leaf(&columns);
         }
-        let rect = TileRect { x: block.x, y: block.y, width, height };
+        let rect = TexelRect { x: block.x, y: block.y, width, height };
         let near = Near { descent: self, list, beside };
         capture(&near, self.setting.rules, rect, &mut buffers.capture, &mut buffers.columns);
         self.sink.leaf(&BlockColumns::padded(&buffers.columns))

@@ -8,12 +8,12 @@ use crate::triangles::project::Projected;
 use crate::triangles::surface::{Surface, surface_of};
 use adumbra::grid::LightGrid;
 
-/// Gathers the surfaces of root block `tile` that touch `near`, sorted by group, and within a group in the order of the
+/// Gathers the surfaces of root block `root_block` that touch `near`, sorted by group, and within a group in the order of the
 /// clusters.
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn gather(
     casters: &Casters<'_>,
-    tile: usize,
+    root_block: usize,
     near: &SnappedRect,
     grid: &LightGrid,
     rules: &ColumnRules,
@@ -21,7 +21,7 @@ pub(crate) fn gather(
     let mut found = Vec::new();
     let mut order: Vec<(GroupKey, u32)> = Vec::new();
     let mut corners_grid = VertexCache::default();
-    for &placed in casters.in_tile(tile) {
+    for &placed in casters.in_bin(root_block) {
         let instance = &casters.scene.instances[placed.instance as usize];
         let mesh = &casters.scene.meshes[instance.mesh as usize];
         let flipped = instance.determinant() < 0.0;

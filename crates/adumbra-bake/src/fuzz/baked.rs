@@ -66,8 +66,8 @@ impl Baked {
     pub(crate) fn check_columns(&self, plan: &Plan<'_>, totals: &mut Totals) -> Result<(), String> {
         let mut buffers = BothBuffers::default();
         let mut outcome = Ok(());
-        for tile in 0..plan.tiles.count() {
-            for_each_column(plan, tile, &mut buffers, |column| {
+        for root_block in 0..plan.root_blocks.count() {
+            for_each_column(plan, root_block, &mut buffers, |column| {
                 if outcome.is_ok() {
                     totals.columns += 1;
                     totals.drawn += u64::from(column.drawn);

@@ -32,8 +32,8 @@ fn assert_builders_agree(scene: &Scene, bias: Bias) {
     let options = BakeOptions { bias, assume_ground, ..BakeOptions::new(sun, Size::VoxelSize(1.0)) };
     let plan = choose::plan(scene, &options).expect("small");
     let (mut buffers, mut undrawn) = (BothBuffers::default(), 0);
-    for tile in 0..plan.tiles.count() {
-        for_each_column(&plan, tile, &mut buffers, |column| {
+    for root_block in 0..plan.root_blocks.count() {
+        for_each_column(&plan, root_block, &mut buffers, |column| {
             undrawn += usize::from(!column.drawn);
             assert!(column.agrees(), "{column:?}");
         });

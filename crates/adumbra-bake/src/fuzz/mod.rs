@@ -49,14 +49,14 @@ fn check(seed: u64) -> Result<Totals, String> {
 fn check_case(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Totals, String> {
     let mut totals = Totals { scenes: 1, ..Totals::default() };
     let plan = match choose::plan(scene, options) {
-        Ok(plan) if plan.tiles.grid.size[2] <= MAX_LAYERS => plan,
+        Ok(plan) if plan.root_blocks.grid.size[2] <= MAX_LAYERS => plan,
         Ok(_) | Err(crate::Error::Range(_) | crate::Error::MemoryLimit { .. }) => {
             totals.refused += 1;
             return Ok(totals);
         }
         Err(error) => return Err(format!("the bake refuses the scene: {error}")),
     };
-    let [nx, ny, _] = plan.tiles.grid.size;
+    let [nx, ny, _] = plan.root_blocks.grid.size;
     if u64::from(nx) * u64::from(ny) > MAX_TEXELS {
         totals.refused += 1;
         return Ok(totals);

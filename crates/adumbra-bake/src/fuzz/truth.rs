@@ -5,7 +5,7 @@ use crate::columns::rules::{ColumnRules, ReceiverKind, ReceiverPlane};
 use crate::fuzz::totals::Skip;
 use crate::options::BakeOptions;
 use crate::plan::Plan;
-use crate::tiles::Tiles;
+use crate::root_blocks::RootBlocks;
 use crate::triangles::project::{Projected, SUBTEXEL};
 use adumbra::grid::LightGrid;
 use adumbra::grid::vec3::dot;
@@ -44,7 +44,7 @@ pub(crate) struct Truth<'s> {
 
 impl<'s> Truth<'s> {
     pub(crate) fn new(scene: &'s Scene, options: &BakeOptions, plan: &Plan<'_>) -> Self {
-        let Tiles { grid, rules, .. } = plan.tiles;
+        let RootBlocks { grid, rules, .. } = plan.root_blocks;
         let mut triangles = Vec::new();
         let mut largest = 0.0_f64;
         for (number, instance) in scene.instances.iter().enumerate() {

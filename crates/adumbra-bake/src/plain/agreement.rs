@@ -12,7 +12,7 @@ use crate::options::{AssumeGround, BakeOptions, Size};
 use crate::plan::Plan;
 use crate::sink::BlockSink;
 use crate::test_bakes::bake_depths;
-use crate::triangles::surface::TileSurfaces;
+use crate::triangles::surface::BinSurfaces;
 use adumbra::Receivers;
 use adumbra::grid::Sun;
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
@@ -100,7 +100,7 @@ impl Column {
     }
 }
 
-/// Buffers that are reused from tile to tile.
+/// Buffers that are reused from one root block to the next.
 #[derive(Default)]
 pub(crate) struct BothBuffers {
     descent: DescentBuffers,
@@ -111,25 +111,32 @@ pub(crate) struct BothBuffers {
 /// Calls `visit` with every column of a root block.
 pub(crate) fn for_each_column(
     plan: &Plan<'_>,
-    tile: usize,
+    root_block: usize,
     buffers: &mut BothBuffers,
     mut visit: impl FnMut(Column),
 ) {
     let BothBuffers { descent, capture: captured, columns } = buffers;
-    let pieces =
-        build_root(&plan.tiles, tile, &Found, descent, &AtomicBool::new(false)).expect("nothing interrupts");
-    let surfaces = TileSurfaces { casters: &plan.tiles.casters, tile, grid: &plan.tiles.grid };
-    let rect = plan.tiles.rect(tile);
-    capture(&surfaces, &plan.tiles.rules, rect, captured, columns);
+    let pieces = build_root(&plan.root_blocks, root_block, &Found, descent, &AtomicBool::new(false))
+        .expect("nothing interrupts");
+    let surfaces =
+        BinSurfaces { casters: &plan.root_blocks.casters, bin: root_block, grid: &plan.root_blocks.grid };
+    let rect = plan.root_blocks.rect(root_block);
+    capture(&surfaces, &plan.root_blocks.rules, rect, captured, columns);
     let mut pieces = pieces.into_iter();
     let mut next = pieces.next();
-    for_each_found(plan.tiles.root_level, [0, 0], &mut pieces, &mut next, &mut |[x, y], fast, drawn| {
-        if x < rect.width && y < rect.height {
-            let texel = (y * rect.width + x) as usize;
-            let plain = [columns.e[texel], columns.x[texel]];
-            visit(Column { at: [rect.x + x, rect.y + y], plain, fast, drawn });
-        }
-    });
+    for_each_found(
+        plan.root_blocks.root_level,
+        [0, 0],
+        &mut pieces,
+        &mut next,
+        &mut |[x, y], fast, drawn| {
+            if x < rect.width && y < rect.height {
+                let texel = (y * rect.width + x) as usize;
+                let plain = [columns.e[texel], columns.x[texel]];
+                visit(Column { at: [rect.x + x, rect.y + y], plain, fast, drawn });
+            }
+        },
+    );
     assert!(next.is_none(), "pieces are left behind the block's last");
 }
 
@@ -137,11 +144,11 @@ pub(crate) fn for_each_column(
 fn assert_agreement(name: &str, scene: &Scene, options: &BakeOptions, step: usize) -> [u64; 2] {
     let plan = choose::plan(scene, options).expect("the scene fits");
     let depths = bake_depths(scene, options, true).expect("the scene fits").0;
-    let layers = plan.tiles.grid.size[2];
+    let layers = plan.root_blocks.grid.size[2];
     let mut buffers = BothBuffers::default();
     let (mut counts, mut shorter) = ([0, 0], 0);
-    for tile in (0..plan.tiles.count()).step_by(step) {
-        for_each_column(&plan, tile, &mut buffers, |column| {
+    for root_block in (0..plan.root_blocks.count()).step_by(step) {
+        for_each_column(&plan, root_block, &mut buffers, |column| {
             let Column { at: [i, j], plain, fast, drawn } = column;
             counts[0] += u64::from(drawn);
             counts[1] += 1;

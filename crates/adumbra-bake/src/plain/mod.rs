@@ -9,30 +9,30 @@ mod reference;
 use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, capture};
 use crate::columns::rules::BESIDE_GRID;
+use crate::root_blocks::RootBlocks;
 use crate::sink::BlockSink;
 use crate::sink::from_columns::block_of;
 use crate::sink::limit::SwitchLimit;
-use crate::tiles::Tiles;
-use crate::triangles::surface::TileSurfaces;
+use crate::triangles::surface::BinSurfaces;
 
-/// Buffers that a worker reuses from tile to tile.
+/// Buffers that a worker reuses from one root block to the next.
 #[derive(Default)]
 pub(crate) struct PlainBuffers {
     buffers: CaptureBuffers,
     columns: Columns,
 }
 
-/// Builds root block `tile` of `tiles` into `sink`. Unlike in the fast builder, a switch limit cuts each column by itself.
+/// Builds root block `root_block` of `root_blocks` into `sink`. Unlike in the fast builder, a switch limit cuts each column by itself.
 pub(crate) fn build_root<S: BlockSink>(
-    tiles: &Tiles<'_>,
+    root_blocks: &RootBlocks<'_>,
     limit: SwitchLimit,
-    tile: usize,
+    root_block: usize,
     sink: &S,
     worker: &mut PlainBuffers,
 ) -> S::Block {
-    let surfaces = TileSurfaces { casters: &tiles.casters, tile, grid: &tiles.grid };
+    let surfaces = BinSurfaces { casters: &root_blocks.casters, bin: root_block, grid: &root_blocks.grid };
     let columns = &mut worker.columns;
-    capture(&surfaces, &tiles.rules, tiles.rect(tile), &mut worker.buffers, columns);
+    capture(&surfaces, &root_blocks.rules, root_blocks.rect(root_block), &mut worker.buffers, columns);
     limit.cut(columns);
     let column = |x: u32, y: u32| {
         if x >= columns.width || y >= columns.height {
@@ -41,5 +41,5 @@ pub(crate) fn build_root<S: BlockSink>(
         let texel = (y * columns.width + x) as usize;
         [columns.e[texel], columns.x[texel]]
     };
-    block_of(sink, &column, tiles.root_level, [0, 0])
+    block_of(sink, &column, root_blocks.root_level, [0, 0])
 }

@@ -37,7 +37,7 @@ fn grid_triangles(scene: &Scene, plan: &Plan<'_>, closed_regions: bool) -> Vec<G
         let shape = topology::analyse(mesh, &scene.materials);
         for (t, corners) in mesh.triangles.iter().enumerate() {
             let corners =
-                corners.map(|v| plan.tiles.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
+                corners.map(|v| plan.root_blocks.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
             let projected = Projected::new(corners, instance.determinant() < 0.0);
             all.push(GridTriangle {
                 projected,
@@ -321,7 +321,7 @@ fn equals_dense_grid(scene: &Scene, options: &BakeOptions) -> Result<(), TestCas
     let [nx, ny, nz] = baked.tree.size();
     for j in 0..ny {
         for i in 0..nx {
-            let column = dense_column(&triangles, &plan.tiles.rules, i.into(), j.into());
+            let column = dense_column(&triangles, &plan.root_blocks.rules, i.into(), j.into());
             for k in 0..nz {
                 let lit = baked.tree.voxel(i, j, k);
                 prop_assert!(k >= column.e || lit, "({i}, {j}, {k}) is defined lit, e = {}", column.e);
@@ -385,10 +385,11 @@ fn columns_do_not_depend_on_where_root_blocks_begin() {
     let Choice { clusters, levels, .. } = Choice::new(&scene, &options, &NEVER).expect("a small bake");
     let [four, one] = [5, 6].map(|root_level| {
         let placement = Placement { root_level, ..levels[0] };
-        let tiles = Plan::placed(&scene, &options, placement, &clusters).expect("a small plan").tiles;
+        let root_blocks =
+            Plan::placed(&scene, &options, placement, &clusters).expect("a small plan").root_blocks;
         let mut columns = BTreeMap::new();
-        for_each_column_of(&tiles, |i, j, column| _ = columns.insert([i, j], column));
-        (tiles.count(), columns)
+        for_each_column_of(&root_blocks, |i, j, column| _ = columns.insert([i, j], column));
+        (root_blocks.count(), columns)
     });
     assert_eq!((four.0, one.0), (4, 1));
     assert!(four.1 == one.1);
@@ -406,7 +407,7 @@ fn closed_box_leaves_its_inside_free_and_its_shadow_defined() {
     let triangles = grid_triangles(&scene, &plan, true);
     // 16 texels over 2 m. The roof is 16 voxels above the world's origin, and the page before it begins at 24.
     // Look-ups from level ground right below the box sample one voxel before it, and may round down.
-    let column = dense_column(&triangles, &plan.tiles.rules, 8, 8);
+    let column = dense_column(&triangles, &plan.root_blocks.rules, 8, 8);
     assert_eq!((column.e, column.x), (8, 22));
     let tree = bake_quietly(&scene, &options).tree;
     assert!(tree.voxel(8, 8, 7));

@@ -11,9 +11,9 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
+use crate::cache::{CachedPage, PartCache};
 use crate::columns::BlockColumns;
 use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
-use crate::objects::{Keeper, PageObject};
 use crate::pack::choose::{holds_any, intersection, most_shared};
 use crate::pack::leaf::{Leaf, sort_columns};
 use crate::pages::{Child, Children, Draft, PageStore, Pages, Spill};
@@ -47,9 +47,9 @@ pub struct DepthsSink {
     is_too_large: AtomicBool,
     /// Memory that workers reuse.
     drafts: Mutex<Vec<Draft>>,
-    /// The objects of the bake.
-    keeper: Option<Keeper>,
-    /// Whether pages are needed after their objects have been written.
+    /// The entries of the bake.
+    cache: Option<PartCache>,
+    /// Whether pages are needed after their entries have been written.
     links: bool,
     /// The root blocks of earlier bakes, where they are smaller than pages.
     recent: Option<RecentOfLevel<DepthsBlock>>,
@@ -185,28 +185,28 @@ impl DepthsSink {
             waiting_leaves: AtomicU64::new(0),
             is_too_large: AtomicBool::new(false),
             drafts: Mutex::default(),
-            keeper: None,
+            cache: None,
             links: true,
             recent: None,
         }
     }
 
-    /// Takes the pages of all objects that are there, and will write the others.
-    pub(crate) fn with_objects(mut self, keeper: Keeper) -> Self {
-        keeper.find(|part, pages| {
-            for (place, PageObject { root, base, words }) in keeper.parts.pages(part).zip(pages) {
+    /// Takes the pages of all entries that are there, and will write the others.
+    pub(crate) fn with_cache(mut self, cache: PartCache) -> Self {
+        cache.find(|part, pages| {
+            for (place, CachedPage { root, base, words }) in cache.parts.pages(part).zip(pages) {
                 let number = if root == UNIFORM { UNIFORM } else { self.store.add(root, words) };
                 self.put(place, [number, base]);
             }
         });
-        self.keeper = Some(keeper);
+        self.cache = Some(cache);
         self
     }
 
-    /// Writes objects that are missing, and makes nothing else.
-    pub(crate) fn for_objects_alone(mut self, keeper: Keeper) -> Self {
-        keeper.find(|_, _| {});
-        (self.keeper, self.links) = (Some(keeper), false);
+    /// Writes entries that are missing, and makes nothing else.
+    pub(crate) fn for_entries_alone(mut self, cache: PartCache) -> Self {
+        cache.find(|_, _| {});
+        (self.cache, self.links) = (Some(cache), false);
         self
     }
 
@@ -216,29 +216,29 @@ impl DepthsSink {
         self
     }
 
-    /// Whether the object of a part was there.
+    /// Whether the entry of a part was there.
     pub(crate) fn has_part(&self, part: usize) -> bool {
-        self.keeper.as_ref().is_some_and(|keeper| keeper.has(part))
+        self.cache.as_ref().is_some_and(|cache| cache.has(part))
     }
 
-    /// Returns the number of objects that were left out, and the room that the longest of them would have needed.
+    /// Returns the number of entries that were left out, and the room that the longest of them would have needed.
     pub(crate) fn left_out(&self) -> (usize, u64) {
-        self.keeper.as_ref().map_or((0, 0), Keeper::left_out)
+        self.cache.as_ref().map_or((0, 0), PartCache::left_out)
     }
 
-    /// Returns the number of root blocks whose objects were there.
-    pub(crate) fn found_tiles(&self) -> usize {
-        self.keeper.as_ref().map_or(0, Keeper::found_tiles)
+    /// Returns the number of root blocks whose entries were there.
+    pub(crate) fn found_root_blocks(&self) -> usize {
+        self.cache.as_ref().map_or(0, PartCache::found_root_blocks)
     }
 
-    /// Writes the object of the part at a page, which is done.
+    /// Writes the entry of the part at a page, which is done.
     fn keep(&self, page: [u32; 2]) {
-        let Some(keeper) = &self.keeper else { return };
-        let part = keeper.part_at(page);
+        let Some(cache) = &self.cache else { return };
+        let part = cache.part_at(page);
         let across = page_dims(self.size)[0];
         let pages: Vec<[u32; 2]> = {
             let places = lock(&self.places);
-            keeper.parts.pages(part).map(|[x, y]| places[(y * across + x) as usize]).collect()
+            cache.parts.pages(part).map(|[x, y]| places[(y * across + x) as usize]).collect()
         };
         let contents: Option<Vec<_>> = pages
             .iter()
@@ -251,7 +251,7 @@ impl DepthsSink {
             })
             .collect();
         if let Some(contents) = contents {
-            keeper.keep(part, contents.iter().map(|(root, base, words)| (*root, *base, &**words)));
+            cache.put(part, contents.iter().map(|(root, base, words)| (*root, *base, &**words)));
         }
         if !self.links {
             pages.iter().filter(|page| page[0] != UNIFORM).for_each(|page| self.store.forget(page[0]));
@@ -426,7 +426,7 @@ impl BlockSink for DepthsSink {
     }
 
     fn known(&self, number: usize) -> Option<DepthsBlock> {
-        if self.keeper.as_ref().is_some_and(|keeper| keeper.has_tile(number)) {
+        if self.cache.as_ref().is_some_and(|cache| cache.has_root_block(number)) {
             return Some(DepthsBlock(Parts::Taken));
         }
         let block = self.recent.as_ref()?.get(number)?;
@@ -478,7 +478,7 @@ impl Structure for DepthsSink {
         if self.is_too_large.load(Ordering::Relaxed) || self.store.halves() > MAX_HALVES {
             return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
         }
-        self.keeper.as_ref().map_or(Ok(()), Keeper::check)
+        self.cache.as_ref().map_or(Ok(()), PartCache::check)
     }
 
     fn make_room(&self) {

@@ -4,13 +4,13 @@
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use crate::objects::ObjectKey;
+use crate::cache::CacheKey;
 
 /// The root blocks that were built last, one at each place.
 pub(crate) struct RecentBlocks<B>(Mutex<Blocks<B>>);
 
 /// By level of detail and number.
-type Blocks<B> = HashMap<(usize, usize), (ObjectKey, Arc<B>)>;
+type Blocks<B> = HashMap<(usize, usize), (CacheKey, Arc<B>)>;
 
 impl<B> Default for RecentBlocks<B> {
     fn default() -> Self {
@@ -22,7 +22,7 @@ impl<B> Default for RecentBlocks<B> {
 pub(crate) struct RecentOfLevel<B> {
     pub(crate) all: Arc<RecentBlocks<B>>,
     pub(crate) level: usize,
-    pub(crate) keys: HashMap<usize, ObjectKey>,
+    pub(crate) keys: HashMap<usize, CacheKey>,
 }
 
 impl<B> RecentBlocks<B> {

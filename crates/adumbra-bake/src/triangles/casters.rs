@@ -1,4 +1,4 @@
-//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every tile of the light's plane
+//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every bin of the light's plane
 //! the clusters that may touch it.
 
 use std::sync::Arc;
@@ -44,16 +44,16 @@ pub(crate) struct Placed {
     pub(crate) cluster: u32,
 }
 
-/// The casters of a scene, binned by tile.
+/// The casters of a scene, binned by bin.
 pub(crate) struct Casters<'s> {
     pub(crate) scene: &'s Scene,
     pub(crate) clusters: Arc<SceneClusters>,
     pub(crate) bins: Arc<Bins>,
 }
 
-/// The placed clusters that may touch each tile.
+/// The placed clusters that may touch each bin.
 pub(crate) struct Bins {
-    tile_start: Vec<u32>,
+    bin_start: Vec<u32>,
     placed: Vec<Placed>,
 }
 
@@ -137,12 +137,12 @@ impl Bins {
         scene: &Scene,
         clusters: &SceneClusters,
         grid: &LightGrid,
-        tile_side: u32,
-        tiles: [u32; 2],
+        bin_side: u32,
+        bins: [u32; 2],
         reach_texels: f64,
     ) -> Self {
-        let side = f64::from(tile_side);
-        // The tiles that each placed cluster may touch, in order: from the first to before the last, along x and y.
+        let side = f64::from(bin_side);
+        // The bins that each placed cluster may touch, in order: from the first to before the last, along x and y.
         let touched: Vec<(Placed, [[u32; 2]; 2])> = scene
             .instances
             .par_iter()
@@ -153,7 +153,7 @@ impl Bins {
                     let [low, high] = cluster.extent_in(grid, instance);
                     let first = [0, 1].map(|a| ((low[a] - reach_texels) / side).floor().max(0.0) as u32);
                     let end = [0, 1].map(|a| {
-                        (((high[a] + reach_texels) / side).floor() + 1.0).clamp(0.0, f64::from(tiles[a]))
+                        (((high[a] + reach_texels) / side).floor() + 1.0).clamp(0.0, f64::from(bins[a]))
                             as u32
                     });
                     let is_in_grid = first[0] < end[0] && first[1] < end[1];
@@ -161,43 +161,43 @@ impl Bins {
                 })
             })
             .collect();
-        let in_tiles = |[first, end]: [[u32; 2]; 2]| {
-            (first[1]..end[1]).flat_map(move |y| (first[0]..end[0]).map(move |x| (y * tiles[0] + x) as usize))
+        let in_bins = |[first, end]: [[u32; 2]; 2]| {
+            (first[1]..end[1]).flat_map(move |y| (first[0]..end[0]).map(move |x| (y * bins[0] + x) as usize))
         };
-        let mut tile_start = vec![0_u32; (tiles[0] * tiles[1]) as usize + 1];
-        for tile in touched.iter().flat_map(|&(_, range)| in_tiles(range)) {
-            tile_start[tile] += 1;
+        let mut bin_start = vec![0_u32; (bins[0] * bins[1]) as usize + 1];
+        for bin in touched.iter().flat_map(|&(_, range)| in_bins(range)) {
+            bin_start[bin] += 1;
         }
         let mut sum = 0;
-        for start in &mut tile_start {
+        for start in &mut bin_start {
             sum += std::mem::replace(start, sum);
         }
         let mut placed = vec![Placed { instance: 0, cluster: 0 }; sum as usize];
         for (cluster, range) in touched {
-            for tile in in_tiles(range) {
-                placed[tile_start[tile] as usize] = cluster;
-                tile_start[tile] += 1;
+            for bin in in_bins(range) {
+                placed[bin_start[bin] as usize] = cluster;
+                bin_start[bin] += 1;
             }
         }
-        // After filling, each start has moved to the end of its tile.
-        tile_start.rotate_right(1);
-        tile_start[0] = 0;
-        Self { tile_start, placed }
+        // After filling, each start has moved to the end of its bin.
+        bin_start.rotate_right(1);
+        bin_start[0] = 0;
+        Self { bin_start, placed }
     }
 }
 
 impl<'s> Casters<'s> {
-    /// Bins every placed cluster of the scene into tiles of `tile_side` texels; `tiles` is their number across and down.
+    /// Bins every placed cluster of the scene into bins of `bin_side` texels; `bins` is their number across and down.
     /// `reach_texels` is how far outside its outline a triangle still matters.
     pub(crate) fn new(
         scene: &'s Scene,
         clusters: Arc<SceneClusters>,
         grid: &LightGrid,
-        tile_side: u32,
-        tiles: [u32; 2],
+        bin_side: u32,
+        bins: [u32; 2],
         reach_texels: f64,
     ) -> Self {
-        let bins = Bins::new(scene, &clusters, grid, tile_side, tiles, reach_texels);
+        let bins = Bins::new(scene, &clusters, grid, bin_side, bins, reach_texels);
         Self::binned(scene, clusters, Arc::new(bins))
     }
 
@@ -206,10 +206,10 @@ impl<'s> Casters<'s> {
         Self { scene, clusters, bins }
     }
 
-    /// Returns the placed clusters that may touch `tile`.
-    pub(crate) fn in_tile(&self, tile: usize) -> &[Placed] {
-        let Bins { tile_start, placed } = &*self.bins;
-        &placed[tile_start[tile] as usize..tile_start[tile + 1] as usize]
+    /// Returns the placed clusters that may touch `bin`.
+    pub(crate) fn in_bin(&self, bin: usize) -> &[Placed] {
+        let Bins { bin_start, placed } = &*self.bins;
+        &placed[bin_start[bin] as usize..bin_start[bin + 1] as usize]
     }
 
     /// Returns the triangles of a placed cluster.
@@ -258,7 +258,7 @@ impl<'s> Casters<'s> {
         self.clusters.opacity.memory_bytes()
             + (meshes
                 + self.bins.placed.capacity() * size_of::<Placed>()
-                + self.bins.tile_start.capacity() * 4) as u64
+                + self.bins.bin_start.capacity() * 4) as u64
     }
 }
 

@@ -30,14 +30,14 @@ pub(crate) trait Surfaces {
     fn for_each(&self, visit: impl FnMut(&Surface));
 }
 
-/// The surfaces that may touch a tile, projected again at every iteration.
-pub(crate) struct TileSurfaces<'a> {
+/// The surfaces that may touch a bin, projected again at every iteration.
+pub(crate) struct BinSurfaces<'a> {
     pub(crate) casters: &'a Casters<'a>,
-    pub(crate) tile: usize,
+    pub(crate) bin: usize,
     pub(crate) grid: &'a LightGrid,
 }
 
-impl Surfaces for TileSurfaces<'_> {
+impl Surfaces for BinSurfaces<'_> {
     fn scene(&self) -> &Scene {
         self.casters.scene
     }
@@ -47,7 +47,7 @@ impl Surfaces for TileSurfaces<'_> {
     }
 
     fn for_each(&self, mut visit: impl FnMut(&Surface)) {
-        for &placed in self.casters.in_tile(self.tile) {
+        for &placed in self.casters.in_bin(self.bin) {
             for_each_of(self.casters, placed, self.grid, &mut visit);
         }
     }

@@ -1,17 +1,17 @@
-//! Objects in memory, for tests.
+//! Entries in memory, for tests.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
 
 use adumbra::IoError;
-use adumbra_bake::{Fetched, ObjectKey, Objects};
+use adumbra_bake::{BakeCache, CacheKey, Fetched};
 
-/// Objects in memory.
+/// Entries in memory.
 #[derive(Debug, Default)]
-pub(crate) struct InMemory(pub(crate) Mutex<HashMap<ObjectKey, Vec<u8>>>);
+pub(crate) struct InMemory(pub(crate) Mutex<HashMap<CacheKey, Vec<u8>>>);
 
-impl Objects for InMemory {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+impl BakeCache for InMemory {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
         Ok(match self.0.lock().unwrap().get(key) {
             Some(bytes) if bytes.len() as u64 > most_bytes => Fetched::TooLong(bytes.len() as u64),
             Some(bytes) => Fetched::Whole(bytes.clone()),
@@ -19,7 +19,7 @@ impl Objects for InMemory {
         })
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
         self.0.lock().unwrap().insert(*key, bytes.to_vec());
         Ok(())
     }

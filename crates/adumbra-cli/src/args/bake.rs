@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use adumbra::{AtRest, Bounds, Receivers, Sun};
+use adumbra::{Bounds, Encoding, Receivers, Sun};
 use adumbra_bake::{AssumeGround, BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds, parse_triple};
 use adumbra_program::exit::Failure;
@@ -38,11 +38,20 @@ pub(crate) enum FrameArg {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, ValueEnum)]
-pub(crate) enum AtRestArg {
-    /// With the context coder.
+pub(crate) enum EncodingArg {
+    /// With the context coder, in about a third of the bytes.
     Coded,
-    /// As it is in memory.
+    /// As it is in memory, for loading without decoding.
     Raw,
+}
+
+impl From<EncodingArg> for Encoding {
+    fn from(encoding: EncodingArg) -> Self {
+        match encoding {
+            EncodingArg::Coded => Self::Coded,
+            EncodingArg::Raw => Self::Raw,
+        }
+    }
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -71,19 +80,18 @@ pub(crate) struct BakeSettings {
     /// The longest side as the sun sees the scene.
     #[arg(long, value_name = "N", conflicts_with = "voxel_size")]
     resolution: Option<u64>,
-    /// Edge of a voxel in metres, instead of a resolution
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    /// Edge of a voxel in world units, instead of a resolution
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     voxel_size: Option<f64>,
     /// Preset resolution
     #[arg(long, value_enum, default_value = "medium")]
     preset: PresetArg,
-    /// How far below an open surface its shadow may begin, in metres along the light [default: the bias at the surface's
-    /// slope]
+    /// How far below an open surface its shadow may begin, in world units [default: the bias at its slope]
     ///
-    /// More gives smaller files.
+    /// Counted along the light. More gives smaller files.
     #[arg(
         long,
-        value_name = "METRES",
+        value_name = "LENGTH",
         default_value_t = 0.0,
         hide_default_value = true,
         allow_hyphen_values = true
@@ -97,10 +105,10 @@ pub(crate) struct BakeSettings {
     switch_within: u32,
     /// How the file is stored
     ///
-    /// coded is about a third of the bytes, and is decoded while it is loaded. Either gives the same look-ups, and pack and
-    /// unpack turn one into the other.
+    /// coded is about a third of the bytes, and is decoded while it is loaded. Both give the same look-ups, and convert turns
+    /// one into the other.
     #[arg(long, value_enum, default_value = "coded")]
-    at_rest: AtRestArg,
+    encoding: EncodingArg,
     /// Number of levels of detail, each with voxels four times as large as the one before
     ///
     /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer than 256 texels
@@ -159,7 +167,7 @@ impl BakeSettings {
         };
         let size = match (self.resolution, self.voxel_size) {
             (Some(n), _) => Size::Resolution(n),
-            (None, Some(metres)) => Size::VoxelSize(metres),
+            (None, Some(edge)) => Size::VoxelSize(edge),
             (None, None) => Size::Resolution(preset.resolution().into()),
         };
         BakeOptions {
@@ -172,10 +180,7 @@ impl BakeSettings {
             thickness_world: self.thickness,
             switch_within_voxels: self.switch_within,
             levels: self.levels,
-            at_rest: match self.at_rest {
-                AtRestArg::Coded => AtRest::Coded,
-                AtRestArg::Raw => AtRest::Raw,
-            },
+            encoding: self.encoding.into(),
             assume_ground: match self.assume_ground {
                 AssumeGroundArg::Auto => AssumeGround::Auto,
                 AssumeGroundArg::Yes => AssumeGround::Yes,
@@ -209,20 +214,20 @@ pub(crate) struct Bake {
     /// Usually the scene itself: into the extras of its first directional light that shines, or of a new one if it has none. Bevy and
     /// three.js load it from there.
     #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
-    pub(crate) into: Option<PathBuf>,
-    /// Folder, or URL of a store, with what earlier bakes have made
+    pub(crate) link_in: Option<PathBuf>,
+    /// Folder or URL of a bake cache
     ///
-    /// A folder is created if it is not there. A bake takes from it what is still right, and keeps there what it makes. After an edit of the scene, that is all but
-    /// the parts that the edit touches. The file is the same as without it. Any number of bakes may share a place. URLs are
-    /// s3://bucket/prefix, gs://, az:// or https://, with the usual variables of the environment, such as
-    /// AWS_ACCESS_KEY_ID.
+    /// A folder is created if it does not exist. A bake reads the parts that have not changed from the cache, and writes the
+    /// parts that it bakes to it. After an edit of the scene, only the parts that the edit touches are baked. The file is the
+    /// same as without a cache. Any number of bakes may share one. URLs are s3://bucket/prefix, gs://, az:// or https://, with
+    /// the usual environment variables, such as AWS_ACCESS_KEY_ID.
     #[arg(long, value_name = "DIR|URL", conflicts_with = "dry_run")]
     pub(crate) cache: Option<PathBuf>,
     /// Follow the scene's files, and bake again whenever they change
     ///
     /// Only what an edit touches is baked again. The frame is chosen once: the file is that of a fresh bake with the same
     /// frame. Ctrl-C ends it.
-    #[arg(long, conflicts_with_all = ["dry_run", "into"])]
+    #[arg(long, conflicts_with_all = ["dry_run", "link_in"])]
     pub(crate) watch: bool,
     /// Where the first pages are baked with --watch
     #[arg(long, value_name = "X,Y,Z", requires = "watch", allow_hyphen_values = true, value_parser = parse_triple)]
@@ -238,7 +243,7 @@ pub(crate) struct Bake {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "131072",
-        conflicts_with_all = ["dry_run", "into", "watch", "bounds"]
+        conflicts_with_all = ["dry_run", "link_in", "watch", "bounds"]
     )]
     pub(crate) regions: Option<u32>,
     /// Bake one of N shares of the regions, from 0/N to N-1/N
@@ -250,7 +255,7 @@ pub(crate) struct Bake {
     pub(crate) path: PathArgs,
     /// Forecast what the bake would take, and write nothing
     ///
-    /// The forecast is made of a few tiles that are drawn.
+    /// The forecast extrapolates from a few root blocks.
     #[arg(long)]
     pub(crate) dry_run: bool,
     /// How to show progress
@@ -260,7 +265,7 @@ pub(crate) struct Bake {
     pub(crate) run: RunArgs,
 }
 
-const INTO: &str = "the glTF file of --into";
+const LINK_IN: &str = "the glTF file of --link-in";
 
 impl Bake {
     /// Returns the files that are read, or written beside the shadow file, with their names in errors.
@@ -269,7 +274,7 @@ impl Bake {
             (SCENE, Some(&self.scene)),
             ("the edits", self.load.edit()),
             ("the suns", self.path.suns.as_ref()),
-            (INTO, self.into.as_ref()),
+            (LINK_IN, self.link_in.as_ref()),
             ("the cache", self.cache.as_ref()),
         ];
         paths.into_iter().filter_map(|(what, path)| Some((what, path?.as_path()))).collect()
@@ -278,10 +283,10 @@ impl Bake {
     /// Checks that no file is written over another one that the bake reads or writes.
     pub(crate) fn check_paths(&self, output: &Path) -> Result<(), Failure> {
         refuse_inputs("--output", output, self.other_files())?;
-        if let Some(into) = &self.into {
+        if let Some(into) = &self.link_in {
             // It may be the scene, and is written itself.
-            let others = self.other_files().into_iter().filter(|(what, _)| ![SCENE, INTO].contains(what));
-            refuse_inputs("--into", into, others)?;
+            let others = self.other_files().into_iter().filter(|(what, _)| ![SCENE, LINK_IN].contains(what));
+            refuse_inputs("--link-in", into, others)?;
         }
         Ok(())
     }

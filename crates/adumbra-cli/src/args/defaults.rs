@@ -132,9 +132,9 @@ fn settings(args: &bake::BakeSettings) -> Used {
         ("--resolution", String::new()),
         ("--voxel-size", String::new()),
         ("--preset", "medium".to_owned()),
-        ("--thickness", "the bias at the surface's slope".to_owned()),
+        ("--thickness", "the bias at its slope".to_owned()),
         ("--switch-within", options.switch_within_voxels.to_string()),
-        ("--at-rest", lower(format!("{:?}", options.at_rest))),
+        ("--encoding", lower(format!("{:?}", options.encoding))),
         ("--levels", options.levels.to_string()),
         ("--assume-ground", lower(format!("{:?}", options.assume_ground))),
         ("--receivers", lower(format!("{:?}", options.receivers))),
@@ -157,7 +157,7 @@ fn bake(args: &Bake) -> Used {
                 "the scene's path with the extension .adumbra; with --regions: .regions.json",
             ),
         ),
-        ("--into", absent(args.into.as_ref(), "")),
+        ("--link-in", absent(args.link_in.as_ref(), "")),
         ("--cache", absent(args.cache.as_ref(), "")),
         ("--focus", absent(args.focus.as_ref(), "")),
         ("--regions", absent(args.regions.as_ref(), "")),
@@ -225,7 +225,7 @@ fn compare(args: &Compare) -> Used {
         ("--camera", absent(args.camera.as_ref(), "--eye and --target, or overview")),
         ("--eye-height", args.eye_height.to_string()),
         ("--frames", args.frames.to_string()),
-        ("--sun-angle", args.sun_angle.to_string()),
+        ("--sun-degrees", args.sun_degrees.to_string()),
         ("--sun-samples", args.sun_samples.to_string()),
         ("--reference", name(&args.reference)),
         ("--shadow-file", empty(&args.shadow_file, "baked as needed")),
@@ -329,7 +329,9 @@ fn used(verb: &Verb) -> Used {
             [vec![("--cache", cache)], run(&args.run)].concat()
         }
         Verb::Info(args) => {
-            [vec![("--picture", String::new()), ("--level", args.level.to_string())], run(&args.run)].concat()
+            let level = ("--level", args.level.to_string());
+            let own = vec![("--picture", String::new()), level, ("--snippet", String::new())];
+            [own, run(&args.run)].concat()
         }
         Verb::Schema(_) => vec![("words", String::new())],
         Verb::Verify(args) => {
@@ -352,8 +354,7 @@ fn used(verb: &Verb) -> Used {
         Verb::SunHours(args) => sun_hours(args),
         Verb::Sky(args) => sky(args),
         Verb::Cache(_) => Vec::new(),
-        Verb::Export(args) => run(&args.run),
-        Verb::Pack(args) | Verb::Unpack(args) => {
+        Verb::Convert(args) => {
             let output = ("--output", absent(args.output.as_ref(), "the file itself"));
             [vec![output], run(&args.run)].concat()
         }
@@ -376,7 +377,6 @@ fn required(verb: &str) -> &'static [&'static str] {
         "generate" => &["city", "-o", "a.glb"],
         "verify" => &["a.adumbra", "--scene", "a.glb"],
         "query" => &["a.adumbra", "--points", "p.f32", "-o", "v.f32"],
-        "export" => &["a.adumbra", "--web", "web.adumbra"],
         "sun-hours" => &[
             "a.glb",
             "--grid",
@@ -399,6 +399,7 @@ fn required(verb: &str) -> &'static [&'static str] {
         "compare" => &["a.glb", "--shadow", "csm", "-o", "OUT"],
         "tile" => &["--plan", "a.plan.json"],
         "link" => &["--plan", "a.plan.json", "-o", "a.adumbra"],
+        "convert" => &["a.adumbra", "--encoding", "raw"],
         "cache prune" => &["DIR", "--keep", "1GB"],
         "demo" => &[],
         _ => &["a.glb"],

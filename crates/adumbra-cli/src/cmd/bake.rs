@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Frame;
-use adumbra_bake::{BakeOptions, Estimate, Objects, Written, estimate};
+use adumbra_bake::{BakeCache, BakeOptions, Estimate, Written, estimate};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
@@ -22,7 +22,7 @@ use super::bake_path::{self, BakedSunPath};
 use super::bake_regions::{self, BakedRegions};
 use super::ground::DecidedGround;
 use super::staged::Baking;
-use super::store::cache;
+use super::store::best_effort_cache;
 use super::{bake_watch, bits_per_texel};
 use crate::args::Bake;
 
@@ -63,10 +63,10 @@ pub(super) struct Baked {
     levels: u32,
     /// Number of threads that baked.
     threads: usize,
-    /// Number of tiles.
-    tiles: usize,
-    /// Number of tiles that were taken from `--cache`.
-    reused_tiles: usize,
+    /// Number of root blocks.
+    root_blocks: usize,
+    /// Number of root blocks that were taken from `--cache`.
+    reused_root_blocks: usize,
     /// Number of texels that were processed one by one.
     drawn_texels: u64,
     /// How the grid lies in the world.
@@ -97,10 +97,10 @@ pub(super) struct Baked {
 /// The forecast costs of a bake. Each pair is the least and the most.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct Forecast {
-    /// Number of tiles of the whole bake.
-    tiles: usize,
-    /// Number of tiles that were drawn for the forecast.
-    sampled_tiles: usize,
+    /// Number of root blocks of the whole bake.
+    root_blocks: usize,
+    /// Number of root blocks that were drawn for the forecast.
+    sampled_root_blocks: usize,
     /// Wall time of the bake.
     seconds: [f64; 2],
     /// Length of the shadow file, in bytes.
@@ -142,16 +142,16 @@ pub(crate) fn run(args: &Bake) -> Outcome {
     args.settings.check()?;
     // A wrong sun is refused before the scene is loaded.
     args.settings.sun.given_for(&args.scene, &args.load)?;
-    let shadow_name = args.into.as_ref().map(|gltf| name_for(gltf, &output)).transpose()?;
+    let shadow_name = args.link_in.as_ref().map(|gltf| name_for(gltf, &output)).transpose()?;
     if !args.dry_run {
         args.check_paths(&output).map_err(bad_input)?;
         files::check_output(&output)?;
     }
-    let cache = cache(args.cache.as_deref())?;
+    let cache = best_effort_cache(args.cache.as_deref())?;
     if args.watch {
         return bake_watch::run(args, &output, cache);
     }
-    let cache = cache.map(|cache| Arc::new(cache) as Arc<dyn Objects>);
+    let cache = cache.map(|cache| Arc::new(cache) as Arc<dyn BakeCache>);
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
@@ -187,7 +187,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let (staged, written) = baking.file(&options, &output)?;
         StagedFile::place([staged])?;
         let Written { grid, settings, levels, bytes: file_bytes, report } = written;
-        if let Some((gltf, name)) = args.into.as_ref().zip(shadow_name.as_ref()) {
+        if let Some((gltf, name)) = args.link_in.as_ref().zip(shadow_name.as_ref()) {
             write_shadow_name(gltf, name, grid.sun)?;
         }
         warn_of_large_voxels(&args.scene, &glance, grid.voxel_size);
@@ -207,8 +207,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
                 bits_per_texel,
                 levels,
                 threads: report.threads,
-                tiles: report.tiles,
-                reused_tiles: report.reused_tiles,
+                root_blocks: report.root_blocks,
+                reused_root_blocks: report.reused_root_blocks,
                 drawn_texels: report.drawn_texels,
                 frame: grid.frame,
                 resolution: settings.resolution,
@@ -236,8 +236,8 @@ pub(crate) fn run(args: &Bake) -> Outcome {
             say!("  {ground}");
             say!("  {glance}");
             if let Some(cache) = &args.cache {
-                let (reused, tiles) = (report.reused_tiles, report.tiles);
-                say!("  {reused} of {tiles} tiles from {}", cache.display());
+                let (reused, root_blocks) = (report.reused_root_blocks, report.root_blocks);
+                say!("  {reused} of {root_blocks} root blocks from {}", cache.display());
             }
         }
         Ok(Code::Fine)
@@ -246,7 +246,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
 
 /// Returns the name under which `gltf` refers to the shadow file `output`: its path from the folder of `gltf`.
 fn name_for(gltf: &Path, output: &Path) -> Result<String, Failure> {
-    let usage = |what: String| Err(Failure::Usage(format!("--into {}: {what}", gltf.display())));
+    let usage = |what: String| Err(Failure::Usage(format!("--link-in {}: {what}", gltf.display())));
     let is_gltf = |e: &std::ffi::OsStr| ["glb", "gltf"].iter().any(|known| e.eq_ignore_ascii_case(known));
     if !gltf.extension().is_some_and(is_gltf) || !gltf.is_file() {
         return usage("give an existing .glb or .gltf file".to_owned());
@@ -275,8 +275,8 @@ fn dry_run(
 ) -> Outcome {
     if args.run.json {
         print_json(&Printed::Forecast(Forecast {
-            tiles: e.tiles,
-            sampled_tiles: e.sampled_tiles,
+            root_blocks: e.root_blocks,
+            sampled_root_blocks: e.sampled_root_blocks,
             seconds: e.seconds,
             file_bytes: e.file_bytes,
             memory_bytes: e.memory_bytes,
@@ -289,7 +289,7 @@ fn dry_run(
         }))?;
     } else {
         let range = |r: [u64; 2]| format!("{} to {}", format_bytes(r[0]), format_bytes(r[1]));
-        say!("{}: {} of {} tiles drawn", args.scene.display(), e.sampled_tiles, e.tiles);
+        say!("{}: {} of {} root blocks drawn", args.scene.display(), e.sampled_root_blocks, e.root_blocks);
         say!("  time    {:.0} to {:.0} s", e.seconds[0], e.seconds[1]);
         say!("  memory  {}", range(e.memory_bytes));
         say!("  file    {}", range(e.file_bytes));

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use adumbra::regions::Regions;
 use adumbra::{Frame, Region};
-use adumbra_bake::{BakeOptions, Objects, RegionPlan};
+use adumbra_bake::{BakeCache, BakeOptions, RegionPlan};
 use adumbra_files::{StagedFile, check_output};
 use adumbra_program::exit::Failure;
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
@@ -20,7 +20,7 @@ use serde::Serialize;
 
 use super::ground::DecidedGround;
 use super::staged::Baking;
-use super::store::cache;
+use super::store::best_effort_cache;
 use crate::args::{Bake, Shard};
 
 /// The result of `bake --regions`.
@@ -72,10 +72,10 @@ pub(super) struct BakedRegion {
     file_bytes: u64,
     /// Wall time of its bake.
     seconds: f64,
-    /// Number of tiles.
-    tiles: usize,
-    /// Number of tiles that were taken from `--cache`.
-    reused_tiles: usize,
+    /// Number of root blocks.
+    root_blocks: usize,
+    /// Number of root blocks that were taken from `--cache`.
+    reused_root_blocks: usize,
 }
 
 /// Bakes regions of `texels` texels a side, and says what it did unless the result is to be printed as JSON.
@@ -89,7 +89,7 @@ pub(super) fn run(args: &Bake, texels: u32) -> Result<BakedRegions, Failure> {
     args.check_paths(&manifest).map_err(bad_input)?;
     check_output(&manifest)?;
     let names = Names::beside(&manifest)?;
-    let cache = cache(args.cache.as_deref())?.map(|cache| Arc::new(cache) as Arc<dyn Objects>);
+    let cache = best_effort_cache(args.cache.as_deref())?.map(|cache| Arc::new(cache) as Arc<dyn BakeCache>);
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, &args.scene, &args.load.load_options()?)?;
@@ -127,8 +127,8 @@ pub(super) fn run(args: &Bake, texels: u32) -> Result<BakedRegions, Failure> {
                 file: path.display().to_string(),
                 file_bytes: written.bytes,
                 seconds: written.report.seconds,
-                tiles: written.report.tiles,
-                reused_tiles: written.report.reused_tiles,
+                root_blocks: written.report.root_blocks,
+                reused_root_blocks: written.report.reused_root_blocks,
             });
         }
         let files = plan.regions().map(|region| (region, names.path_of(region)));

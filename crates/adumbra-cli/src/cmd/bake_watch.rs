@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use adumbra_bake::{BakeOptions, BakedParts, Baker, CachedObjects, Error, Watch};
+use adumbra_bake::{BakeOptions, BakedParts, Baker, BestEffortCache, Error, Watch};
 use adumbra_files::{self as files, FileWatch, StagedFile};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json_line};
@@ -57,7 +57,7 @@ struct Follower<'a> {
     stop: Arc<AtomicBool>,
 }
 
-pub(super) fn run(args: &Bake, output: &Path, cache: Option<CachedObjects>) -> Outcome {
+pub(super) fn run(args: &Bake, output: &Path, cache: Option<BestEffortCache>) -> Outcome {
     with_threads(args.run.threads, || {
         let (changed, stop) = Default::default();
         Follower { args, output, changed, stop }.follow(cache)
@@ -65,7 +65,7 @@ pub(super) fn run(args: &Bake, output: &Path, cache: Option<CachedObjects>) -> O
 }
 
 impl Follower<'_> {
-    fn follow(&self, cache: Option<CachedObjects>) -> Outcome {
+    fn follow(&self, cache: Option<BestEffortCache>) -> Outcome {
         let start = Instant::now();
         let scene = self.load()?;
         let load_seconds = start.elapsed().as_secs_f64();
@@ -83,7 +83,7 @@ impl Follower<'_> {
             say!("  {ground}");
         }
         let mut baker = match cache {
-            Some(cache) => Baker::with_objects(scene, &options, Arc::new(cache.with_memory()))?,
+            Some(cache) => Baker::with_cache(scene, &options, Arc::new(cache.with_memory()))?,
             None => Baker::new(scene, &options)?,
         };
         let mut times = [load_seconds, start.elapsed().as_secs_f64()];

@@ -1,9 +1,9 @@
-//! `adumbra cache`: looks after what `bake --cache` keeps.
+//! `adumbra cache`: inspects or prunes the cache of `bake --cache`.
 
 use std::path::Path;
 
 use adumbra::IoError;
-use adumbra_bake::{FolderContents, FolderReport};
+use adumbra_bake::{CacheReport, CacheUsage};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
@@ -13,11 +13,11 @@ use serde::Serialize;
 use super::store::Store;
 use crate::args::{Cache, CacheInfo, CachePrune};
 
-/// What a folder or store of objects has.
+/// The contents of a bake cache.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct CacheContents {
-    /// Number of objects.
-    objects: u64,
+    /// Number of entries.
+    entries: u64,
     /// Their bytes.
     bytes: u64,
     /// Number of temporary files that programs left more than a day ago because they were killed.
@@ -26,13 +26,13 @@ pub(super) struct CacheContents {
     abandoned_bytes: u64,
 }
 
-impl From<FolderContents> for CacheContents {
-    fn from(FolderContents { objects, bytes, abandoned, abandoned_bytes }: FolderContents) -> Self {
-        Self { objects, bytes, abandoned, abandoned_bytes }
+impl From<CacheUsage> for CacheContents {
+    fn from(CacheUsage { entries, bytes, abandoned, abandoned_bytes }: CacheUsage) -> Self {
+        Self { entries, bytes, abandoned, abandoned_bytes }
     }
 }
 
-/// What was removed from a folder or store of objects, and what is left.
+/// What was removed from a bake cache, and what is left.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct Pruned {
     /// What was removed.
@@ -49,7 +49,7 @@ pub(crate) fn run(args: &Cache) -> Outcome {
 }
 
 fn info(args: &CacheInfo) -> Outcome {
-    let FolderReport { contents, failures } = Store::open(&args.place)?.contents()?;
+    let CacheReport { contents, failures } = Store::open(&args.place)?.contents()?;
     warn(&args.place, &failures, "");
     if args.json {
         print_json(&CacheContents::from(contents))?;
@@ -61,7 +61,7 @@ fn info(args: &CacheInfo) -> Outcome {
 
 fn prune(args: &CachePrune) -> Outcome {
     let store = Store::open(&args.place)?;
-    let FolderReport { contents: removed, failures } = store.prune(args.keep)?;
+    let CacheReport { contents: removed, failures } = store.prune(args.keep)?;
     warn(&args.place, &failures, "; it stays");
     let left = store.contents()?.contents;
     if args.json {
@@ -76,13 +76,13 @@ fn prune(args: &CachePrune) -> Outcome {
     Ok(Code::Fine)
 }
 
-fn said(FolderContents { objects, bytes, abandoned, abandoned_bytes }: FolderContents) -> String {
-    let objects = format!("{objects} objects, {}", format_bytes(bytes));
+fn said(CacheUsage { entries, bytes, abandoned, abandoned_bytes }: CacheUsage) -> String {
+    let entries = format!("{entries} entries, {}", format_bytes(bytes));
     if abandoned == 0 {
-        return objects;
+        return entries;
     }
     format!(
-        "{objects}, and {abandoned} temporary files of killed programs, {}",
+        "{entries}, and {abandoned} temporary files of killed programs, {}",
         format_bytes(abandoned_bytes)
     )
 }

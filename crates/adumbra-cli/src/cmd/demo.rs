@@ -3,9 +3,9 @@
 use std::path::Path;
 use std::time::Instant;
 
-use adumbra::{AtRest, Filter, IoError, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, IoError, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
-use adumbra_compare::page::{Body, Embedded, Encoding, Page, Pair, Table};
+use adumbra_compare::page::{Body, Embedded, Page, Pair, PictureEncoding, Table};
 use adumbra_files::replace_file;
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
@@ -102,7 +102,7 @@ fn demo(args: &Demo) -> Outcome {
     };
     let file =
         guard.end("the bake", &share, bake(&scene, &options, Watch::new(&progress, guard.cancel())))?.file;
-    let file_bytes = replace_file(&file_path, |out| file.write_to(out, AtRest::default()))?;
+    let file_bytes = replace_file(&file_path, |out| file.write_to(out, Encoding::default()))?;
     let bake_seconds = start.elapsed().as_secs_f64();
     tell!("file      {} ({}, {bake_seconds:.1} s)", file_path.display(), format_bytes(file_bytes));
 
@@ -163,7 +163,10 @@ fn write_report(
 ) -> Result<(), Failure> {
     let rows = [
         ("triangles", file.settings.triangles.to_string()),
-        ("grid", format!("{resolution}: {:?} voxels of {:.3} m", file.grid.size, file.grid.voxel_size)),
+        (
+            "grid",
+            format!("{resolution}: {:?} voxels of {:.3} world units", file.grid.size, file.grid.voxel_size),
+        ),
         ("bake", format!("{bake_seconds:.1} s on {} threads", rayon::current_num_threads())),
         (
             "file",
@@ -188,7 +191,7 @@ fn write_report(
         let picture = |suffix: &str| -> Result<Embedded, Failure> {
             let path = path.with_file_name(format!("{name}{suffix}.png"));
             let bytes = std::fs::read(&path).map_err(IoError::at("read", &path))?;
-            Ok(Embedded::from_png(&bytes, None, WIDEST, Encoding::Lossless)?)
+            Ok(Embedded::from_png(&bytes, None, WIDEST, PictureEncoding::Lossless)?)
         };
         let (file, truth, difference) = (picture("")?, picture("-truth")?, picture("-difference")?);
         let names = ("the file, 5 × 5 texels", "rays");

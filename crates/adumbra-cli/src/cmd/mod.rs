@@ -8,7 +8,6 @@ mod cache;
 mod convert;
 #[cfg(feature = "render")]
 mod demo;
-mod export;
 mod farm;
 mod generate;
 mod ground;
@@ -26,7 +25,7 @@ mod verify;
 #[cfg(feature = "view")]
 mod view;
 
-use adumbra::{AtRest, LightGrid};
+use adumbra::LightGrid;
 #[cfg(feature = "render")]
 use adumbra_compare::verbs::{Offer, compare, render};
 use adumbra_program::exit::Outcome;
@@ -45,11 +44,9 @@ pub(crate) fn run(verb: Verb) -> Outcome {
         Verb::Plan(a) => farm::plan(&a),
         Verb::Tile(a) => farm::tile(&a),
         Verb::Link(a) => farm::link(&a),
-        Verb::Export(a) => export::run(&a),
         Verb::SunHours(a) => sunlight::hours(&a),
         Verb::Sky(a) => sunlight::sky(&a),
-        Verb::Pack(a) => convert::run(&a, AtRest::Coded),
-        Verb::Unpack(a) => convert::run(&a, AtRest::Raw),
+        Verb::Convert(a) => convert::run(&a),
         #[cfg(feature = "render")]
         Verb::Render(a) => Ok(render::run(&a, Offer::PRODUCT)?),
         #[cfg(feature = "view")]

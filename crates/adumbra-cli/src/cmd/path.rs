@@ -79,8 +79,10 @@ pub(super) struct VerifiedMoment {
 /// Says from which depth on rays are blocked that no key knows, if the path has such a depth.
 pub(super) fn say_hidden(dark_after_voxels: u32, voxel_size: f64) {
     if dark_after_voxels > 0 {
-        let metres = f64::from(dark_after_voxels) * voxel_size;
-        say!("  rays that no key knows are blocked if both hide them over {metres:.3} m of depth or more");
+        let depth_world = f64::from(dark_after_voxels) * voxel_size;
+        say!(
+            "  rays that no key knows are blocked if both hide them over a depth of {depth_world:.3} world units or more"
+        );
     }
 }
 

@@ -12,7 +12,7 @@ use adumbra_program::{progress, query};
 
 #[cfg(feature = "render")]
 use super::demo;
-use super::{bake, bake_watch, cache, convert, export, farm, generate, info, inspect, sunlight, verify};
+use super::{bake, bake_watch, cache, convert, farm, generate, info, inspect, sunlight, verify};
 
 const DESCRIBED: &[Described] = &[
     Described::of::<generate::Generated>("generate", "the scene that was written"),
@@ -29,14 +29,12 @@ const DESCRIBED: &[Described] = &[
     ),
     Described::of::<verify::Printed>("verify", "the comparison with rays"),
     Described::of::<query::Answered>("query", "the look-ups"),
-    Described::of::<export::WebExported>("export", "the file that was written"),
-    Described::of::<cache::CacheContents>("cache info", "what bake --cache keeps"),
-    Described::of::<cache::Pruned>("cache prune", "what was removed of what bake --cache keeps"),
+    Described::of::<cache::CacheContents>("cache info", "the contents of a bake cache"),
+    Described::of::<cache::Pruned>("cache prune", "what was removed from a bake cache, and what is left"),
     Described::of::<farm::Planned>("plan", "the plan that was written"),
     Described::of::<farm::Tiled>("tile", "the parts that were baked"),
     Described::of::<farm::Linked>("link", "the shadow file that was written"),
-    Described::of::<convert::Converted>("pack", "the coded file that was written"),
-    Described::of::<convert::Converted>("unpack", "the raw file that was written"),
+    Described::of::<convert::Converted>("convert", "the file that was written"),
     Described::of::<sunlight::SunHoursFound>("sun-hours", "the hours of the points in short"),
     Described::of::<sunlight::HoursFile>("sun-hours file", "a .json of sun-hours"),
     Described::of::<sunlight::SkyFound>("sky", "the skies of the points in short"),

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use adumbra_bake::{BakeOptions, Error, Objects, Watch, Written, bake_to, bake_with_objects};
+use adumbra_bake::{BakeCache, BakeOptions, Error, Watch, Written, bake_to, bake_with_cache};
 use adumbra_files::StagedFile;
 use adumbra_program::exit::Failure;
 use adumbra_program::memory::{Guard, Share};
@@ -18,7 +18,7 @@ use crate::args::Bake;
 pub(super) struct Baking<'a> {
     pub(super) args: &'a Bake,
     pub(super) scene: &'a Scene,
-    pub(super) cache: Option<&'a Arc<dyn Objects>>,
+    pub(super) cache: Option<&'a Arc<dyn BakeCache>>,
     pub(super) share: &'a Share,
 }
 
@@ -38,7 +38,7 @@ impl Baking<'_> {
         let baked = staged(output, |out| {
             let watch = Watch::new(&progress, guard.cancel());
             match self.cache {
-                Some(cache) => bake_with_objects(self.scene, options, cache, watch, out),
+                Some(cache) => bake_with_cache(self.scene, options, cache, watch, out),
                 None => bake_to(self.scene, options, watch, out),
             }
         });

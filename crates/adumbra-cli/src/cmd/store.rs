@@ -1,18 +1,18 @@
-//! Where objects are kept: a folder, or a store that a URL names.
+//! Where a bake cache is: in a folder, or in a store that a URL names.
 
 use std::path::Path;
 use std::sync::Arc;
 
-use adumbra_bake::{CachedObjects, FolderObjects, FolderReport, Objects};
+use adumbra_bake::{BakeCache, BestEffortCache, CacheReport, DiskCache};
 use adumbra_program::exit::Failure;
 #[cfg(feature = "stores")]
-use adumbra_store::StoreObjects;
+use adumbra_store::StoreCache;
 
 /// A folder or a store.
 pub(super) enum Store {
-    Folder(FolderObjects),
+    Folder(DiskCache),
     #[cfg(feature = "stores")]
-    Remote(StoreObjects),
+    Remote(StoreCache),
 }
 
 impl Store {
@@ -20,11 +20,11 @@ impl Store {
     pub(super) fn open(place: &Path) -> Result<Self, Failure> {
         match url_of(place) {
             Some(url) => Self::remote(url),
-            None => Ok(Self::Folder(FolderObjects::open(place)?)),
+            None => Ok(Self::Folder(DiskCache::open(place)?)),
         }
     }
 
-    pub(super) fn contents(&self) -> Result<FolderReport, Failure> {
+    pub(super) fn contents(&self) -> Result<CacheReport, Failure> {
         Ok(match self {
             Self::Folder(folder) => folder.contents()?,
             #[cfg(feature = "stores")]
@@ -32,7 +32,7 @@ impl Store {
         })
     }
 
-    pub(super) fn prune(&self, most_bytes: u64) -> Result<FolderReport, Failure> {
+    pub(super) fn prune(&self, most_bytes: u64) -> Result<CacheReport, Failure> {
         Ok(match self {
             Self::Folder(folder) => folder.prune(most_bytes)?,
             #[cfg(feature = "stores")]
@@ -42,7 +42,7 @@ impl Store {
 
     #[cfg(feature = "stores")]
     fn remote(url: &str) -> Result<Self, Failure> {
-        Ok(Self::Remote(StoreObjects::open(url)?))
+        Ok(Self::Remote(StoreCache::open(url)?))
     }
 
     #[cfg(not(feature = "stores"))]
@@ -59,10 +59,10 @@ pub(super) fn url_of(place: &Path) -> Option<&str> {
     place.to_str().filter(|text| text.split_once("://").is_some_and(|(scheme, _)| scheme.len() > 1))
 }
 
-/// Opens a folder or a store. A folder is created if it is not there.
-pub(super) fn objects(place: &Path) -> Result<Arc<dyn Objects>, Failure> {
+/// Opens a cache. A folder is created if it is not there.
+pub(super) fn open_or_create(place: &Path) -> Result<Arc<dyn BakeCache>, Failure> {
     if url_of(place).is_none() {
-        return Ok(Arc::new(FolderObjects::create(place)?));
+        return Ok(Arc::new(DiskCache::create(place)?));
     }
     Ok(match Store::open(place)? {
         Store::Folder(folder) => Arc::new(folder),
@@ -71,16 +71,16 @@ pub(super) fn objects(place: &Path) -> Result<Arc<dyn Objects>, Failure> {
     })
 }
 
-/// Opens the folder or store of `--cache`, if it is given. Whatever fails later is said once, and the bake goes on without
-/// it.
-pub(super) fn cache(place: Option<&Path>) -> Result<Option<CachedObjects>, Failure> {
+/// Opens the cache of `--cache`, if the option is given. The first failure of the cache is reported as a warning; the bake
+/// goes on without it.
+pub(super) fn best_effort_cache(place: Option<&Path>) -> Result<Option<BestEffortCache>, Failure> {
     let Some(place) = place else { return Ok(None) };
     let named = place.display().to_string();
-    let opened = objects(place).map_err(|failure| Failure::Other {
+    let opened = open_or_create(place).map_err(|failure| Failure::Other {
         code: failure.code(),
         message: format!("--cache {named}: {failure}; give a folder of its own, or leave the option out"),
     });
-    Ok(Some(CachedObjects::new(opened?, move |error| {
+    Ok(Some(BestEffortCache::new(opened?, move |error| {
         adumbra_program::note!(
             "warning: --cache {named}: {error}; the bake goes on without what the cache cannot do"
         );

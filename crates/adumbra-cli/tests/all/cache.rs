@@ -15,21 +15,24 @@ fn cached_bakes_write_the_same_file_and_say_what_they_reused() {
     let [plain, first, second] = ["plain", "first", "second"].map(|name| folder.path(name));
     bake(&plain, &[]);
     let said = bake(&first, &["--cache", &cache]);
-    assert_eq!(said["reused_tiles"], 0);
+    assert_eq!(said["reused_root_blocks"], 0);
     let said = bake(&second, &["--cache", &cache]);
-    assert!(said["reused_tiles"] == said["tiles"] && said["tiles"].as_u64() > Some(0), "{said}");
+    assert!(
+        said["reused_root_blocks"] == said["root_blocks"] && said["root_blocks"].as_u64() > Some(0),
+        "{said}"
+    );
     let bytes = fs::read(&plain).unwrap();
     assert!(fs::read(&first).unwrap() == bytes && fs::read(&second).unwrap() == bytes);
 
     let info = json(&["cache", "info", &cache, "--json"]);
-    let (objects, all) = (info["objects"].as_u64().unwrap(), info["bytes"].as_u64().unwrap());
-    assert!(objects > 1 && all > 0, "{info}");
+    let (entries, all) = (info["entries"].as_u64().unwrap(), info["bytes"].as_u64().unwrap());
+    assert!(entries > 1 && all > 0, "{info}");
     let half = (all / 2).to_string();
     let pruned = json(&["cache", "prune", &cache, "--keep", &half, "--json"]);
     let left = pruned["left"]["bytes"].as_u64().unwrap();
     assert!(left <= all / 2 && pruned["removed"]["bytes"].as_u64() == Some(all - left), "{pruned}");
     let said = bake(&second, &["--cache", &cache]);
-    assert!(said["reused_tiles"].as_u64() < said["tiles"].as_u64(), "{said}");
+    assert!(said["reused_root_blocks"].as_u64() < said["root_blocks"].as_u64(), "{said}");
     assert!(fs::read(&second).unwrap() == bytes && folder.no_temporary_files());
 }
 
@@ -65,22 +68,22 @@ fn a_cache_that_cannot_be_used_is_said_and_the_bake_goes_on() {
     let (code, said) = bake(&first);
     assert!(code == 0 && !said.contains("warning"), "{code}: {said}");
     let in_cache = |path: &str| fs::read_dir(path).unwrap().map(|entry| entry.unwrap().path());
-    let objects: Vec<_> = in_cache(&cache)
+    let entries: Vec<_> = in_cache(&cache)
         .filter(|path| !path.ends_with("new"))
         .flat_map(|path| in_cache(path.to_str().unwrap()))
         .collect();
-    for object in &objects {
-        fs::remove_file(object).unwrap();
-        fs::create_dir(object).unwrap();
+    for entry in &entries {
+        fs::remove_file(entry).unwrap();
+        fs::create_dir(entry).unwrap();
     }
     let (code, said) = bake(&second);
     assert!(code == 0 && said.matches("warning: --cache").count() == 1, "{code}: {said}");
     assert!(fs::read(&first).unwrap() == fs::read(&second).unwrap());
-    // Nor is a folder an object to remove.
-    assert_eq!(json(&["cache", "prune", &cache, "--keep", "0", "--json"])["removed"]["objects"], 0);
+    // Nor is a folder an entry to remove.
+    assert_eq!(json(&["cache", "prune", &cache, "--keep", "0", "--json"])["removed"]["entries"], 0);
 }
 
-/// The light that `--into` writes leads to the same sun.
+/// The light that `--link-in` writes leads to the same sun.
 #[test]
 fn a_scene_that_was_told_of_its_shadows_is_baked_from_the_cache() {
     let folder = Folder::new();
@@ -92,7 +95,7 @@ fn a_scene_that_was_told_of_its_shadows_is_baked_from_the_cache() {
             &scene,
             "--resolution",
             "512",
-            "--into",
+            "--link-in",
             &scene,
             "--cache",
             &cache,
@@ -101,11 +104,14 @@ fn a_scene_that_was_told_of_its_shadows_is_baked_from_the_cache() {
             "--json",
         ])
     };
-    assert_eq!(bake()["reused_tiles"], 0);
+    assert_eq!(bake()["reused_root_blocks"], 0);
     let first = fs::read(&output).unwrap();
     for _ in 0..2 {
         let said = bake();
-        assert!(said["reused_tiles"] == said["tiles"] && said["sun_origin"]["source"] == "light", "{said}");
+        assert!(
+            said["reused_root_blocks"] == said["root_blocks"] && said["sun_origin"]["source"] == "light",
+            "{said}"
+        );
         assert!(fs::read(&output).unwrap() == first);
     }
 }

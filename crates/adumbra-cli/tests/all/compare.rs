@@ -96,7 +96,7 @@ fn sun_angle_reaches_and_judges_every_technique_that_takes_one() {
     let report = json(&[
         "compare",
         &scene,
-        "--sun-angle",
+        "--sun-degrees",
         "3",
         "--sun-samples",
         "4",
@@ -111,7 +111,7 @@ fn sun_angle_reaches_and_judges_every_technique_that_takes_one() {
         "--shadow",
         "voxel:soft",
         "--shadow",
-        "voxel:soft:angle=1",
+        "voxel:soft:sun-degrees=1",
         "--shadow",
         "blur:base=voxel/soft",
         "--shadow",
@@ -123,10 +123,10 @@ fn sun_angle_reaches_and_judges_every_technique_that_takes_one() {
     let rows: Vec<_> =
         report["techniques"].as_array().unwrap().iter().map(|t| (&t["name"], &t["truth"])).collect();
     let expected = [
-        ("pcss:size=256:angle=3", "disc"),
-        ("voxel:soft:angle=3", "disc"),
-        ("voxel:soft:angle=1", "disc"),
-        ("blur:base=voxel/soft/angle=3", "disc"),
+        ("pcss:size=256:sun-degrees=3", "disc"),
+        ("voxel:soft:sun-degrees=3", "disc"),
+        ("voxel:soft:sun-degrees=1", "disc"),
+        ("blur:base=voxel/soft/sun-degrees=3", "disc"),
         ("voxel:filter=3", "hard"),
     ];
     assert_eq!(rows.len(), expected.len());
@@ -166,7 +166,7 @@ fn compare_refuses_what_makes_no_sense() {
         (vec!["--shadow", "none", "--camera", "roof"], 2, "street"),
         (vec!["--shadow", "none", "--camera", "absent.npz"], 3, "absent.npz"),
         (vec!["--shadow", "none", "--camera", "street", "--eye", "1,2,3"], 2, "--eye"),
-        (vec!["--shadow", "none", "--sun-angle", "0"], 2, "--sun-angle"),
+        (vec!["--shadow", "none", "--sun-degrees", "0"], 2, "--sun-degrees"),
         (vec!["--shadow", "none", "--size", "8x8"], 2, "--size"),
         (vec!["--shadow", "none", "--size", "32x32", "--path", &bad_path], 3, "no keyframes"),
         (vec!["--shadow", "none", "--device", "cpu"], 2, "--device cpu"),

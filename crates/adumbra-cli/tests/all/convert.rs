@@ -1,44 +1,71 @@
-//! `pack` and `unpack`: one file, stored in two ways.
+//! `convert`: one file, stored in two ways.
 
 use std::fs;
+use std::process::Command;
 
-use adumbra::{AtRest, ShadowFile};
-use adumbra_testing::{Folder, adumbra, json};
+use adumbra::{Encoding, ShadowFile};
+use adumbra_testing::{Folder, adumbra, json, program};
 
 #[test]
-fn pack_and_unpack_give_each_other_back() {
+fn conversions_give_each_other_back() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let [coded, raw] = [folder.path("coded.adumbra"), folder.path("raw.adumbra")];
     let bake = ["bake", &scene, "--resolution", "512", "--progress", "none"];
     assert_eq!(adumbra(&[&bake[..], &["-o", &coded]].concat()).0, 0);
-    assert_eq!(adumbra(&[&bake[..], &["--at-rest", "raw", "-o", &raw]].concat()).0, 0);
+    assert_eq!(adumbra(&[&bake[..], &["--encoding", "raw", "-o", &raw]].concat()).0, 0);
     let (coded_bytes, raw_bytes) = (fs::read(&coded).unwrap(), fs::read(&raw).unwrap());
     assert!(2 * coded_bytes.len() < raw_bytes.len(), "{} {}", coded_bytes.len(), raw_bytes.len());
     assert!(ShadowFile::from_bytes(&coded_bytes) == ShadowFile::from_bytes(&raw_bytes));
 
     let other = folder.path("other.adumbra");
-    let unpacked = json(&["unpack", &coded, "-o", &other, "--json"]);
+    let raw_now = json(&["convert", &coded, "--encoding", "raw", "-o", &other, "--json"]);
     assert!(fs::read(&other).unwrap() == raw_bytes);
     assert_eq!(
-        (unpacked["at_rest"].as_str(), unpacked["bytes"].as_u64()),
+        (raw_now["encoding"].as_str(), raw_now["bytes"].as_u64()),
         (Some("raw"), Some(raw_bytes.len() as u64))
     );
     // In place.
-    let packed = json(&["pack", &other, "--json"]);
+    let coded_now = json(&["convert", &other, "--encoding", "coded", "--json"]);
     assert!(fs::read(&other).unwrap() == coded_bytes);
-    assert_eq!(packed["bytes_before"].as_u64(), Some(raw_bytes.len() as u64));
-    for (file, at_rest) in [(&coded, "coded"), (&raw, "raw")] {
-        assert_eq!(json(&["info", file, "--json"])["at_rest"], at_rest);
+    assert_eq!(coded_now["bytes_before"].as_u64(), Some(raw_bytes.len() as u64));
+    for (file, encoding) in [(&coded, "coded"), (&raw, "raw")] {
+        assert_eq!(json(&["info", file, "--json"])["encoding"], encoding);
     }
     assert!(folder.no_temporary_files());
 
+    // What is stored so already is written as it is.
+    json(&["convert", &coded, "--encoding", "coded", "-o", &other, "--json"]);
+    assert!(fs::read(&other).unwrap() == coded_bytes);
+    let (code, error) = adumbra(&["convert", &coded]);
+    assert!(code == 2 && error.contains("--encoding"), "{error}");
+    let (code, error) =
+        adumbra(&["convert", &coded, "--encoding", "raw", "-o", &folder.path("no/such/a.adumbra")]);
+    assert!(code != 0 && error.contains("no/such"), "{error}");
+
     // What cannot be read stays as it is.
     let broken = folder.write("broken.adumbra", &coded_bytes[..coded_bytes.len() - 1]);
-    let (code, error) = adumbra(&["unpack", &broken]);
+    let (code, error) = adumbra(&["convert", &broken, "--encoding", "raw"]);
     assert_eq!((code, error.contains("cut off")), (3, true), "{error}");
     assert_eq!(fs::read(&broken).unwrap().len(), coded_bytes.len() - 1);
-    assert_eq!(ShadowFile::read(&coded).unwrap().to_bytes(AtRest::Coded).unwrap(), coded_bytes);
+    let (code, error) = adumbra(&["convert", &scene, "--encoding", "raw", "-o", &other]);
+    assert_eq!((code, error.contains("not a shadow file")), (3, true), "{error}");
+    assert!(fs::read(&other).unwrap() == coded_bytes);
+    assert_eq!(ShadowFile::read(&coded).unwrap().to_bytes(Encoding::Coded).unwrap(), coded_bytes);
+}
+
+#[test]
+fn a_snippet_names_the_file_and_is_printed_alone() {
+    let folder = Folder::new();
+    let scene = folder.generate("primitives");
+    let file = folder.path("p.adumbra");
+    let bake = ["bake", &scene, "--resolution", "256", "--progress", "none", "-o", &file];
+    assert_eq!(adumbra(&bake).0, 0);
+    let printed = Command::new(program()).args(["info", &file, "--snippet", "three"]).output().unwrap();
+    let text = String::from_utf8_lossy(&printed.stdout);
+    assert!(text.starts_with("import {") && text.contains("loadAsync('p.adumbra')"), "{text}");
+    let (code, error) = adumbra(&["info", &scene, "--snippet", "three"]);
+    assert_eq!((code, error.contains("not a shadow file")), (3, true), "{error}");
 }
 
 #[cfg(feature = "render")]

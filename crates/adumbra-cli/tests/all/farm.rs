@@ -59,7 +59,7 @@ fn plans_of_other_scenes_and_wrong_plans_are_refused() {
     assert!(code == 3 && error.contains("not the one that was planned"), "{code}: {error}");
     let text = fs::read_to_string(&plan).unwrap();
     let wrong =
-        folder.write("wrong.json", text.replace("\"at_rest\":\"coded\"", "\"at_rest\":\"raw\"").as_bytes());
+        folder.write("wrong.json", text.replace("\"encoding\":\"coded\"", "\"encoding\":\"raw\"").as_bytes());
     let (code, error) = adumbra(&["tile", "--plan", &wrong]);
     assert!(
         code == 3 && error.contains("changed after it was written") && error.contains("wrong.json"),
@@ -187,7 +187,7 @@ fn killed_at_any_moment(kills: u32) {
     followers_are_killed(kills, &folder, (&scene, &plan), &whole);
     assert!(fs::read(&linked).unwrap() == whole);
     let said = json(&["tile", "--plan", &plan, "--json"]);
-    assert_eq!(said["baked"], 0, "no object is damaged: {said}");
+    assert_eq!(said["baked"], 0, "no entry is damaged: {said}");
 }
 
 /// Kills programs that follow a scene, whose edits come and go.
@@ -209,7 +209,7 @@ fn followers_are_killed(kills: u32, folder: &Folder, (scene, plan): (&str, &str)
     assert!(fs::read(&output).unwrap() == whole);
     assert_eq!(stray(Path::new(&folder.path("."))), Vec::<String>::new(), "bake --watch");
     let said = json(&["tile", "--plan", plan, "--cache", &cache, "--json"]);
-    assert_eq!(said["baked"], 0, "no object is damaged: {said}");
+    assert_eq!(said["baked"], 0, "no entry is damaged: {said}");
 }
 
 /// A disk of its own that is nearly full. Only an administrator can make one.

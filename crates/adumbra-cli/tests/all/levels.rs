@@ -125,7 +125,7 @@ fn render_shows_the_size_of_the_voxels_that_answer() {
     let legend = Command::new(program()).args(arguments).output().unwrap().stdout;
     let legend = String::from_utf8(legend).unwrap();
     assert!(folder.exists("a.png"));
-    let line = format!("level {}: {:.4} m, ", rows[0]["level"], edge(&rows[0]));
+    let line = format!("level {}: {:.4} world units, ", rows[0]["level"], edge(&rows[0]));
     assert!(legend.contains(&line), "{line} is not in {legend}");
     let output = folder.path("none.png");
     let (code, error) =

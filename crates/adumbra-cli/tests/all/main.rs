@@ -8,7 +8,6 @@ mod convert;
 mod device;
 #[cfg(feature = "view")]
 mod display;
-mod export;
 mod farm;
 mod glance;
 mod ground;

@@ -112,7 +112,7 @@ fn bakes_keep_every_file_that_an_option_names() {
     let Baked { folder, scene, .. } = baked();
     let gltf = folder.generate("primitives");
     let edits = folder.write("moves.json", b"{}");
-    let (into, edited) = (["bake", &scene, "--into", &gltf], ["bake", &scene, "--edit", &edits]);
+    let (into, edited) = (["bake", &scene, "--link-in", &gltf], ["bake", &scene, "--edit", &edits]);
     for name in names(&folder, "primitives.glb") {
         is_kept(&gltf, 3, &[[&into[..], &["-o", &name]].concat()]);
     }
@@ -224,7 +224,7 @@ fn two_outputs_are_not_one_file() {
 }
 
 #[test]
-fn a_failed_export_or_query_leaves_every_earlier_file() {
+fn a_failed_conversion_or_query_leaves_every_earlier_file() {
     let Baked { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0; 3]);
     let missing = folder.path("missing/v.f32");
@@ -233,22 +233,22 @@ fn a_failed_export_or_query_leaves_every_earlier_file() {
 
     #[cfg(target_os = "linux")]
     {
-        let web = folder.write("web.adumbra", b"earlier");
+        let raw = folder.write("raw.adumbra", b"earlier");
         let city = folder.path("city.adumbra");
         let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
         assert_eq!(code, 0, "{error}");
         // A limit on file sizes has the effect of a full disk: the file is larger than one block of 512 bytes.
         let limited = "ulimit -f 1; exec \"$@\"";
-        let export = ["export", &city, "--web", &web];
+        let convert = ["convert", &city, "--encoding", "raw", "-o", &raw];
         let output =
-            Command::new("sh").args(["-c", limited, "sh"]).arg(program()).args(export).output().unwrap();
+            Command::new("sh").args(["-c", limited, "sh"]).arg(program()).args(convert).output().unwrap();
         let said = stderr(&output);
         assert_eq!(
             (output.status.code(), said.contains("raise the file size limit")),
             (Some(4), true),
             "{said}"
         );
-        assert_eq!(fs::read(&web).unwrap(), b"earlier");
+        assert_eq!(fs::read(&raw).unwrap(), b"earlier");
     }
     assert!(folder.no_temporary_files());
 }

@@ -39,7 +39,7 @@ fn threads_memory_and_json_go_with_the_demo() {
 fn threads_memory_and_json_go_with(demo: bool) {
     let folder = Folder::new();
     let (scene, file, picture) = (folder.path("city.glb"), folder.path("a.adumbra"), folder.path("a.png"));
-    let (web, out, hours) = (folder.path("web.adumbra"), folder.path("out"), folder.path("hours.csv"));
+    let (raw, out, hours) = (folder.path("raw.adumbra"), folder.path("out"), folder.path("hours.csv"));
     let (points, answers) = (folder.write_f32("p.f32", &[0.0, 500.0, 0.0]), folder.path("v.f32"));
     let calls: &[(&[&str], &str)] = &[
         (&["generate", "city", "-o", &scene], "triangles"),
@@ -47,7 +47,7 @@ fn threads_memory_and_json_go_with(demo: bool) {
         (&["bake", &scene, "--resolution", "256", "-o", &file], "file_bytes"),
         (&["verify", &file, "--scene", &scene, "--samples", "10000", "--min-interior", "0"], "agreement"),
         (&["query", &file, "--points", &points, "-o", &answers], "points"),
-        (&["export", &file, "--web", &web], "web_bytes"),
+        (&["convert", &file, "--encoding", "raw", "-o", &raw], "bytes"),
         (
             &[
                 "sun-hours",

@@ -311,7 +311,7 @@ fn interrupt_exits_with_130_and_leaves_the_earlier_file() {
     // The first progress line shows that the bake is under way.
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().unwrap()));
     let first: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
-    assert!(first["done_tiles"].as_u64().unwrap() >= 1 && first["total_tiles"].as_u64().unwrap() > 100);
+    assert!(first["done"].as_u64().unwrap() >= 1 && first["total"].as_u64().unwrap() > 100);
     let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let rest: Vec<String> = lines.map_while(Result::ok).collect();
@@ -368,7 +368,7 @@ fn inspect_says_what_a_scene_holds() {
 
 #[test]
 fn every_verb_shows_an_example() {
-    for verb in ["generate", "inspect", "bake", "info", "verify", "query", "export", "render", "demo"] {
+    for verb in ["generate", "inspect", "bake", "info", "verify", "query", "convert", "render", "demo"] {
         let output = Command::new(program()).args([verb, "--help"]).output().unwrap();
         assert_eq!(output.status.code(), Some(0));
         let text = String::from_utf8(output.stdout).unwrap();
@@ -401,7 +401,7 @@ fn bake_into_a_scene_names_the_file_there_and_leaves_it_loadable() {
     let before = json(&["inspect", &scene, "--json"]);
     let file = folder.path("p.adumbra");
     let bake = ["bake", &scene, "--resolution", "64", "--progress", "none"];
-    let (code, message) = adumbra(&[&bake[..], &["-o", &file, "--into", &scene]].concat());
+    let (code, message) = adumbra(&[&bake[..], &["-o", &file, "--link-in", &scene]].concat());
     assert_eq!(code, 0, "{message}");
     let text = String::from_utf8_lossy(&fs::read(&scene).unwrap()).into_owned();
     assert!(text.contains(r#""extras":{"adumbra":{"shadow":"p.adumbra"}}"#), "the scene names the file");
@@ -409,13 +409,13 @@ fn bake_into_a_scene_names_the_file_there_and_leaves_it_loadable() {
     assert_eq!([&after["triangles"], &after["instances"]], [&before["triangles"], &before["instances"]]);
     // A second bake changes nothing but the file.
     let named = fs::read(&scene).unwrap();
-    assert_eq!(adumbra(&[&bake[..], &["-o", &file, "--into", &scene]].concat()).0, 0);
+    assert_eq!(adumbra(&[&bake[..], &["-o", &file, "--link-in", &scene]].concat()).0, 0);
     assert_eq!(fs::read(&scene).unwrap(), named);
     let elsewhere = Folder::new();
     for (into, output) in [(&*scene, elsewhere.path("p.adumbra")), (&file, file.clone())] {
-        let (code, message) = adumbra(&[&bake[..], &["-o", &output, "--into", into]].concat());
+        let (code, message) = adumbra(&[&bake[..], &["-o", &output, "--link-in", into]].concat());
         assert_eq!(code, 2, "{message}");
-        assert!(message.contains("--into"), "{message}");
+        assert!(message.contains("--link-in"), "{message}");
     }
     assert_eq!(fs::read(&scene).unwrap(), named);
 }

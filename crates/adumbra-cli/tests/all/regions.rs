@@ -98,8 +98,9 @@ fn shares_of_a_world_give_the_files_of_all_of_it() {
         json(&[&words[..], &["--edit", &edit, "--json"]].concat())
     };
     let first = edited();
-    let [reused, tiles] = ["reused_tiles", "tiles"].map(|name| edited()["regions"][0][name].clone());
-    assert!(reused == tiles && first["regions"][0]["tiles"] == tiles, "{reused} of {tiles}, {first}");
+    let [reused, all] =
+        ["reused_root_blocks", "root_blocks"].map(|name| edited()["regions"][0][name].clone());
+    assert!(reused == all && first["regions"][0]["root_blocks"] == all, "{reused} of {all}, {first}");
     assert!(folder.exists("primitives.regions.json") && folder.exists("primitives.regions"), "{first}");
 }
 

@@ -195,7 +195,7 @@ fn sun_hours_end_with_an_interrupt_and_leave_the_earlier_file() {
     let mut lines = std::io::BufRead::lines(std::io::BufReader::new(child.stderr.take().unwrap()));
     let first: Value = serde_json::from_str(&lines.next().unwrap().unwrap()).unwrap();
     assert_eq!(first["event"], "trace");
-    assert!(first["total_tiles"].as_u64().unwrap() > 100, "{first}");
+    assert!(first["total"].as_u64().unwrap() > 100, "{first}");
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let rest: Vec<String> = lines.map_while(Result::ok).collect();
     assert_eq!(child.wait().unwrap().code(), Some(130));

@@ -251,7 +251,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
         "single",
         {"bake": 1024},
         // The current file has no penumbrae, so another is baked.
-        {"shadow": {"side": "first", "technique": "voxel:soft:angle=4"}},
+        {"shadow": {"side": "first", "technique": "voxel:soft:sun-degrees=4"}},
         {"wait": "baked"},
         {"screenshot": soft},
         {"ball": true},
@@ -281,7 +281,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
     let baked = ["bake", &scene, "--resolution", "1024", "-o", &file];
     let (code, error) = adumbra(&[&baked[..], &sun].concat());
     assert_eq!(code, 0, "{error}");
-    let rendered = ["render", &scene, "--shadow-file", &file, "--shadow", "voxel:soft:angle=4"];
+    let rendered = ["render", &scene, "--shadow-file", &file, "--shadow", "voxel:soft:sun-degrees=4"];
     let rest = ["--layer", "shadow", "--antialias", "1", "-o", &drawn];
     let (code, error) = adumbra(&[&rendered[..], &CAMERA, &rest].concat());
     assert_eq!(code, 0, "{error}");

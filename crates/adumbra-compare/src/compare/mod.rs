@@ -151,10 +151,10 @@ struct Traced {
 
 impl Traced {
     fn new(reference: &Reference<'_, '_>, camera: &Camera, surfaces: &Surfaces, kind: TruthKind) -> Self {
-        let (angle_degrees, samples) = reference.disc;
+        let (sun_degrees, samples) = reference.disc;
         let shape = match kind {
             TruthKind::Hard => SunShape::Hard,
-            TruthKind::Disc => SunShape::Disc { angle_degrees, samples },
+            TruthKind::Disc => SunShape::Disc { sun_degrees, samples },
         };
         let towards = reference.towards_sun;
         let factors =

@@ -12,7 +12,7 @@ mod table;
 use std::fmt::Write as _;
 
 pub use body::{Body, Pair};
-pub use picture::{Embedded, Encoding};
+pub use picture::{Embedded, PictureEncoding};
 pub use table::Table;
 
 const STYLE: &str = include_str!("page.css");

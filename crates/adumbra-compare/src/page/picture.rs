@@ -12,7 +12,7 @@ use crate::error::{Error, Result};
 
 /// The encoding of an embedded picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub enum PictureEncoding {
     /// Lossless: WebP or PNG, whichever is smaller.
     Lossless,
     /// JPEG of this quality, 1 to 100.
@@ -38,7 +38,12 @@ impl Embedded {
     ///
     /// # Errors
     /// Returns [`Error::Picture`] if the bytes are not a picture, and [`Error::Encode`] if it cannot be encoded.
-    pub fn from_png(bytes: &[u8], part: Option<[u32; 4]>, widest: u32, encoding: Encoding) -> Result<Self> {
+    pub fn from_png(
+        bytes: &[u8],
+        part: Option<[u32; 4]>,
+        widest: u32,
+        encoding: PictureEncoding,
+    ) -> Result<Self> {
         let image = image::load_from_memory(bytes).map_err(|e| Error::Picture { what: e.to_string() })?;
         let mut image = image.into_rgb8();
         if let Some([x, y, width, height]) = part {
@@ -61,9 +66,9 @@ impl Embedded {
     }
 }
 
-fn encode(image: &RgbImage, encoding: Encoding) -> image::ImageResult<(&'static str, Vec<u8>)> {
+fn encode(image: &RgbImage, encoding: PictureEncoding) -> image::ImageResult<(&'static str, Vec<u8>)> {
     let (width, height) = image.dimensions();
-    if let Encoding::Lossy(quality) = encoding {
+    if let PictureEncoding::Lossy(quality) = encoding {
         let mut jpeg = Vec::new();
         JpegEncoder::new_with_quality(&mut jpeg, quality).write_image(
             image,
@@ -99,22 +104,23 @@ mod tests {
 
     #[test]
     fn embedded_picture_is_lossless_or_small() {
-        let whole = Embedded::from_png(&gradient(), None, 100, Encoding::Lossless).unwrap();
+        let whole = Embedded::from_png(&gradient(), None, 100, PictureEncoding::Lossless).unwrap();
         assert_eq!((whole.width, whole.height), (100, 50));
         let bytes = STANDARD.decode(whole.uri.split_once(',').unwrap().1).unwrap();
         let again = image::load_from_memory(&bytes).unwrap().into_rgb8();
         assert_eq!(again.get_pixel(99, 49).0, [99, 49, 7]);
-        let small = Embedded::from_png(&gradient(), None, 40, Encoding::Lossy(80)).unwrap();
+        let small = Embedded::from_png(&gradient(), None, 40, PictureEncoding::Lossy(80)).unwrap();
         assert_eq!((small.width, small.height), (40, 20));
         assert!(small.uri.starts_with("data:image/jpeg;base64,"));
-        let part = Embedded::from_png(&gradient(), Some([90, 10, 30, 20]), 100, Encoding::Lossless).unwrap();
+        let part =
+            Embedded::from_png(&gradient(), Some([90, 10, 30, 20]), 100, PictureEncoding::Lossless).unwrap();
         assert_eq!((part.width, part.height), (10, 20));
     }
 
     #[test]
     fn embedded_picture_refuses_what_is_none() {
         assert!(matches!(
-            Embedded::from_png(b"not a png", None, 9, Encoding::Lossless),
+            Embedded::from_png(b"not a png", None, 9, PictureEncoding::Lossless),
             Err(Error::Picture { .. })
         ));
     }

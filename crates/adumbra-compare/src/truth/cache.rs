@@ -103,7 +103,7 @@ impl Key {
     fn with_sun(self, towards: [f64; 3], shape: SunShape) -> Self {
         let shape = match shape {
             SunShape::Hard => [0.0, 1.0],
-            SunShape::Disc { angle_degrees, samples } => [angle_degrees, f64::from(samples)],
+            SunShape::Disc { sun_degrees, samples } => [sun_degrees, f64::from(samples)],
         };
         self.with_numbers(&[towards.as_slice(), &shape].concat())
     }

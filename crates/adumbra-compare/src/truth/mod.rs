@@ -53,7 +53,7 @@ pub enum SunShape {
     /// A disc.
     Disc {
         /// Angular diameter in degrees.
-        angle_degrees: f64,
+        sun_degrees: f64,
         /// Rays per pixel.
         samples: u32,
     },
@@ -225,8 +225,8 @@ impl<'s> TruthTracer<'s> {
     fn sun(&self, origin: [f64; 3], towards: [f64; 3], shape: SunShape, seed: u64) -> f32 {
         match shape {
             SunShape::Hard => f32::from(u8::from(self.tracer.sun_visible(origin, towards))),
-            SunShape::Disc { angle_degrees, samples } => {
-                self.tracer.sun_disc_visibility(origin, towards, angle_degrees, samples, seed)
+            SunShape::Disc { sun_degrees, samples } => {
+                self.tracer.sun_disc_visibility(origin, towards, sun_degrees, samples, seed)
             }
         }
     }

@@ -220,7 +220,7 @@ fn report_keeps_its_form() {
         camera: camera_figures("given", &camera()),
         sun: world.sun.towards(),
         sun_origin: None,
-        sun_angle_degrees: 0.53,
+        sun_degrees: 0.53,
         sun_samples: 64,
         frames: 1,
         pixels: comparison.pixels,
@@ -332,8 +332,8 @@ fn disc_truth_is_softer_for_a_larger_sun() {
     let world = World::new();
     let truth = TruthTracer::build(&world.scene, false);
     let surfaces = truth.surfaces(&camera());
-    let soft = |angle_degrees: f64| {
-        let shape = SunShape::Disc { angle_degrees, samples: 32 };
+    let soft = |sun_degrees: f64| {
+        let shape = SunShape::Disc { sun_degrees, samples: 32 };
         let factors = truth.factors(&surfaces, world.sun.towards(), shape);
         factors.iter().filter(|f| **f > 0.0 && **f < 1.0).count()
     };

@@ -25,7 +25,7 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
         let [width, height] = if full() { [480, 270] } else { [240, 135] };
         let camera = Camera { width, height, ..camera };
         let surfaces = truth.surfaces(&camera);
-        let disc = SunShape::Disc { angle_degrees: 2.0, samples: 64 };
+        let disc = SunShape::Disc { sun_degrees: 2.0, samples: 64 };
         let expected = truth.factors(&surfaces, sun.towards(), disc);
         let facing: Vec<usize> = (0..surfaces.pixels())
             .filter(|&i| surfaces.is_valid(i) && surfaces.n_dot_l(i, sun.towards()) > 0.1)
@@ -42,8 +42,8 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
             println!("{view} {name:30} {rmse:.4}");
             rmse
         };
-        let soft = error("voxel:soft:angle=2:radius=64");
-        error("pcss:angle=2:size=8192");
+        let soft = error("voxel:soft:sun-degrees=2:radius=64");
+        error("pcss:sun-degrees=2:size=8192");
         for width in [1, 3, 5, 9, 17] {
             assert!(soft < error(&format!("voxel:filter={width}")), "{view}, {width}");
         }

@@ -99,8 +99,8 @@ pub struct TreeBake {
     /// Voxels along the cube's side: a power of two, at most 32768
     #[arg(long, value_name = "N", default_value_t = 2048, conflicts_with = "voxel_size")]
     resolution: u64,
-    /// Edge of a voxel in metres, instead of a resolution
-    #[arg(long, value_name = "METRES", allow_hyphen_values = true)]
+    /// Edge of a voxel in world units, instead of a resolution
+    #[arg(long, value_name = "LENGTH", allow_hyphen_values = true)]
     voxel_size: Option<f64>,
     /// Answer points inside closed solids too
     #[arg(long)]
@@ -224,7 +224,7 @@ pub struct TreeQuery {
     /// How the taps are weighted
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) weights: WeightsArg,
-    /// Also write the width of the sun's penumbra in metres: one little-endian float32 per point, NaN away from shadow
+    /// Also write the width of the sun's penumbra in world units: one little-endian float32 per point, NaN away from shadow
     /// borders; for files baked with --attribute penumbra
     #[arg(long, value_name = "FILE")]
     pub(crate) penumbra: Option<PathBuf>,

@@ -153,7 +153,7 @@ impl<'a, 's> Stage<'a, 's> {
             camera: camera_figures(what, camera),
             sun: towards_sun,
             sun_origin: None,
-            sun_angle_degrees: DISC.0,
+            sun_degrees: DISC.0,
             sun_samples: DISC.1,
             frames: self.args.frames,
             pixels: comparison.pixels,

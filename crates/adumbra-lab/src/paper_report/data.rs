@@ -5,11 +5,14 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use adumbra_compare::page::{Embedded, Encoding};
+use adumbra_compare::page::{Embedded, PictureEncoding};
 
 /// Encodings of pictures with their maximum width in pixels. Each gives a smaller page than the one before.
-const WAYS: [(Encoding, u32); 3] =
-    [(Encoding::Lossless, 1600), (Encoding::Lossy(88), 1280), (Encoding::Lossy(75), 800)];
+const WAYS: [(PictureEncoding, u32); 3] = [
+    (PictureEncoding::Lossless, 1600),
+    (PictureEncoding::Lossy(88), 1280),
+    (PictureEncoding::Lossy(75), 800),
+];
 
 /// A picture file below `data`, and the part of it to show, `[x, y, width, height]` in pixels.
 type Part = (String, Option<[u32; 4]>);

@@ -209,10 +209,10 @@ impl Job<'_> {
 fn cubes(p: TreeProgress) -> Progress {
     const CUBES: usize = 512;
     Progress {
-        done_tiles: (p.done_share * CUBES as f64) as usize,
-        total_tiles: CUBES,
-        texels_per_tile: p.voxels / CUBES as u64,
-        graph_bytes: p.tree_bytes,
+        done: (p.done_share * CUBES as f64) as usize,
+        total: CUBES,
+        texels_per_unit: p.voxels / CUBES as u64,
+        result_bytes: p.tree_bytes,
     }
 }
 

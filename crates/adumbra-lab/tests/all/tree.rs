@@ -254,9 +254,9 @@ fn tree_faults_have_their_exit_codes() {
     assert_eq!((code, error.contains("a tree file is needed")), (3, true), "{error}");
     let (code, error) = adumbra(&["query", &tree, "--points", &points, "-o", &answers]);
     assert_eq!((code, error.contains("this is a tree file")), (3, true), "{error}");
-    let (code, error) = adumbra(&["export", &tree, "--web", &folder.path("web.adumbra")]);
+    let (code, error) = adumbra(&["convert", &tree, "--encoding", "raw", "-o", &folder.path("raw.adumbra")]);
     assert_eq!((code, error.contains("this is a tree file")), (3, true), "{error}");
-    assert!(!folder.exists("web.adumbra") && !folder.exists("web.adumbra.br"));
+    assert!(!folder.exists("raw.adumbra"));
 }
 
 #[test]

@@ -78,7 +78,7 @@ fn render_shows_the_size_of_the_voxels_of_a_tree() {
     let output =
         Command::new(lab_program()).args([&render[..], &["-o", &picture]].concat()).output().unwrap();
     let legend = String::from_utf8(output.stdout).unwrap();
-    let line = format!("level {}: {:.4} m, ", rows[0]["level"], edge(&rows[0]));
+    let line = format!("level {}: {:.4} world units, ", rows[0]["level"], edge(&rows[0]));
     assert!(legend.contains(&line), "{line} is not in {legend}");
 }
 

@@ -105,7 +105,7 @@ fn truth_of_a_box_is_its_analytic_shadow() {
         assert_eq!(*factor, f32::from(u8::from(!shadowed)), "{x} {y} {z}");
     }
     // At the far edge of the hard shadow, half of the disc is visible.
-    let soft = truth.factors(&surfaces, sun.towards(), SunShape::Disc { angle_degrees: 10.0, samples: 64 });
+    let soft = truth.factors(&surfaces, sun.towards(), SunShape::Disc { sun_degrees: 10.0, samples: 64 });
     let partly = soft.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
     assert!(partly > 20, "{partly}");
     let away = truth.factors(&surfaces, [0.6, -0.8, 0.0], SunShape::Hard);
@@ -225,7 +225,7 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
     let cache = Cache::in_folder(entries.clone(), u64::MAX);
     let key = scene_key(&scene, false);
     let (camera, towards) = (above(24, 12), Sun::from_direction([1.0, 1.0, 0.3]).unwrap().towards());
-    let soft = SunShape::Disc { angle_degrees: 5.0, samples: 8 };
+    let soft = SunShape::Disc { sun_degrees: 5.0, samples: 8 };
     let ask = |cache: &Cache| -> (Surfaces, Vec<f32>) {
         let surfaces = cache.surfaces(&truth, &key, &camera);
         let factors = cache.factors(&truth, &key, &camera, &surfaces, towards, soft);

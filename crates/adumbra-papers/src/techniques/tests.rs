@@ -42,8 +42,8 @@ fn list_knows_what_is_read_and_shown() {
 fn techniques_are_for_the_sun_s_centre() {
     for entry in TECHNIQUES {
         let spec = parse(entry.name).unwrap();
-        assert!(spec.truth() == Truth::HardSun && !spec.traits().takes_sun_angle, "{}", entry.name);
-        assert!(describe(entry.name).iter().all(|p| p.key != "angle"), "{}", entry.name);
+        assert!(spec.truth() == Truth::HardSun && !spec.traits().takes_sun_degrees, "{}", entry.name);
+        assert!(describe(entry.name).iter().all(|p| p.key != "sun-degrees"), "{}", entry.name);
     }
 }
 

@@ -6,5 +6,5 @@ pub(crate) const FILE_BIAS: &str =
     "moves receivers towards the light, texels of the file; bias, slope and normal default to the file's";
 pub(crate) const SLOPE: &str = "moves receivers towards the light, texels per unit of slope towards it";
 pub(crate) const NORMAL: &str = "moves receivers along their normals, texels";
-pub(crate) const SUN_ANGLE: &str = "angular diameter of the sun, degrees";
+pub(crate) const SUN_DEGREES: &str = "angular diameter of the sun, degrees";
 pub(crate) const PENUMBRA_RADIUS: &str = "largest radius of a penumbra, from its centre to its edge, texels";

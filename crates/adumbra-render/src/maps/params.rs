@@ -68,7 +68,7 @@ pub enum MapFilter {
     /// Percentage-closer soft shadows for a sun of this size.
     Pcss {
         /// Diameter of the sun, degrees.
-        angle_degrees: f64,
+        sun_degrees: f64,
         /// Largest radius of a penumbra, from its middle to its edge, texels.
         max_radius: f64,
     },

@@ -263,9 +263,9 @@ fn filter_params(settings: &MapSettings) -> MapParams {
         MapFilter::Nearest => {}
         MapFilter::Pcf { width: w } => width = w,
         MapFilter::Poisson { radius: r } => (taps, radius) = (16, r),
-        MapFilter::Pcss { angle_degrees, max_radius } => {
+        MapFilter::Pcss { sun_degrees, max_radius } => {
             (taps, radius) = (32, max_radius);
-            half_tangent = libm::tan(0.5 * angle_degrees.to_radians());
+            half_tangent = libm::tan(0.5 * sun_degrees.to_radians());
         }
         MapFilter::Moments(m) => {
             width = m.blur;

@@ -66,7 +66,7 @@ impl MapSettings {
             }
             MapLookUp::Comparisons => comparisons(reader, &["5", "2", "3", "7", "poisson"])?,
             MapLookUp::Penumbrae => MapFilter::Pcss {
-                angle_degrees: reader.number("angle", help::SUN_ANGLE, 0.53, 0.01..=20.0)?,
+                sun_degrees: reader.number("sun-degrees", help::SUN_DEGREES, 0.53, 0.01..=20.0)?,
                 max_radius: reader.number("radius", help::PENUMBRA_RADIUS, 32.0, 1.0..=256.0)?,
             },
             MapLookUp::Moments(kind) => moments(reader, kind)?,

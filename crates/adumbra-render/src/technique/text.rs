@@ -143,7 +143,7 @@ mod tests {
             ("hrsm", "sizes", Some("2048-512"), "hrsm:2048-512"),
             ("hrsm:2048-512:filter=3", "filter", None, "hrsm:2048-512"),
             ("voxel", "shade", Some("soft"), "voxel:soft"),
-            ("voxel:soft", "angle", Some("2"), "voxel:angle=2:soft"),
+            ("voxel:soft", "sun-degrees", Some("2"), "voxel:soft:sun-degrees=2"),
             ("voxel:soft", "shade", None, "voxel"),
             ("voxel:path:filter=3", "filter", Some("1"), "voxel:filter=1:path"),
         ] {

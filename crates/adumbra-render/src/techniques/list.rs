@@ -187,7 +187,7 @@ impl TechniqueSpec {
     }
 
     /// Returns this technique with one parameter changed. Parameters that no longer apply or have their default value
-    /// are omitted: `voxel:soft:angle=2` with `shade=hard` becomes `voxel`.
+    /// are omitted: `voxel:soft:sun-degrees=2` with `shade=hard` becomes `voxel`.
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] for a parameter or value that does not exist.
@@ -237,19 +237,19 @@ impl TechniqueSpec {
 
     /// Returns this technique with the sun's full angle set, if it has that parameter and does not set it already. For
     /// a blur, the angle is set on its base.
-    pub fn with_sun_angle(&self, degrees: f64) -> Self {
-        if !self.traits().takes_sun_angle {
+    pub fn with_sun_degrees(&self, degrees: f64) -> Self {
+        if !self.traits().takes_sun_degrees {
             return self.clone();
         }
         if let Some(base) = &self.base {
-            let base = base.with_sun_angle(degrees);
+            let base = base.with_sun_degrees(degrees);
             let text = self.text.with("base", Some(&base.to_string()));
             return Self { text, base: Some(Box::new(base)), ..self.clone() };
         }
-        if self.text.value("angle").is_some() {
+        if self.text.value("sun-degrees").is_some() {
             return self.clone();
         }
-        Self { text: self.text.extended("angle", &degrees.to_string()), ..self.clone() }
+        Self { text: self.text.extended("sun-degrees", &degrees.to_string()), ..self.clone() }
     }
 
     /// Returns an error about this technique.

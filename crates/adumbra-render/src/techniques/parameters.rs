@@ -88,7 +88,7 @@ mod tests {
         lists("csm", "cascades=4 (1 to 8); ");
         lists("csm", "; radius=2 (0.5 to 32) with filter=poisson");
         lists("csm", "; lambda=0.5 (0 to 1) with split=practical");
-        lists("voxel", "; angle=0.53 (0.01 to 20) with shade=soft");
+        lists("voxel", "; sun-degrees=0.53 (0.01 to 20) with shade=soft");
         lists("voxel", "; filter=5, 1, 3, 9 or 17 with shade=hard");
         lists("hrsm", "tolerance=0.5 (0 to 64) with test=plane");
         lists("hrsm", "sizes=4096-1024 (one of 256-128, 256-64 .. 8192-1024)");

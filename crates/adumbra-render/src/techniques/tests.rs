@@ -16,17 +16,17 @@ fn spec_of(text: &SpecText) -> Result<TechniqueSpec> {
 
 #[test]
 fn sun_angle_reaches_every_technique_that_takes_one() {
-    let of = |text: &str| text.parse::<TechniqueSpec>().unwrap().with_sun_angle(3.0).to_string();
+    let of = |text: &str| text.parse::<TechniqueSpec>().unwrap().with_sun_degrees(3.0).to_string();
     for (text, expected) in [
-        ("pcss", "pcss:angle=3"),
-        ("pcss:angle=2", "pcss:angle=2"),
-        ("voxel:soft", "voxel:soft:angle=3"),
+        ("pcss", "pcss:sun-degrees=3"),
+        ("pcss:sun-degrees=2", "pcss:sun-degrees=2"),
+        ("voxel:soft", "voxel:soft:sun-degrees=3"),
         ("voxel:filter=5", "voxel:filter=5"),
-        ("blur:base=pcss", "blur:base=pcss/angle=3"),
-        ("voxel:shade=soft:bias=2", "voxel:shade=soft:bias=2:angle=3"),
-        ("voxel:soft:angle=1", "voxel:soft:angle=1"),
-        ("blur:base=voxel/soft", "blur:base=voxel/soft/angle=3"),
-        ("blur:base=pcss/angle=1", "blur:base=pcss/angle=1"),
+        ("blur:base=pcss", "blur:base=pcss/sun-degrees=3"),
+        ("voxel:shade=soft:bias=2", "voxel:shade=soft:bias=2:sun-degrees=3"),
+        ("voxel:soft:sun-degrees=1", "voxel:soft:sun-degrees=1"),
+        ("blur:base=voxel/soft", "blur:base=voxel/soft/sun-degrees=3"),
+        ("blur:base=pcss/sun-degrees=1", "blur:base=pcss/sun-degrees=1"),
         ("blur:base=csm/size=1024", "blur:base=csm/size=1024"),
         ("blur", "blur"),
         ("csm", "csm"),
@@ -40,8 +40,8 @@ fn registry_s_sun_angle_is_a_parameter_and_means_the_disc() {
     for name in TECHNIQUES.iter().map(|t| t.name).chain(["voxel:soft", "blur:base=voxel/soft"]) {
         let spec = spec(name);
         let parameters = spec.base().unwrap_or(&spec).describe(Baked::default()).unwrap();
-        let has_angle = parameters.iter().any(|p| p.key == "angle");
-        assert_eq!(has_angle, spec.traits().takes_sun_angle, "{name}");
+        let has_angle = parameters.iter().any(|p| p.key == "sun-degrees");
+        assert_eq!(has_angle, spec.traits().takes_sun_degrees, "{name}");
         assert_eq!(spec.truth() == Truth::SunDisc, has_angle || spec.base().is_some(), "{name}");
     }
 }
@@ -83,7 +83,7 @@ fn registry_knows_which_baked_shadows_leave_movers_out() {
 #[test]
 fn list_refuses_unknown_names_and_says_which_exist() {
     let error = |text: &str| text.parse::<TechniqueSpec>().unwrap_err().to_string();
-    assert!(error("unknown:angle=3").contains("voxel+csm"));
+    assert!(error("unknown:sun-degrees=3").contains("voxel+csm"));
     assert!(error("blur:base=unknown").contains("voxel+csm"));
 }
 
@@ -124,7 +124,7 @@ fn describe_gives_what_applies() {
     assert!(keys("none").is_empty() && keys("truth").is_empty());
     assert_eq!(keys("voxel"), ["shade", "filter", "march", "bias", "slope", "normal"]);
     assert_eq!(keys("voxel:path"), keys("voxel"));
-    assert_eq!(keys("voxel:soft"), ["shade", "angle", "radius", "bias", "slope", "normal"]);
+    assert_eq!(keys("voxel:soft"), ["shade", "sun-degrees", "radius", "bias", "slope", "normal"]);
     assert_eq!(keys("voxel+csm"), ["filter", "csm"]);
     assert!(keys("csm:filter=poisson").contains(&"radius") && !keys("csm").contains(&"radius"));
     assert!(keys("hrsm").contains(&"tolerance") && !keys("hrsm:test=paper").contains(&"tolerance"));
@@ -149,7 +149,7 @@ fn list_refuses_what_cannot_be_built() {
         "blur:base=truth",
         "blur:base=pcf/filter=4",
         "blur:pairs=on:passes=1",
-        "voxel:angle=2",
+        "voxel:sun-degrees=2",
         "voxel+csm:csm=static=cached",
         "voxel+csm:csm=cascades=9",
         "voxel:filter=7",
@@ -170,7 +170,7 @@ fn every_default_and_end_of_a_range_is_taken_and_nothing_beyond() {
 fn change_says_no_more_than_it_must() {
     for (text, key, value, expected) in [
         ("voxel", "shade", "soft", "voxel:soft"),
-        ("voxel:soft:angle=2:bias=0.5", "shade", "hard", "voxel:bias=0.5"),
+        ("voxel:soft:sun-degrees=2:bias=0.5", "shade", "hard", "voxel:bias=0.5"),
         ("csm:filter=poisson:radius=3", "filter", "3", "csm:filter=3"),
         ("csm:filter=3", "filter", "5", "csm"),
         ("csm:lambda=0.7", "lambda", "0.50", "csm"),

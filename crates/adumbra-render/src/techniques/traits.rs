@@ -29,7 +29,7 @@ pub struct Traits {
     /// The truth that it is compared with.
     pub truth: Truth,
     /// Whether it has a parameter `angle`, the sun's full angle in degrees.
-    pub takes_sun_angle: bool,
+    pub takes_sun_degrees: bool,
     /// Whether movers cast shadows, as static objects do.
     pub shows_movers: bool,
 }
@@ -37,7 +37,7 @@ pub struct Traits {
 impl Traits {
     /// Traits of a technique that is redrawn in every frame, for the sun's centre.
     pub const DRAWN: Self =
-        Self { reads: Reads::Nothing, truth: Truth::HardSun, takes_sun_angle: false, shows_movers: true };
+        Self { reads: Reads::Nothing, truth: Truth::HardSun, takes_sun_degrees: false, shows_movers: true };
     /// Traits of a technique that is redrawn in every frame and shows the penumbrae of the sun's disc.
-    pub const SOFT: Self = Self { truth: Truth::SunDisc, takes_sun_angle: true, ..Self::DRAWN };
+    pub const SOFT: Self = Self { truth: Truth::SunDisc, takes_sun_degrees: true, ..Self::DRAWN };
 }

@@ -19,11 +19,11 @@ struct Key<'k> {
 }
 
 impl<'k> PathDiscTwin<'k> {
-    /// Creates the look-up for a sun of `angle_degrees`, from the key that is asked first and the other one. `None` if no march
+    /// Creates the look-up for a sun of `sun_degrees`, from the key that is asked first and the other one. `None` if no march
     /// reaches the sun.
-    pub fn new(keys: [&'k ShadowFile; 2], towards_sun: [f64; 3], angle_degrees: f64) -> Option<Self> {
+    pub fn new(keys: [&'k ShadowFile; 2], towards_sun: [f64; 3], sun_degrees: f64) -> Option<Self> {
         let key = |file: &'k ShadowFile| {
-            let growth = file.grid.cone_texels_per_voxel(angle_degrees) as f32;
+            let growth = file.grid.cone_texels_per_voxel(sun_degrees) as f32;
             let cone = file.grid.circle_across_light().map(|row| row.map(|c| growth * c as f32));
             Some(Key { file, slope: MarchSlope::new(&file.grid, towards_sun)?, cone })
         };

@@ -26,7 +26,7 @@ impl VoxelSettings {
         Self { look_up: LookUp { filter, bias: Some(bias), ..LookUp::default() }, quick: false }
     }
 
-    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:angle=DEGREES][:radius=TEXELS]`, each with
+    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:sun-degrees=DEGREES][:radius=TEXELS]`, each with
     /// `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias. Between the keys of
     /// a sun path, a filter may have `:march=quick`, and penumbrae have no largest radius.
     ///
@@ -57,8 +57,8 @@ impl VoxelSettings {
         if reader.choice("shade", what, shades)? == "soft" {
             look_up.penumbra = Some(Penumbra {
                 sun_degrees: reader.number(
-                    "angle",
-                    help::SUN_ANGLE,
+                    "sun-degrees",
+                    help::SUN_DEGREES,
                     usual.sun_degrees,
                     Penumbra::ANGLES_DEGREES,
                 )?,

@@ -18,11 +18,11 @@ pub struct SoftTwin<'d> {
 }
 
 impl<'d> SoftTwin<'d> {
-    /// Creates the look-up for a sun of `angle_degrees`. A penumbra's radius, from its middle to its edge, is at most
+    /// Creates the look-up for a sun of `sun_degrees`. A penumbra's radius, from its middle to its edge, is at most
     /// `max_radius_texels`.
-    pub fn new(grid: &LightGrid, depths: &'d DepthTree, angle_degrees: f64, max_radius_texels: f64) -> Self {
+    pub fn new(grid: &LightGrid, depths: &'d DepthTree, sun_degrees: f64, max_radius_texels: f64) -> Self {
         let ellipse = grid.circle_across_light().map(|row| row.map(|c| c as f32));
-        let cone = grid.cone_texels_per_voxel(angle_degrees) as f32;
+        let cone = grid.cone_texels_per_voxel(sun_degrees) as f32;
         Self { depths, cone, max_radius: max_radius_texels as f32, ellipse }
     }
 

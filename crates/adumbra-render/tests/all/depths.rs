@@ -132,12 +132,14 @@ fn depths_techniques_are_chosen_by_name() {
         let files = Baked::of(file);
         build(&gpu, &name.parse()?, files).map(|technique| technique.name())
     };
-    for name in ["voxel", "voxel:filter=3", "voxel:soft", "voxel:soft:angle=1.5:radius=8:bias=2"] {
+    for name in ["voxel", "voxel:filter=3", "voxel:soft", "voxel:soft:sun-degrees=1.5:radius=8:bias=2"] {
         assert_eq!(make(name, &file).unwrap(), name);
     }
-    for (name, says) in
-        [("voxel:angle=1", "angle"), ("voxel:soft:radius=65", "64"), ("voxel:soft:filter=3", "filter")]
-    {
+    for (name, says) in [
+        ("voxel:sun-degrees=1", "sun-degrees"),
+        ("voxel:soft:radius=65", "64"),
+        ("voxel:soft:filter=3", "filter"),
+    ] {
         assert!(make(name, &file).unwrap_err().to_string().contains(says), "{name}");
     }
     for penumbra in [

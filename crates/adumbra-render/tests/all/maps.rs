@@ -45,7 +45,7 @@ const EVERY_KIND: &[&str] = &[
     "pcf:filter=5:size=512",
     "pcf:filter=7:size=512",
     "pcf:filter=poisson:size=512",
-    "pcss:size=512:angle=2",
+    "pcss:size=512:sun-degrees=2",
     "vsm:size=512",
     "evsm:size=512:blur=9",
     "msm:size=512",
@@ -56,7 +56,7 @@ const EVERY_KIND: &[&str] = &[
     "sm:size=512:depth=16",
     "pcf:filter=2:size=512:depth=16",
     "pcf:filter=5:size=512:depth=16",
-    "pcss:size=512:angle=2:depth=16",
+    "pcss:size=512:sun-degrees=2:depth=16",
     "evsm:size=512:depth=16",
     "csm:size=256:depth=16:static=cached",
 ];
@@ -116,7 +116,7 @@ fn maps_of_16_bits_shadow_no_lit_surface_by_their_rounding() {
     let near = Camera { eye: [-11.0, 6.0, 14.0], target: [0.0; 3], ..kit::camera(320, 180) };
     let cases: [(_, _, &[&str]); 2] = [
         (plain, near, &["csm:cascades=2:far=40:filter=1", "csm:cascades=2:far=40", "pcf:filter=2"]),
-        (kit::city(), kit::camera(320, 180), &["sm", "pcf", "pcss:angle=2", "csm", "vsm", "msm"]),
+        (kit::city(), kit::camera(320, 180), &["sm", "pcf", "pcss:sun-degrees=2", "csm", "vsm", "msm"]),
     ];
     for (scene, camera, names) in cases {
         let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();

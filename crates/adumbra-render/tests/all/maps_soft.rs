@@ -109,7 +109,7 @@ fn filters_are_nearer_to_a_sun_disc_than_one_comparison() {
         let technique = prepare(&penumbra.renderer, name);
         penumbra.error(technique)
     };
-    let names = ["sm", "pcf:filter=3", "pcf", "pcf:filter=poisson", "vsm", "pcss:angle=2"];
+    let names = ["sm", "pcf:filter=3", "pcf", "pcf:filter=poisson", "vsm", "pcss:sun-degrees=2"];
     let [one, three, five, poisson, variance, soft] = names.map(|name| error(&format!("{name}:size=1024")));
     println!(
         "RMSE against a disc of {angle}°: sm {one:.4}, pcf 3×3 {three:.4}, 5×5 {five:.4}, Poisson {poisson:.4}, vsm {variance:.4}, \

@@ -102,7 +102,7 @@ fn pictures_of_a_moment_are_those_of_the_cpu() {
         ("voxel:filter=5", 0.23, &|p, normal, _| wide.look_up(p, normal)),
         ("voxel:filter=1:march=quick", 0.5, &|p, normal, _| quick[0].look_up(p, normal)),
         ("voxel:filter=5:march=quick", 0.23, &|p, normal, _| quick[1].look_up(p, normal)),
-        ("voxel:soft:angle=3", 0.13, &|p, normal, pixel| disc.visibility(p, normal, pixel)),
+        ("voxel:soft:sun-degrees=3", 0.13, &|p, normal, pixel| disc.visibility(p, normal, pixel)),
     ];
     for (name, most_apart, expected) in cases {
         let baked = Baked { light: Some(between(&keys)), other: None };

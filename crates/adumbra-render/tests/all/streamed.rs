@@ -8,7 +8,7 @@ use std::time::Duration;
 use adumbra::gpu::{LookUp, Penumbra};
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra::stream::{BytesSource, StreamOptions, Streamer, View};
-use adumbra::{AtRest, Filter, LightGrid, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, LightGrid, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::voxel::{BakedLight, LightFile, StreamedFile, Voxel, VoxelSettings};
@@ -45,7 +45,7 @@ fn streamed_with(
     view: &[View],
 ) -> Arc<StreamedFile> {
     let mut bytes = Cursor::new(Vec::new());
-    file.write_to(&mut bytes, AtRest::Coded).unwrap();
+    file.write_to(&mut bytes, Encoding::Coded).unwrap();
     let mut streamer = Streamer::new(BytesSource(bytes.into_inner()), options);
     if !view.is_empty() {
         assert!(streamer.settle(view, LIMIT, |_| ()));
@@ -70,7 +70,7 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
     let scene = city(2048);
     let file = streamed(&scene.light, 64 << 20, 1 << 18, &[View::everything()]);
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
-    for name in ["voxel:filter=1", "voxel", "voxel:filter=17", "voxel:soft:angle=2", "voxel+csm"] {
+    for name in ["voxel:filter=1", "voxel", "voxel:filter=17", "voxel:soft:sun-degrees=2", "voxel+csm"] {
         for answer in [Answer::Visibility, Answer::Voxel] {
             let whole = drawn(&mut renderer, name, Baked::of(&scene.light), answer);
             let found = drawn(&mut renderer, name, baked(&file), answer);
@@ -253,7 +253,7 @@ fn levels_of_a_small_file_that_fade_are_mixed_as_on_the_cpu() {
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn levels_that_fade_are_mixed_as_on_the_cpu_and_change_by_and_by() {
-    fade(8192, &[("voxel", 0), ("voxel", 12), ("voxel:soft:angle=2", 12)]);
+    fade(8192, &[("voxel", 0), ("voxel", 12), ("voxel:soft:sun-degrees=2", 12)]);
 }
 
 /// Draws techniques while levels fade over some frames.

@@ -87,7 +87,7 @@ impl SunDay {
     /// # Errors
     /// Returns [`Error::Interrupted`] if `watch` asks for it.
     pub fn hours(&self, tracer: &Tracer<'_>, receivers: &[Receiver], watch: Watch<'_>) -> Result<Hours> {
-        let total_tiles = receivers.len().div_ceil(BLOCK);
+        let total = receivers.len().div_ceil(BLOCK);
         let (done, bytes) = (AtomicUsize::new(0), AtomicU64::new(0));
         let block = |points: &[Receiver]| {
             if watch.cancel.load(Ordering::Relaxed) {
@@ -97,10 +97,10 @@ impl SunDay {
             points.iter().for_each(|point| self.trace(tracer, point, &mut block));
             let size = 4 * (block.edges.len() + block.counts.len()) as u64;
             (watch.progress)(Progress {
-                done_tiles: done.fetch_add(1, Ordering::Relaxed) + 1,
-                total_tiles,
-                texels_per_tile: BLOCK as u64,
-                graph_bytes: bytes.fetch_add(size, Ordering::Relaxed) + size,
+                done: done.fetch_add(1, Ordering::Relaxed) + 1,
+                total,
+                texels_per_unit: BLOCK as u64,
+                result_bytes: bytes.fetch_add(size, Ordering::Relaxed) + size,
             });
             Ok(block)
         };

@@ -45,7 +45,7 @@ pub fn sky_views(
     patches: &Patches,
     watch: Watch<'_>,
 ) -> Result<Vec<SkyView>> {
-    let total_tiles = receivers.len().div_ceil(BLOCK);
+    let total = receivers.len().div_ceil(BLOCK);
     let done = AtomicUsize::new(0);
     let view_bytes = (size_of::<SkyView>() + patches.len().div_ceil(8)) as u64;
     let block = |points: &[Receiver]| {
@@ -53,12 +53,12 @@ pub fn sky_views(
             return Err(Error::Interrupted);
         }
         let views: Vec<SkyView> = points.iter().map(|point| view(tracer, point, patches)).collect();
-        let done_tiles = done.fetch_add(1, Ordering::Relaxed) + 1;
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         (watch.progress)(Progress {
-            done_tiles,
-            total_tiles,
-            texels_per_tile: BLOCK as u64,
-            graph_bytes: (done_tiles * BLOCK) as u64 * view_bytes,
+            done,
+            total,
+            texels_per_unit: BLOCK as u64,
+            result_bytes: (done * BLOCK) as u64 * view_bytes,
         });
         Ok(views)
     };

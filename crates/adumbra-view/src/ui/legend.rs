@@ -21,7 +21,7 @@ pub(super) fn show(ui: &mut Ui, app: &App) {
     ui.horizontal_wrapped(|ui| {
         for (i, color) in (0_u32..).zip(colors.iter().take(count)) {
             let text = match (layer, voxel) {
-                (Layer::VoxelSize, Some(voxel)) => format!("{} m", short(voxel * f64::from(1_u32 << i))),
+                (Layer::VoxelSize, Some(voxel)) => short(voxel * f64::from(1_u32 << i)),
                 (Layer::HybridLevels | Layer::ResidentLevel, _) if i == 0 => "finest".to_owned(),
                 (Layer::Cascades, _) if i == 0 => "nearest".to_owned(),
                 _ => (i + 1).to_string(),

@@ -1,4 +1,4 @@
-//! A lossless coder of common sections and bundles, for files at rest.
+//! A lossless coder of common sections and bundles, for files that are stored coded.
 //!
 //! A part is coded as the sequence of its shapes, from the roots down. What was coded before predicts what comes next:
 //! the depths and ranks that face a shape from above and from the left, and counts of what came before in the same

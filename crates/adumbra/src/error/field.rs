@@ -39,7 +39,7 @@ pub enum RangeField {
     /// Size of the ground that is added to a scene.
     GroundSize,
     /// Angular diameter of the sun's disc.
-    SunAngle,
+    SunDegrees,
     /// Where an app has a file's world.
     Placement,
 }
@@ -64,7 +64,7 @@ impl fmt::Display for RangeField {
             Self::PenumbraRadius => "the largest radius",
             Self::PointCount => "the number of normals or results",
             Self::GroundSize => "the size of the ground",
-            Self::SunAngle => "the sun's angle",
+            Self::SunDegrees => "the sun's angular diameter",
             Self::Placement => "the placement",
         })
     }

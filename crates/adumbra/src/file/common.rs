@@ -7,7 +7,7 @@ use crate::error::FormatError;
 use crate::file::sections::{u32_chunks, u32_words};
 use crate::layout::depths::ShapePlace;
 use crate::layout::depths::page::{BUNDLE_PAGES, Page};
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 
 /// Number of words of a bundle before those of its pages.
 pub const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
@@ -33,11 +33,11 @@ impl CommonSection {
     pub fn new(
         words: Vec<u32>,
         shapes: impl FnOnce() -> Vec<ShapePlace>,
-        at_rest: AtRest,
+        encoding: Encoding,
     ) -> Result<Self, FormatError> {
-        let shapes = match at_rest {
-            AtRest::Raw => None,
-            AtRest::Coded => Some(coder::Common::new(&words, &shapes()).map_err(|_| uncodable(NAME))?),
+        let shapes = match encoding {
+            Encoding::Raw => None,
+            Encoding::Coded => Some(coder::Common::new(&words, &shapes()).map_err(|_| uncodable(NAME))?),
         };
         Ok(Self { words, shapes })
     }
@@ -49,19 +49,19 @@ impl CommonSection {
     pub fn parse(
         bytes: &[u8],
         raw_bytes: u64,
-        at_rest: AtRest,
+        encoding: Encoding,
         section: impl Fn() -> String,
     ) -> Result<Self, FormatError> {
-        match at_rest {
-            AtRest::Raw if !bytes.len().is_multiple_of(4) => {
+        match encoding {
+            Encoding::Raw if !bytes.len().is_multiple_of(4) => {
                 let found = format!("{} bytes", bytes.len());
                 Err(FormatError::Bundle { section: section(), found, expected: "whole words" })
             }
-            AtRest::Raw => Ok(Self { words: u32_words(bytes), shapes: None }),
-            AtRest::Coded if bytes.is_empty() => {
+            Encoding::Raw => Ok(Self { words: u32_words(bytes), shapes: None }),
+            Encoding::Coded if bytes.is_empty() => {
                 Ok(Self { words: Vec::new(), shapes: Some(coder::Common::default()) })
             }
-            AtRest::Coded => {
+            Encoding::Coded => {
                 let (shapes, words) = coder::decode_common(bytes, raw_bytes as usize / 4)
                     .map_err(|_| FormatError::Coded { section: section() })?;
                 Ok(Self { words, shapes: Some(shapes) })
@@ -75,8 +75,8 @@ impl CommonSection {
     }
 
     /// Returns how the bundles of the same grid are stored.
-    pub fn at_rest(&self) -> AtRest {
-        if self.shapes.is_some() { AtRest::Coded } else { AtRest::Raw }
+    pub fn encoding(&self) -> Encoding {
+        if self.shapes.is_some() { Encoding::Coded } else { Encoding::Raw }
     }
 
     /// Returns the bytes that are stored.

@@ -7,7 +7,7 @@ use crate::file::header::{Header, directory_bytes};
 use crate::file::sections::Section;
 use crate::file::table::{BUNDLE_ENTRY_BYTES, BundleEntry};
 use crate::file::{Contents, HEADER_BYTES};
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 
 impl Contents {
     /// Reads and checks header, directory and tables of a whole file.
@@ -41,7 +41,7 @@ impl Contents {
     }
 
     fn with_tables(bytes: &[u8], header: Header, grids: Vec<GridEntry>) -> Result<Self, FormatError> {
-        let tables = (0..).zip(&grids).map(|(level, grid)| table(bytes, header.at_rest, level, grid));
+        let tables = (0..).zip(&grids).map(|(level, grid)| table(bytes, header.encoding, level, grid));
         let tables = tables.collect::<Result<_, _>>()?;
         Ok(Self { header, grids, tables })
     }
@@ -83,7 +83,7 @@ fn header_and_directory(bytes: &[u8]) -> Result<(Header, Vec<GridEntry>), Format
         checksum: header.directory_checksum,
     };
     let directory = checked(bytes, directory, || "directory".to_owned())?;
-    let grids = directory::parse(directory, header.file_bytes, header.at_rest)?;
+    let grids = directory::parse(directory, header.file_bytes, header.encoding)?;
     Ok((header, grids))
 }
 
@@ -95,12 +95,12 @@ impl GridEntry {
     pub fn parse_common(
         &self,
         bytes: &[u8],
-        at_rest: AtRest,
+        encoding: Encoding,
         level: u32,
     ) -> Result<CommonSection, FormatError> {
         let name = || format!("common section of level {level}");
         let whole = Section { offset: 0, ..self.common };
-        CommonSection::parse(checked(bytes, whole, name)?, self.common_raw_bytes, at_rest, name)
+        CommonSection::parse(checked(bytes, whole, name)?, self.common_raw_bytes, encoding, name)
     }
 }
 
@@ -130,14 +130,14 @@ pub(super) fn checked(
 /// Reads the table of a level, and checks that its bundles are as long as all bundles together.
 fn table(
     bytes: &[u8],
-    at_rest: AtRest,
+    encoding: Encoding,
     level: u32,
     grid: &GridEntry,
 ) -> Result<Vec<BundleEntry>, FormatError> {
     let bytes = checked(bytes, grid.table, || format!("table of level {level}"))?;
     let entries = bytes.chunks_exact(BUNDLE_ENTRY_BYTES).enumerate();
     let entries: Vec<BundleEntry> = entries
-        .map(|(i, bytes)| BundleEntry::parse(bytes, at_rest, || name_of_bundle(level, i)))
+        .map(|(i, bytes)| BundleEntry::parse(bytes, encoding, || name_of_bundle(level, i)))
         .collect::<Result<_, _>>()?;
     let sum: u64 = entries.iter().map(|entry| u64::from(entry.stored_bytes)).sum();
     if sum != grid.bundles.length {

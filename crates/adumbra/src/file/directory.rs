@@ -13,7 +13,7 @@ use crate::file::sections::{Section, bounds};
 use crate::file::table::BUNDLE_ENTRY_BYTES;
 use crate::grid::LightGrid;
 use crate::layout::depths::page::{bundle_count, page_dims};
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 
 /// A level has voxels this many times as large as those of the level before it.
 pub const LEVEL_STEP: u32 = 4;
@@ -78,12 +78,16 @@ impl GridEntry {
     }
 }
 
-/// Reads and checks a directory. `file_bytes` and `at_rest` are the header's.
-pub(super) fn parse(bytes: &[u8], file_bytes: u64, at_rest: AtRest) -> Result<Vec<GridEntry>, FormatError> {
+/// Reads and checks a directory. `file_bytes` and `encoding` are the header's.
+pub(super) fn parse(
+    bytes: &[u8],
+    file_bytes: u64,
+    encoding: Encoding,
+) -> Result<Vec<GridEntry>, FormatError> {
     let entries = (0..).zip(bytes.chunks_exact(GRID_BYTES)).map(|(level, b)| GridEntry::parse(b, level));
     let entries: Vec<GridEntry> = entries.collect::<Result<_, _>>()?;
     check_grids(&entries)?;
-    check_places(&entries, file_bytes, at_rest)?;
+    check_places(&entries, file_bytes, encoding)?;
     Ok(entries)
 }
 
@@ -131,7 +135,7 @@ pub(super) fn place(entries: &mut [GridEntry]) -> u64 {
 
 /// Checks that every part begins where the parts before it end, that common sections can be as long as the directory says
 /// once they are decoded, and that the file ends with the last part.
-fn check_places(entries: &[GridEntry], file_bytes: u64, at_rest: AtRest) -> Result<(), FormatError> {
+fn check_places(entries: &[GridEntry], file_bytes: u64, encoding: Encoding) -> Result<(), FormatError> {
     let mut expected = entries.to_vec();
     let end = place(&mut expected);
     for (level, (found, expected)) in entries.iter().zip(&expected).enumerate() {
@@ -147,7 +151,7 @@ fn check_places(entries: &[GridEntry], file_bytes: u64, at_rest: AtRest) -> Resu
                 return Err(bounds(format!("{what} of level {level}"), name, value, expected.to_string()));
             }
         }
-        if let Some(expected) = required_raw_bytes(found, at_rest) {
+        if let Some(expected) = required_raw_bytes(found, encoding) {
             let section = format!("common section of level {level}");
             return Err(bounds(section, "raw length", found.common_raw_bytes, expected));
         }
@@ -159,11 +163,11 @@ fn check_places(entries: &[GridEntry], file_bytes: u64, at_rest: AtRest) -> Resu
 }
 
 /// Returns the raw length that a common section must have, as text, if it has another.
-fn required_raw_bytes(entry: &GridEntry, at_rest: AtRest) -> Option<String> {
+fn required_raw_bytes(entry: &GridEntry, encoding: Encoding) -> Option<String> {
     let GridEntry { common: Section { length, .. }, common_raw_bytes, .. } = *entry;
-    match at_rest {
-        AtRest::Raw => (common_raw_bytes != length).then(|| length.to_string()),
-        AtRest::Coded => {
+    match encoding {
+        Encoding::Raw => (common_raw_bytes != length).then(|| length.to_string()),
+        Encoding::Coded => {
             let fits = is_plausible(length, common_raw_bytes) && (length == 0) == (common_raw_bytes == 0);
             (!fits).then(|| format!("whole words, and at most {LARGEST_RATIO} times its length"))
         }

@@ -5,7 +5,7 @@ use crate::error::FormatError;
 use crate::file::fields::{Encoder, LIGHT, field, identify};
 use crate::file::placement::{check_settings, flags, with_flags};
 use crate::grid::{Bounds, Region};
-use crate::settings::{AtRest, Bias, FileSettings};
+use crate::settings::{Bias, Encoding, FileSettings};
 
 /// The first eight bytes. The line break reveals files that were copied in text mode.
 pub const MAGIC: [u8; 8] = LIGHT.magic;
@@ -24,7 +24,7 @@ pub struct Header {
     /// Settings of the bake.
     pub settings: FileSettings,
     /// How common sections and bundles are stored.
-    pub at_rest: AtRest,
+    pub encoding: Encoding,
     /// Number of grids in the directory.
     pub grids: u32,
     /// CRC-32 of the directory.
@@ -38,8 +38,8 @@ impl Header {
     pub fn encode(&self) -> [u8; HEADER_BYTES] {
         let settings = &self.settings;
         let mut out = Encoder::new(&LIGHT);
-        let at_rest = if self.at_rest == AtRest::Raw { RAW } else { CODED };
-        out.u32s(&[flags(settings), settings.resolution, self.grids, at_rest]);
+        let encoding = if self.encoding == Encoding::Raw { RAW } else { CODED };
+        out.u32s(&[flags(settings), settings.resolution, self.grids, encoding]);
         out.f64s(&[settings.thickness_world]);
         let bias = settings.bias;
         out.f64s(&[bias.constant_texels, bias.slope_texels, bias.normal_offset_texels]);
@@ -58,7 +58,7 @@ impl Header {
     /// Returns the fault with the values found.
     pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
         let (_, mut fields) = identify::<HEADER_BYTES>(bytes, &LIGHT)?;
-        let [flags, resolution, grids, at_rest] = fields.u32s()?;
+        let [flags, resolution, grids, encoding] = fields.u32s()?;
         let thickness_world = fields.f64()?;
         let [constant_texels, slope_texels, normal_offset_texels] = fields.f64s()?;
         let box_given = Bounds { min: fields.f64s()?, max: fields.f64s()? };
@@ -69,10 +69,10 @@ impl Header {
         let dark_after_voxels = fields.u32()?;
         fields.end("reserved words 40 to 62")?;
 
-        let at_rest = match at_rest {
-            RAW => AtRest::Raw,
-            CODED => AtRest::Coded,
-            _ => return Err(field("at_rest", at_rest.to_string(), "0 (raw) or 1 (coded)")),
+        let encoding = match encoding {
+            RAW => Encoding::Raw,
+            CODED => Encoding::Coded,
+            _ => return Err(field("encoding", encoding.to_string(), "0 (raw) or 1 (coded)")),
         };
         let settings = FileSettings {
             resolution,
@@ -86,7 +86,7 @@ impl Header {
             ..FileSettings::default()
         };
         let settings = with_flags(settings, flags, box_given)?;
-        let header = Self { settings, at_rest, grids, directory_checksum, file_bytes };
+        let header = Self { settings, encoding, grids, directory_checksum, file_bytes };
         header.check()?;
         let front = (HEADER_BYTES + directory_bytes(grids)) as u64;
         if file_bytes < front {
@@ -135,6 +135,6 @@ pub(super) fn directory_bytes(grids: u32) -> usize {
     grids as usize * GRID_BYTES
 }
 
-/// Values of the field `at_rest`.
+/// Values of the field `encoding`.
 const RAW: u32 = 0;
 const CODED: u32 = 1;

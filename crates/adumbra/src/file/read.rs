@@ -14,7 +14,7 @@ use crate::file::table::{Bundle, BundleEntry};
 use crate::file::{Contents, FileMemory, HEADER_BYTES, ShadowFile, each};
 use crate::layout::depths::page::{bundles, page_dims};
 use crate::layout::depths::{DepthTree, Ranges, TreeBuilder};
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 
 impl ShadowFile {
     /// Reads and validates the file at `path`.
@@ -74,7 +74,7 @@ impl ShadowFile {
         let contents = Contents::parse(bytes)?;
         FileMemory::check(&contents, limit_bytes)?;
         let levels = (0..).zip(&contents.grids).map(|(level, grid)| {
-            let part = Part { bytes, at_rest: contents.header.at_rest, level };
+            let part = Part { bytes, encoding: contents.header.encoding, level };
             Ok((grid.grid, part.tree(grid, &contents.tables[level as usize])?))
         });
         let mut levels = levels.collect::<Result<Vec<_>, FormatError>>()?.into_iter();
@@ -92,7 +92,7 @@ fn invalid(path: &Path, source: FormatError) -> Error {
 /// The parts of one grid in a file whose directory fits its length.
 struct Part<'b> {
     bytes: &'b [u8],
-    at_rest: AtRest,
+    encoding: Encoding,
     level: u32,
 }
 
@@ -105,7 +105,7 @@ impl Part<'_> {
         let level = self.level;
         let name = || format!("common section of level {level}");
         let common = checked(self.bytes, grid.common, name)?;
-        let common = CommonSection::parse(common, grid.common_raw_bytes, self.at_rest, name)?;
+        let common = CommonSection::parse(common, grid.common_raw_bytes, self.encoding, name)?;
         let size = grid.grid.size;
         let (dims, places) = (page_dims(size), bundles(page_dims(size)));
         let mut builder = TreeBuilder::new(size, common.words().to_vec());

@@ -14,7 +14,7 @@ use crate::file::common::{CommonSection, HEAD_WORDS, is_plausible};
 use crate::file::fields::{Decoder, reserved};
 use crate::layout::depths::page::{BUNDLE_PAGES, Page, pages_of};
 use crate::layout::depths::{Range, Ranges, UNIFORM};
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 
 /// Size of an entry of the table in bytes.
 pub const BUNDLE_ENTRY_BYTES: usize = 24;
@@ -48,7 +48,7 @@ impl BundleEntry {
     /// Decodes an entry. `section` names the bundle.
     pub(super) fn parse(
         bytes: &[u8],
-        at_rest: AtRest,
+        encoding: Encoding,
         section: impl Fn() -> String,
     ) -> Result<Self, FormatError> {
         let [stored_bytes, raw_bytes, checksum, nearest, farthest, flags] = Decoder { bytes }.u32s()?;
@@ -57,19 +57,19 @@ impl BundleEntry {
         let entry = Self { stored_bytes, raw_bytes, checksum, range };
         let shapes_bytes = u64::from(raw_bytes).checked_sub(4 * HEAD_WORDS as u64);
         let is_long = shapes_bytes.is_some_and(|bytes| bytes.is_multiple_of(4));
-        let fits = match at_rest {
+        let fits = match encoding {
             _ if stored_bytes == 0 => raw_bytes == 0 && checksum == 0 && range == Range::uniform(nearest),
-            AtRest::Raw => is_long && raw_bytes == stored_bytes,
-            AtRest::Coded => shapes_bytes.is_some_and(|bytes| is_plausible(stored_bytes.into(), bytes)),
+            Encoding::Raw => is_long && raw_bytes == stored_bytes,
+            Encoding::Coded => shapes_bytes.is_some_and(|bytes| is_plausible(stored_bytes.into(), bytes)),
         };
         if fits {
             return Ok(entry);
         }
-        let expected = match at_rest {
-            AtRest::Raw => {
+        let expected = match encoding {
+            Encoding::Raw => {
                 "no bytes and one depth, or as many stored as raw bytes, in whole words, from 192 on"
             }
-            AtRest::Coded => {
+            Encoding::Coded => {
                 "no bytes and one depth, or whole words of raw bytes, from 192 to 192 plus 16 times the stored ones"
             }
         };

@@ -12,7 +12,7 @@ use crate::file::{HEADER_BYTES, Level, ShadowFile, each};
 use crate::grid::LightGrid;
 use crate::layout::depths::page::{bundles, page_dims};
 use crate::layout::depths::{DepthTree, SharedRanges};
-use crate::settings::{AtRest, FileSettings};
+use crate::settings::{Encoding, FileSettings};
 
 /// Number of bundles that are held in memory until they are written.
 const BUNDLES_AT_A_TIME: usize = 64;
@@ -23,10 +23,10 @@ impl ShadowFile {
     /// # Errors
     /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if the contents are not valid,
     /// or cannot be coded although they are to be.
-    pub fn write_to(&self, out: impl Write + Seek, at_rest: AtRest) -> io::Result<u64> {
+    pub fn write_to(&self, out: impl Write + Seek, encoding: Encoding) -> io::Result<u64> {
         let levels = self.levels();
         let grids: Vec<LightGrid> = levels.iter().map(|level| level.grid).collect();
-        let mut writer = FileWriter::new(out, self.settings, &grids, at_rest)?;
+        let mut writer = FileWriter::new(out, self.settings, &grids, encoding)?;
         for level in levels.iter().rev() {
             let tree = &*level.tree;
             if tree.size() != level.grid.size {
@@ -47,10 +47,10 @@ impl ShadowFile {
     ///
     /// # Errors
     /// Returns the fault if the contents are not valid, or cannot be coded although they are to be.
-    pub fn to_bytes(&self, at_rest: AtRest) -> Result<Vec<u8>, FormatError> {
-        let capacity = if at_rest == AtRest::Raw { self.encoded_len() } else { 0 };
+    pub fn to_bytes(&self, encoding: Encoding) -> Result<Vec<u8>, FormatError> {
+        let capacity = if encoding == Encoding::Raw { self.encoded_len() } else { 0 };
         let mut bytes = Cursor::new(Vec::with_capacity(capacity as usize));
-        match self.write_to(&mut bytes, at_rest) {
+        match self.write_to(&mut bytes, encoding) {
             Ok(_) => Ok(bytes.into_inner()),
             // Memory itself gives no errors.
             Err(error) => Err(error.downcast().unwrap_or(FormatError::TrailingBytes { end: 0 })),
@@ -75,7 +75,7 @@ pub struct FileWriter<W> {
     /// Position of the file's first byte.
     start: u64,
     settings: FileSettings,
-    at_rest: AtRest,
+    encoding: Encoding,
     grids: Vec<GridEntry>,
     /// The tables of grids whose bundles have been added.
     tables: Vec<Vec<u8>>,
@@ -93,19 +93,24 @@ impl<W: Write + Seek> FileWriter<W> {
     /// # Errors
     /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if settings or grids are not
     /// valid. Nothing has been written then.
-    pub fn new(mut out: W, settings: FileSettings, grids: &[LightGrid], at_rest: AtRest) -> io::Result<Self> {
+    pub fn new(
+        mut out: W,
+        settings: FileSettings,
+        grids: &[LightGrid],
+        encoding: Encoding,
+    ) -> io::Result<Self> {
         let none = Section::default();
         let entry = |&grid| GridEntry { grid, table: none, common: none, common_raw_bytes: 0, bundles: none };
         let grids: Vec<GridEntry> = grids.iter().map(entry).collect();
         let count = grids.len() as u32;
-        let header = Header { settings, at_rest, grids: count, directory_checksum: 0, file_bytes: 0 };
+        let header = Header { settings, encoding, grids: count, directory_checksum: 0, file_bytes: 0 };
         header.check().and_then(|()| check_grids(&grids)).map_err(invalid)?;
         let start = out.stream_position()?;
         let tables: u64 = grids.iter().map(|entry| table_bytes(entry.grid.size)).sum();
         let front = (HEADER_BYTES + directory_bytes(count)) as u64 + tables;
         io::copy(&mut io::Read::take(io::repeat(0), front), &mut out)?;
         let left = grids.len();
-        Ok(Self { out, start, settings, at_rest, tables: vec![Vec::new(); left], grids, left })
+        Ok(Self { out, start, settings, encoding, tables: vec![Vec::new(); left], grids, left })
     }
 
     /// Writes the common section of the next grid, the coarsest first.
@@ -113,7 +118,7 @@ impl<W: Write + Seek> FileWriter<W> {
     /// # Errors
     /// Returns the errors of the output, and [`ErrorKind::InvalidData`] with [`FormatError::Uncodable`].
     pub fn common(&mut self, common: &CommonSection) -> io::Result<()> {
-        debug_assert_eq!(common.at_rest(), self.at_rest);
+        debug_assert_eq!(common.encoding(), self.encoding);
         let bytes = common.to_bytes().map_err(invalid)?;
         self.out.write_all(&bytes)?;
         self.left -= 1;
@@ -136,7 +141,7 @@ impl<W: Write + Seek> FileWriter<W> {
 
     fn write_level(&mut self, tree: &DepthTree) -> io::Result<()> {
         let words = tree.common().to_vec();
-        let common = CommonSection::new(words, || tree.common_shapes(), self.at_rest).map_err(invalid)?;
+        let common = CommonSection::new(words, || tree.common_shapes(), self.encoding).map_err(invalid)?;
         self.common(&common)?;
         let dims = page_dims(tree.size());
         let ranges = SharedRanges::new(common.words());
@@ -164,7 +169,7 @@ impl<W: Write + Seek> FileWriter<W> {
             (0..).zip(&self.grids).flat_map(|(level, entry)| entry.encode(level)).collect();
         let header = Header {
             settings: self.settings,
-            at_rest: self.at_rest,
+            encoding: self.encoding,
             grids: self.grids.len() as u32,
             directory_checksum: crc32fast::hash(&directory),
             file_bytes,

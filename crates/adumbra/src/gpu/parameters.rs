@@ -36,7 +36,7 @@ impl Penumbra {
     fn check(&self) -> Result<(), RangeError> {
         let Self { sun_degrees, max_radius_texels } = *self;
         if !Self::ANGLES_DEGREES.contains(&sun_degrees) {
-            return Err(RangeError::new(RangeField::SunAngle, sun_degrees, "from 0.01 to 20 degrees"));
+            return Err(RangeError::new(RangeField::SunDegrees, sun_degrees, "from 0.01 to 20 degrees"));
         }
         if !Self::RADII_TEXELS.contains(&max_radius_texels) {
             return Err(RangeError::new(

@@ -47,18 +47,18 @@ impl LightGrid {
         Self::new(sun, extent.frame, voxel_size, corner, size)
     }
 
-    /// Returns the smallest grid that contains this one and begins and ends at multiples of `page` voxels from the
-    /// world's origin. Such grids of one sun, frame and voxel size share their voxels, whatever they cover.
+    /// Returns the smallest grid that contains this one and begins and ends at multiples of `step` voxels from the world's
+    /// origin. Such grids of one sun, frame and voxel size share their voxels, whatever they cover.
     #[must_use]
-    pub fn on_pages_of(self, page: u32) -> Self {
-        let page = f64::from(page);
+    pub fn snapped_to(self, step: u32) -> Self {
+        let step = f64::from(step);
         let (mut corner, mut size) = (self.corner, self.size);
         for a in 0..3 {
-            // What rounding adds is no reason for another page.
-            let first = ((corner[a] + 1e-6) / page).floor();
-            let end = ((corner[a] + f64::from(size[a]) - 1e-6) / page).ceil();
-            corner[a] = first * page;
-            size[a] = ((end - first).max(1.0) * page).min(4_294_967_000.0) as u32;
+            // Rounding must not add a step: allow 1e-6 of a voxel at both ends.
+            let first = ((corner[a] + 1e-6) / step).floor();
+            let end = ((corner[a] + f64::from(size[a]) - 1e-6) / step).ceil();
+            corner[a] = first * step;
+            size[a] = ((end - first).max(1.0) * step).min(4_294_967_000.0) as u32;
         }
         Self { corner, size, ..self }
     }
@@ -117,8 +117,8 @@ impl LightGrid {
     }
 
     /// Returns by how many texels the radius of the cone of a sun with this full angle grows per voxel of depth.
-    pub fn cone_texels_per_voxel(&self, angle_degrees: f64) -> f64 {
-        libm::tan((0.5 * angle_degrees).to_radians()) * self.voxel_along_light() / self.voxel_size
+    pub fn cone_texels_per_voxel(&self, sun_degrees: f64) -> f64 {
+        libm::tan((0.5 * sun_degrees).to_radians()) * self.voxel_along_light() / self.voxel_size
     }
 }
 
@@ -256,13 +256,13 @@ mod tests {
     }
 
     #[test]
-    fn grids_on_pages_share_their_voxels() {
+    fn snapped_grids_share_their_voxels() {
         let sun = Sun::from_angles(200.0, 30.0).unwrap();
         for frame in FRAMES {
             let [small, large] = [[5.0, 2.0, 9.0], [5000.0, 90.0, 1234.5]].map(|max| {
                 let mut extent = LightExtent::in_frame(&sun, frame);
                 extent.add_box(&Bounds { min: [-1.0, 0.0, -3.0], max });
-                LightGrid::covering(sun, &extent, 0.25).on_pages_of(64)
+                LightGrid::covering(sun, &extent, 0.25).snapped_to(64)
             });
             for grid in [small, large] {
                 let whole = |c: f64| c % 64.0 == 0.0;

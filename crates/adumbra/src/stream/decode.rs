@@ -7,7 +7,7 @@ use crate::file::{Bundle, BundleEntry, CommonSection, GridEntry, name_of_bundle}
 use crate::layout::depths::page::{Page, page_dims, pages_of};
 use crate::layout::depths::top::{block_level, page_blocks};
 use crate::layout::depths::{PageValidator, Proved};
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 use crate::stream::retry::StreamError;
 
 /// A bundle in the bytes of a request.
@@ -54,10 +54,10 @@ impl LevelContext {
     pub(super) fn parse(
         entry: &GridEntry,
         bytes: &[u8],
-        at_rest: AtRest,
+        encoding: Encoding,
         level: u32,
     ) -> Result<Arc<Self>, FormatError> {
-        let common = entry.parse_common(bytes, at_rest, level)?;
+        let common = entry.parse_common(bytes, encoding, level)?;
         let size = entry.grid.size;
         Ok(Arc::new(Self {
             level,

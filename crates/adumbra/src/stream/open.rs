@@ -173,10 +173,10 @@ impl Open {
                 }
                 let entry = self.contents.grids[id.level as usize];
                 let range = entry.common.offset..entry.common.end();
-                let at_rest = self.contents.header.at_rest;
+                let encoding = self.contents.header.encoding;
                 return Some(Request {
                     range,
-                    job: Job::Common { entry: Box::new(entry), at_rest, level: id.level },
+                    job: Job::Common { entry: Box::new(entry), encoding, level: id.level },
                 });
             };
             return Some(self.request_along(level, context, id, is_missing));

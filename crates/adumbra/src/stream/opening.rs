@@ -66,7 +66,7 @@ impl Beginning {
         // All offsets are within the beginning.
         let part = |range: Range<u64>| &self.front[range.start as usize..range.end as usize];
         let common = part(entry.common.offset..entry.common.end());
-        let coarsest = LevelContext::parse(entry, common, contents.header.at_rest, level)?;
+        let coarsest = LevelContext::parse(entry, common, contents.header.encoding, level)?;
         let bytes = part(entry.bundles.offset..entry.bundles.end());
         let mut offset = 0;
         let mut loaded = Vec::new();

@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::file::GridEntry;
-use crate::settings::AtRest;
+use crate::settings::Encoding;
 use crate::stream::decode::{LevelContext, LoadedBundle, Stored};
 use crate::stream::opening::{Beginning, Opened};
 use crate::stream::retry::{BundleId, Part, StreamError};
@@ -23,7 +23,7 @@ pub struct Request {
 #[derive(Debug)]
 pub(super) enum Job {
     Beginning(Beginning),
-    Common { entry: Box<GridEntry>, at_rest: AtRest, level: u32 },
+    Common { entry: Box<GridEntry>, encoding: Encoding, level: u32 },
     Bundles { context: Arc<LevelContext>, bundles: Vec<Stored> },
 }
 
@@ -62,8 +62,8 @@ impl Request {
             Job::Beginning(beginning) => {
                 Loaded::Beginning(read.map_err(Into::into).and_then(|bytes| beginning.answer(&bytes)))
             }
-            Job::Common { entry, at_rest, level } => {
-                let parse = |bytes: Vec<u8>| Ok(LevelContext::parse(&entry, &bytes, at_rest, level)?);
+            Job::Common { entry, encoding, level } => {
+                let parse = |bytes: Vec<u8>| Ok(LevelContext::parse(&entry, &bytes, encoding, level)?);
                 Loaded::Common { level, result: read.map_err(Into::into).and_then(parse) }
             }
             Job::Bundles { context, bundles } => {

@@ -5,7 +5,7 @@ const HEADER: usize = 256;
 const GRID: usize = 256;
 const ROW: usize = 24;
 /// Offsets of fields of the header.
-const AT_REST: usize = 28;
+const ENCODING: usize = 28;
 const FILE_BYTES: usize = 136;
 
 /// Words that have a special meaning somewhere in a file.
@@ -148,7 +148,7 @@ impl Mutator {
         let rows = (table..table + length).step_by(ROW);
         let Some(row) = rows.clone().find(|&row| u32_at(bytes, row) > 0) else { return out };
         at += rows.take_while(|&before| before < row).map(|row| u32_at(bytes, row) as usize).sum::<usize>();
-        if u32_at(bytes, AT_REST) != 0 {
+        if u32_at(bytes, ENCODING) != 0 {
             let byte = at + self.below(u32_at(bytes, row) as usize);
             let step = if self.below(2) == 0 {
                 out.insert(byte, self.random() as u8);

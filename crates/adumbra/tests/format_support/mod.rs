@@ -5,7 +5,7 @@ mod damage;
 
 use adumbra::layout::depths::Switches;
 use adumbra::layout::depths::code::Place;
-use adumbra::{AtRest, FormatError, ShadowFile};
+use adumbra::{Encoding, FormatError, ShadowFile};
 pub(crate) use damage::{interpret, mutate};
 
 /// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes if it is raw, that both ways
@@ -18,13 +18,13 @@ pub(crate) fn exercise(bytes: &[u8]) -> Result<ShadowFile, FormatError> {
     match &file {
         Ok(file) => {
             let raw = encode(file);
-            if bytes[AT_REST] == 0 {
+            if bytes[ENCODING] == 0 {
                 assert_eq!(raw, bytes, "an accepted raw file is the only one with its contents");
             } else {
                 assert_eq!(ShadowFile::from_bytes(&raw).as_ref(), Ok(file));
             }
             // A coder is free to leave equal shapes apart, but then they are not coded again.
-            match file.to_bytes(AtRest::Coded) {
+            match file.to_bytes(Encoding::Coded) {
                 Ok(coded) => assert_eq!(ShadowFile::from_bytes(&coded).as_ref(), Ok(file)),
                 Err(error) => assert_eq!(error.kind(), "Uncodable"),
             }
@@ -38,13 +38,13 @@ pub(crate) fn exercise(bytes: &[u8]) -> Result<ShadowFile, FormatError> {
     file
 }
 
-/// Offset of the header's field `at_rest`.
-const AT_REST: usize = 28;
+/// Offset of the header's field `encoding`.
+const ENCODING: usize = 28;
 
 /// Returns the bytes of the raw file.
 pub(crate) fn encode(file: &ShadowFile) -> Vec<u8> {
     let mut bytes = std::io::Cursor::new(Vec::new());
-    let written = file.write_to(&mut bytes, AtRest::Raw).expect("a valid file");
+    let written = file.write_to(&mut bytes, Encoding::Raw).expect("a valid file");
     let bytes = bytes.into_inner();
     assert_eq!((written, file.encoded_len()), (bytes.len() as u64, bytes.len() as u64));
     bytes

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::time::Duration;
 
 use adumbra::stream::{ShadowSource, StreamFault, StreamOptions, Streamer, View};
-use adumbra::{AtRest, Filter, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
@@ -19,7 +19,7 @@ fn coded_city(resolution: u64, levels: u32, frame: FrameChoice) -> Vec<u8> {
     let options = BakeOptions { levels, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
     let mut bytes = Cursor::new(Vec::new());
-    file.write_to(&mut bytes, AtRest::Coded).unwrap();
+    file.write_to(&mut bytes, Encoding::Coded).unwrap();
     bytes.into_inner()
 }
 

@@ -5,7 +5,7 @@ use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use adumbra::{AtRest, Sun};
+use adumbra::{Encoding, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate, write_glb};
 use bevy::app::ScheduleRunnerPlugin;
@@ -79,7 +79,7 @@ fn make_city(assets: &Path) {
     let sun = Sun::from_direction(TOWARDS_SUN).expect("a sun above the horizon");
     let baked =
         bake(&city, &BakeOptions::new(sun, Size::Resolution(8192)), Watch::none()).expect("it is baked");
-    let bytes = baked.file.to_bytes(AtRest::default()).expect("a valid file");
+    let bytes = baked.file.to_bytes(Encoding::default()).expect("a valid file");
     fs::write(&file, bytes).expect("the file is written");
 }
 

@@ -15,7 +15,7 @@ use bevy::time::{Real, Time};
 
 use super::gather::{Placed, SceneAssets, gather};
 use super::progress::{BakeError, BakeProgress};
-use super::{BakeSettings, BakeShadow, Keys, Meshes, Seen, StaticKeys, fail, is_still};
+use super::{BakeSettings, Keys, Meshes, RuntimeBake, Seen, StaticKeys, fail, is_still};
 use crate::components::BakedShadow;
 use crate::moving::SunKeys;
 
@@ -39,7 +39,7 @@ type Lights<'w, 's> = Query<
     (
         Entity,
         &'static GlobalTransform,
-        &'static mut BakeShadow,
+        &'static mut RuntimeBake,
         &'static mut BakeProgress,
         Option<&'static BakedShadow>,
         Option<&'static mut SunKeys>,
@@ -111,7 +111,8 @@ pub(crate) fn follow_suns(
             Followed::Moment(moment) => {
                 sun_keys.set(moment.keys, moment.towards_sun);
                 let is_new = !bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes));
-                if is_new {
+                // Until they are shown, what has moved casts through the cascades.
+                if is_new && sun_keys.is_settled() {
                     bake.in_use = Some(Arc::clone(meshes));
                     info!("the shadow of light {light} follows the sun: its first key is baked");
                 }

@@ -11,8 +11,9 @@ use bevy::ecs::prelude::{Entity, Res};
 use bevy::ecs::system::SystemParam;
 use bevy::image::{Image, ImageAddressMode, ImageFilterMode, ImageSampler, ImageSamplerDescriptor};
 use bevy::log::warn;
+use bevy::math::Affine2;
 use bevy::mesh::{
-    Indices, Mesh as BevyMesh, Mesh3d, MeshAccessError, PrimitiveTopology, VertexAttributeValues,
+    Indices, Mesh as BevyMesh, Mesh3d, MeshAccessError, PrimitiveTopology, UvChannel, VertexAttributeValues,
 };
 use bevy::pbr::{MeshMaterial3d, StandardMaterial};
 use bevy::prelude::{AlphaMode as BevyAlphaMode, GlobalTransform};
@@ -22,6 +23,7 @@ use super::progress::BakeError;
 use super::versions::AssetVersions;
 
 /// A mesh in its place.
+#[derive(Clone, Copy)]
 pub(super) struct Placed<'w> {
     mesh: AssetId<BevyMesh>,
     transform: &'w GlobalTransform,
@@ -52,7 +54,7 @@ impl Placed<'_> {
     pub(super) fn key(&self, materials: &Assets<StandardMaterial>, versions: &mut AssetVersions) -> u64 {
         let mut hasher = DefaultHasher::new();
         let columns = self.transform.affine().to_cols_array().map(f32::to_bits);
-        (self.mesh, columns, self.material, self.casts).hash(&mut hasher);
+        (self.mesh, columns, self.casts).hash(&mut hasher);
         versions.of(self.mesh).hash(&mut hasher);
         if let Some(id) = self.material {
             // Followed, though of its changes only those count that a bake sees.
@@ -67,6 +69,8 @@ impl Placed<'_> {
                 (cutoff, material.base_color.alpha().to_bits()).hash(&mut hasher);
                 if let Some(image) = &material.base_color_texture {
                     (image.id(), versions.of(image.id())).hash(&mut hasher);
+                    let uv_columns = material.uv_transform.to_cols_array().map(f32::to_bits);
+                    (uv_columns, material.base_color_channel == UvChannel::Uv1).hash(&mut hasher);
                 }
             }
         }
@@ -136,7 +140,8 @@ pub(super) fn gather<'w>(
                     }
                 };
                 let name = scene.meshes.len().to_string();
-                let index = copy(mesh, name, material)?.map(|mesh| {
+                let look = p.material.and_then(|id| assets.materials.get(id));
+                let index = copy(mesh, name, look, material)?.map(|mesh| {
                     scene.meshes.push(mesh);
                     scene.meshes.len() as u32 - 1
                 });
@@ -154,7 +159,7 @@ pub(super) fn gather<'w>(
     }
     if left_out > 0 {
         warn!(
-            "{left_out} meshes below a BakedStatic are not in the bake, because their assets are not there"
+            "{left_out} meshes below a ShadowStatic are not in the bake, because their assets are not there"
         );
     }
     if scene.instances.is_empty() {
@@ -163,8 +168,14 @@ pub(super) fn gather<'w>(
     Ok(Some(scene))
 }
 
-/// Copies a mesh. Returns `None` if it has no triangles.
-fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, BakeError> {
+/// Copies a mesh, with the texture coordinates that its material has, which is the scene's material `index`. Returns `None` if it
+/// has no triangles.
+fn copy(
+    mesh: &BevyMesh,
+    name: String,
+    material: Option<&StandardMaterial>,
+    index: u32,
+) -> Result<Option<Mesh>, BakeError> {
     let is_strip = match mesh.primitive_topology() {
         PrimitiveTopology::TriangleList => false,
         PrimitiveTopology::TriangleStrip => true,
@@ -178,8 +189,15 @@ fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, Ba
     if positions.iter().flatten().any(|c| !c.is_finite()) {
         return Err(BakeError::NotFinite);
     }
-    let uvs = match mesh.try_attribute_option(BevyMesh::ATTRIBUTE_UV_0).map_err(no_access)? {
-        Some(VertexAttributeValues::Float32x2(uvs)) if uvs.len() == positions.len() => uvs.clone(),
+    let channel = match material.map(|material| &material.base_color_channel) {
+        Some(UvChannel::Uv1) => BevyMesh::ATTRIBUTE_UV_1,
+        _ => BevyMesh::ATTRIBUTE_UV_0,
+    };
+    let uv_transform = material.map_or(Affine2::IDENTITY, |material| material.uv_transform);
+    let uvs = match mesh.try_attribute_option(channel).map_err(no_access)? {
+        Some(VertexAttributeValues::Float32x2(uvs)) if uvs.len() == positions.len() => {
+            uvs.iter().map(|&uv| uv_transform.transform_point2(uv.into()).into()).collect()
+        }
         _ => Vec::new(),
     };
     let indices: Vec<u32> = match mesh.try_indices_option().map_err(no_access)? {
@@ -201,7 +219,7 @@ fn copy(mesh: &BevyMesh, name: String, material: u32) -> Result<Option<Mesh>, Ba
     if triangles.is_empty() {
         return Ok(None);
     }
-    let triangle_materials = vec![material; triangles.len()];
+    let triangle_materials = vec![index; triangles.len()];
     Ok(Some(Mesh { name, positions, uvs, colors: Vec::new(), triangles, triangle_materials }))
 }
 
@@ -276,12 +294,70 @@ fn texture(image: &Image) -> Option<Texture> {
 
 #[cfg(test)]
 mod tests {
+    use bevy::color::Color;
+    use bevy::ecs::prelude::World;
+    use bevy::ecs::system::RunSystemOnce;
+    use bevy::math::Vec2;
+    use bevy::math::primitives::Plane3d;
+
     use super::*;
 
     #[test]
     fn strips_are_triangles_that_all_face_one_way() {
         let strip = [0, 1, 2, 3, u32::MAX, 7, 8, 9, u32::MAX];
         assert_eq!(of_strip(&strip), [[0, 1, 2], [2, 1, 3], [7, 8, 9]]);
+    }
+
+    /// Returns what a bake has of a plane with this material.
+    fn plane_of(material: StandardMaterial) -> Scene {
+        let mut world = World::new();
+        world.init_resource::<Assets<BevyMesh>>();
+        world.init_resource::<Assets<StandardMaterial>>();
+        world.init_resource::<Assets<Image>>();
+        let plane: BevyMesh = Plane3d::default().into();
+        let Some(VertexAttributeValues::Float32x2(uvs)) = plane.attribute(BevyMesh::ATTRIBUTE_UV_0) else {
+            panic!("a plane has texture coordinates")
+        };
+        let second: Vec<_> = uvs.iter().map(|[u, v]| [u + 1.0, v + 2.0]).collect();
+        let plane = plane.with_inserted_attribute(BevyMesh::ATTRIBUTE_UV_1, second);
+        let mesh = Mesh3d(world.resource_mut::<Assets<BevyMesh>>().add(plane));
+        let material = MeshMaterial3d(world.resource_mut::<Assets<StandardMaterial>>().add(material));
+        let of_plane = move |assets: SceneAssets| {
+            let at = GlobalTransform::default();
+            let placed = Placed::from((Entity::PLACEHOLDER, &mesh, &at, Some(&material), false, None));
+            gather(std::iter::once(placed), &assets).unwrap().unwrap()
+        };
+        world.run_system_once(of_plane).unwrap()
+    }
+
+    #[test]
+    fn holes_are_where_the_material_has_them() {
+        let most = |material: StandardMaterial| {
+            let scene = plane_of(StandardMaterial { alpha_mode: BevyAlphaMode::Mask(0.5), ..material });
+            scene.meshes[0].uvs.iter().fold([0.0; 2], |most: [f32; 2], uv| [0, 1].map(|i| most[i].max(uv[i])))
+        };
+        assert_eq!(most(StandardMaterial::default()), [1.0, 1.0]);
+        let uv_transform = Affine2::from_scale(Vec2::new(10.0, 3.0));
+        assert_eq!(most(StandardMaterial { uv_transform, ..Default::default() }), [10.0, 3.0]);
+        let second = StandardMaterial { base_color_channel: UvChannel::Uv1, ..Default::default() };
+        assert_eq!(most(StandardMaterial { uv_transform, ..second }), [20.0, 9.0]);
+    }
+
+    #[test]
+    fn foliage_that_covers_samples_has_holes() {
+        let alpha_mode = BevyAlphaMode::AlphaToCoverage;
+        let scene = plane_of(StandardMaterial { alpha_mode, ..Default::default() });
+        assert!(scene.instances[0].casts);
+        assert_eq!(scene.materials[0].alpha, AlphaMode::Mask { cutoff: 0.5 });
+    }
+
+    #[test]
+    fn what_blends_casts_where_alpha_is_at_least_a_half() {
+        let base_color = Color::srgba(1.0, 1.0, 1.0, 0.3);
+        let blends = StandardMaterial { alpha_mode: BevyAlphaMode::Blend, base_color, ..Default::default() };
+        let material = &plane_of(blends).materials[0];
+        assert!(material.blended && material.alpha == AlphaMode::Mask { cutoff: 0.5 });
+        assert_eq!(material.base_color[3], 0.3);
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, MemoryObjects, Objects, Size, Watch, bake_again};
+use adumbra_bake::{BakeCache, BakeOptions, MemoryCache, Size, Watch, bake_again};
 use adumbra_scene::Scene;
 use bevy::math::Vec3;
 
@@ -42,21 +42,21 @@ pub(super) struct Finished {
 }
 
 impl Job {
-    /// Starts a bake. `objects` has what earlier bakes of the light have made.
+    /// Starts a bake. `cache` has what earlier bakes of the light have made.
     pub(super) fn start(
         scene: Scene,
         settings: BakeSettings,
         towards_light: Vec3,
         limits: DeviceLimits,
-        objects: Arc<MemoryObjects>,
+        cache: Arc<MemoryCache>,
     ) -> Self {
         let (sender, receiver) = channel();
         let state = Arc::new(State::default());
         let of_thread = Arc::clone(&state);
         let work = move || {
             // What only the bake before the last one used will hardly be needed again.
-            objects.remove_unused();
-            let inputs = Inputs { scene, settings, towards_light, limits, objects };
+            cache.remove_unused();
+            let inputs = Inputs { scene, settings, towards_light, limits, cache };
             if let Err(error) = work(&inputs, &of_thread, &sender) {
                 // The app may have dropped the bake.
                 let _ = sender.send(Err(error));
@@ -102,7 +102,7 @@ struct Inputs {
     settings: BakeSettings,
     towards_light: Vec3,
     limits: DeviceLimits,
-    objects: Arc<dyn Objects>,
+    cache: Arc<dyn BakeCache>,
 }
 
 fn work(
@@ -110,7 +110,7 @@ fn work(
     state: &State,
     results: &Sender<Result<Finished, BakeError>>,
 ) -> Result<(), BakeError> {
-    let Inputs { scene, settings, towards_light, limits, objects } = inputs;
+    let Inputs { scene, settings, towards_light, limits, cache } = inputs;
     let sun = Sun::from_direction(towards_light.to_array().map(f64::from));
     let sun = sun.map_err(|e| BakeError::Sun(e.into()))?;
     let pool = pool(settings.threads).map_err(|e| BakeError::Threads(e.into()))?;
@@ -125,10 +125,10 @@ fn work(
         };
         let report = |progress: adumbra_bake::Progress| {
             if let Ok(mut state) = state.progress.lock() {
-                *state = (resolution, progress.done_tiles as f32 / progress.total_tiles.max(1) as f32);
+                *state = (resolution, progress.done as f32 / progress.total.max(1) as f32);
             }
         };
-        let baked = pool.install(|| bake_again(scene, &options, objects, Watch::new(&report, &state.cancel)));
+        let baked = pool.install(|| bake_again(scene, &options, cache, Watch::new(&report, &state.cancel)));
         if state.cancel.load(Ordering::Relaxed) {
             return Ok(());
         }
@@ -136,7 +136,7 @@ fn work(
         let file = BakedShadowFile::new(baked.file, *limits);
         let file = file.map_err(|e| BakeError::File(e.into()))?;
         let is_last = resolution == settings.resolution;
-        let blocks = [baked.report.tiles, baked.report.reused_tiles];
+        let blocks = [baked.report.root_blocks, baked.report.reused_root_blocks];
         let finished = Finished { file, seconds: baked.report.seconds, triangles, blocks, is_last };
         if results.send(Ok(finished)).is_err() {
             return Ok(());
@@ -149,7 +149,7 @@ fn work(
 mod tests {
     use std::time::Duration;
 
-    use adumbra::{AtRest, ShadowFile};
+    use adumbra::{Encoding, ShadowFile};
     use adumbra_bake::bake;
     use adumbra_scene::{GeneratedKind, generate};
 
@@ -167,7 +167,7 @@ mod tests {
     }
 
     fn bytes(file: &ShadowFile) -> Vec<u8> {
-        file.to_bytes(AtRest::Raw).expect("a file that was baked")
+        file.to_bytes(Encoding::Raw).expect("a file that was baked")
     }
 
     #[test]
@@ -175,9 +175,9 @@ mod tests {
         let mut scene = generate(GeneratedKind::City, 1);
         let settings = BakeSettings { resolution: 2048, first_resolution: 512, ..BakeSettings::default() };
         let light = Vec3::new(0.5, 0.8, 0.35);
-        let objects = Arc::new(MemoryObjects::default());
+        let cache = Arc::new(MemoryCache::default());
         let limits = DeviceLimits::default();
-        let start = |scene: &Scene| Job::start(scene.clone(), settings, light, limits, objects.clone());
+        let start = |scene: &Scene| Job::start(scene.clone(), settings, light, limits, cache.clone());
         let first = finished(&start(&scene));
         assert_eq!(first.iter().map(|file| file.is_last).collect::<Vec<_>>(), [false, true]);
         assert!(first.iter().all(|file| file.blocks[1] == 0));

@@ -1,7 +1,7 @@
 //! Baking while the app runs: gather, bake on threads of its own, swap.
 //!
-//! [`BakeShadow`] on a light asks for it, or [`BakeShadowCommands::bake_shadow`]. The meshes below
-//! [`BakedStatic`](crate::BakedStatic) are copied once per bake. A coarse file comes first, then the asked one; each takes the place of
+//! [`RuntimeBake`] on a light asks for it, or [`RuntimeBakeCommands::bake_shadow`]. The meshes below
+//! [`ShadowStatic`](crate::ShadowStatic) are copied once per bake. A coarse file comes first, then the asked one; each takes the place of
 //! the one before in a single frame. When a mesh moves, or the light turns, shadows of that mesh, or all, come from the
 //! cascades again until a new bake is done. It bakes what the change touches, and has the rest in memory: about as many bytes
 //! as the file.
@@ -18,10 +18,11 @@ mod versions;
 use std::sync::Arc;
 use std::time::Duration;
 
-use adumbra_bake::MemoryObjects;
+use adumbra_bake::MemoryCache;
 use bevy::asset::Assets;
 use bevy::camera::visibility::VisibilityRange;
 use bevy::ecs::entity::EntityHashMap;
+use bevy::ecs::entity_disabling::Disabled;
 use bevy::ecs::prelude::*;
 use bevy::light::NotShadowCaster;
 use bevy::log::{info, warn};
@@ -32,8 +33,8 @@ use bevy::prelude::{DirectionalLight, GlobalTransform};
 use bevy::reflect::prelude::*;
 use bevy::time::{Real, Time};
 
-use crate::components::{BakedShadow, InBake};
-use crate::statics::NotYetBaked;
+use crate::components::{BakedShadow, IncludedInBake};
+use crate::statics::AwaitingBake;
 use crate::{BakedShadowFile, DeviceLimits};
 use follow::Following;
 pub(crate) use follow::follow_suns;
@@ -71,14 +72,14 @@ impl Default for BakeSettings {
     }
 }
 
-/// Bakes the shadow of this directional light, and again when meshes below a [`BakedStatic`](crate::BakedStatic) or the
+/// Bakes the shadow of this directional light, and again when meshes below a [`ShadowStatic`](crate::ShadowStatic) or the
 /// light change. Once none of them is left, so is no file. Removing it ends a bake that is under way; the last file stays as it is.
 /// Without the [`BakedShadow`] that it made, as when the app has removed that, it bakes no more until
-/// [`bake_shadow`](BakeShadowCommands::bake_shadow) is called again.
+/// [`bake_shadow`](RuntimeBakeCommands::bake_shadow) is called again.
 #[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Default, Debug)]
 #[require(BakeProgress)]
-pub struct BakeShadow {
+pub struct RuntimeBake {
     /// The settings. A change of them bakes again.
     pub settings: BakeSettings,
     // Work under way is no data, so reflection leaves the rest out.
@@ -92,7 +93,7 @@ pub struct BakeShadow {
     following: Option<Following>,
     /// What its bakes have made: after a change, only what it touches is baked.
     #[reflect(ignore)]
-    objects: Arc<MemoryObjects>,
+    cache: Arc<MemoryCache>,
     /// What there is now if the newest bake saw something else, and since when.
     #[reflect(ignore)]
     pending: Option<(Seen, Duration)>,
@@ -104,7 +105,7 @@ pub struct BakeShadow {
     in_use: Option<Arc<Keys>>,
 }
 
-impl BakeShadow {
+impl RuntimeBake {
     /// Bakes with these settings.
     pub fn new(settings: BakeSettings) -> Self {
         Self { settings, ..Self::default() }
@@ -149,21 +150,21 @@ pub(crate) struct StaticKeys {
     changes: u64,
 }
 
-/// Adds [`BakeShadowCommands::bake_shadow`] to `Commands`.
-pub trait BakeShadowCommands {
-    /// Bakes the shadow of a directional light while the app runs, with a [`BakeShadow`]. One that is there gets the settings.
+/// Adds [`RuntimeBakeCommands::bake_shadow`] to `Commands`.
+pub trait RuntimeBakeCommands {
+    /// Bakes the shadow of a directional light while the app runs, with a [`RuntimeBake`]. One that is there gets the settings.
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings);
 }
 
-impl BakeShadowCommands for Commands<'_, '_> {
+impl RuntimeBakeCommands for Commands<'_, '_> {
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings) {
         // What a bake that is there has made stays.
         self.entity(light).queue_silenced(move |mut light: EntityWorldMut| {
-            match light.get_mut::<BakeShadow>() {
+            match light.get_mut::<RuntimeBake>() {
                 Some(mut bake) => {
                     (bake.settings, bake.seen, bake.is_paused) = (settings, None, false);
                 }
-                None => _ = light.insert(BakeShadow::new(settings)),
+                None => _ = light.insert(RuntimeBake::new(settings)),
             }
         });
     }
@@ -181,14 +182,14 @@ type Meshes<'w, 's> = Query<
         Has<NotShadowCaster>,
         Option<&'static VisibilityRange>,
     ),
-    With<InBake>,
+    With<IncludedInBake>,
 >;
 
 /// What may change a bake.
 type Changes = (
-    With<InBake>,
+    With<IncludedInBake>,
     Or<(
-        Added<InBake>,
+        Added<IncludedInBake>,
         Changed<Mesh3d>,
         Changed<GlobalTransform>,
         Changed<MeshMaterial3d<StandardMaterial>>,
@@ -199,11 +200,12 @@ type Changes = (
 
 /// Keeps [`StaticKeys`]. Cost: nothing while no mesh of a bake changes.
 pub(crate) fn find_meshes(
-    lights: Query<(), With<BakeShadow>>,
+    lights: Query<(), With<RuntimeBake>>,
     placed: Meshes,
-    (changed, in_bake): (Query<(), Changes>, Query<(), With<InBake>>),
-    (mut removed, mut no_casters, mut no_meshes, mut no_materials): (
-        RemovedComponents<InBake>,
+    (changed, in_bake): (Query<(), Changes>, Query<(), With<IncludedInBake>>),
+    (mut removed, mut enabled, mut no_casters, mut no_meshes, mut no_materials): (
+        RemovedComponents<IncludedInBake>,
+        RemovedComponents<Disabled>,
         RemovedComponents<NotShadowCaster>,
         RemovedComponents<Mesh3d>,
         RemovedComponents<MeshMaterial3d<StandardMaterial>>,
@@ -212,8 +214,8 @@ pub(crate) fn find_meshes(
     (mut keys, mut versions): (ResMut<StaticKeys>, ResMut<AssetVersions>),
 ) {
     // Others lose meshes and materials too.
-    let changed_entities = no_casters.read().chain(no_meshes.read()).chain(no_materials.read());
-    let has_changes = removed.read().count() + changed_entities.filter(|e| in_bake.contains(*e)).count() > 0
+    let others = no_casters.read().chain(no_meshes.read()).chain(no_materials.read()).chain(enabled.read());
+    let has_changes = removed.read().count() + others.filter(|e| in_bake.contains(*e)).count() > 0
         || !changed.is_empty()
         || keys.changes != versions.changes();
     if lights.is_empty() {
@@ -234,24 +236,29 @@ pub(crate) fn find_meshes(
     }
 }
 
+/// Pauses the bakes of a light whose [`BakedShadow`] the app has removed. At once, so that the app can ask again in the same
+/// frame.
+pub(crate) fn pause_bakes(removed: On<Remove, BakedShadow>, mut lights: Query<&mut RuntimeBake>) {
+    if let Ok(mut bake) = lights.get_mut(removed.entity) {
+        bake.bypass_change_detection().is_paused = true;
+    }
+}
+
 /// Starts bakes when the world is still, and takes their files.
 pub(crate) fn bake_shadows(
     mut commands: Commands,
     mut lights: Query<
-        (Entity, &GlobalTransform, &mut BakeShadow, &mut BakeProgress, Option<&mut BakedShadow>),
+        (Entity, &GlobalTransform, &mut RuntimeBake, &mut BakeProgress, Option<&mut BakedShadow>),
         With<DirectionalLight>,
     >,
     placed: Meshes,
     assets: SceneAssets,
     mut files: ResMut<Assets<BakedShadowFile>>,
     (keys, limits, time): (Res<StaticKeys>, Res<DeviceLimits>, Res<Time<Real>>),
-    mut ended: RemovedComponents<BakedShadow>,
+    without_bake: Query<Entity, (With<BakeProgress>, Without<RuntimeBake>)>,
 ) {
-    for light in ended.read() {
-        if let Ok((_, _, mut bake, mut progress, None)) = lights.get_mut(light) {
-            (bake.is_paused, bake.seen, bake.job, bake.pending, bake.in_use) = (true, None, None, None, None);
-            progress.set_if_neq(BakeProgress::Waiting);
-        }
+    for light in &without_bake {
+        commands.entity(light).try_remove::<BakeProgress>();
     }
     for (light, transform, mut bake, mut progress, mut shadow) in &mut lights {
         if shadow.as_ref().is_some_and(|shadow| shadow.follow) {
@@ -260,6 +267,8 @@ pub(crate) fn bake_shadows(
         let bake = bake.bypass_change_detection();
         bake.is_paused &= shadow.is_none();
         if bake.is_paused {
+            (bake.seen, bake.job, bake.pending, bake.in_use) = (None, None, None, None);
+            progress.set_if_neq(BakeProgress::Waiting);
             continue;
         }
         let now = Seen {
@@ -286,8 +295,8 @@ pub(crate) fn bake_shadows(
                 Ok(None) => bake.pending = Some((now, time.elapsed())),
                 Ok(Some(scene)) => {
                     bake.pending = None;
-                    let objects = Arc::clone(&bake.objects);
-                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, *limits, objects));
+                    let cache = Arc::clone(&bake.cache);
+                    bake.job = Some(Job::start(scene, now.settings, now.towards_light, *limits, cache));
                     bake.seen = Some(now);
                 }
                 Err(error) => {
@@ -353,8 +362,8 @@ fn fail(light: Entity, progress: &mut Mut<BakeProgress>, error: BakeError) {
 /// Marks the meshes that the file in use does not have where they are now. They cast through the cascades.
 pub(crate) fn mark_changes(
     mut commands: Commands,
-    lights: Query<&BakeShadow>,
-    placed: Query<(Entity, Has<NotYetBaked>), With<InBake>>,
+    lights: Query<&RuntimeBake>,
+    placed: Query<(Entity, Has<AwaitingBake>), With<IncludedInBake>>,
     keys: Res<StaticKeys>,
     mut known: Local<Vec<Arc<Keys>>>,
 ) {
@@ -374,9 +383,9 @@ pub(crate) fn mark_changes(
         if is_baked == is_marked {
             let mut entity = commands.entity(entity);
             if is_baked {
-                entity.try_remove::<NotYetBaked>()
+                entity.try_remove::<AwaitingBake>()
             } else {
-                entity.try_insert(NotYetBaked)
+                entity.try_insert(AwaitingBake)
             };
         }
     }

@@ -5,12 +5,14 @@ use std::{fmt, io};
 use bevy::ecs::prelude::*;
 use bevy::mesh::MeshAccessError;
 use bevy::reflect::prelude::*;
+use bevy::reflect::{ReflectDeserialize, ReflectSerialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::error::SharedError;
 
-/// How far the bake of a [`BakeShadow`](crate::BakeShadow) is. The plugin keeps it on the light.
+/// How far the bake of a [`RuntimeBake`](crate::RuntimeBake) is. The plugin keeps it on the light.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
-#[reflect(Component, Default, Clone, Debug, PartialEq)]
+#[reflect(Component, Default, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum BakeProgress {
     /// Nothing has begun: there are no meshes yet, or they still change.
@@ -41,6 +43,20 @@ pub enum BakeProgress {
     Failed(BakeError),
 }
 
+/// A saved world has it as text.
+impl Serialize for BakeProgress {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// A world that is loaded is baked anew.
+impl<'de> Deserialize<'de> for BakeProgress {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        String::deserialize(deserializer).map(|_| Self::default())
+    }
+}
+
 impl fmt::Display for BakeProgress {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -64,15 +80,15 @@ impl fmt::Display for BakeProgress {
 #[non_exhaustive]
 pub enum BakeError {
     /// There is nothing to bake.
-    #[error("no mesh below a BakedStatic has triangles")]
+    #[error("no mesh below a ShadowStatic has triangles")]
     NoTriangles,
     /// A mesh is not in the main world.
     #[error(
-        "a mesh below a BakedStatic cannot be read ({0}); load it with RenderAssetUsages::MAIN_WORLD too"
+        "a mesh below a ShadowStatic cannot be read ({0}); load it with RenderAssetUsages::MAIN_WORLD too"
     )]
     Unreadable(#[source] SharedError<MeshAccessError>),
     /// A vertex is not finite.
-    #[error("a mesh below a BakedStatic has a vertex that is not finite")]
+    #[error("a mesh below a ShadowStatic has a vertex that is not finite")]
     NotFinite,
     /// The threads of the bake could not be started.
     #[error("no thread could be started: {0}")]
@@ -100,7 +116,7 @@ mod tests {
         let all = [
             (BakeProgress::Baking { resolution: 2048, share: 0.254 }, "25 % of resolution 2048"),
             (BakeProgress::Done { seconds: 1.234, triangles: 12 }, "12 triangles in 1.23 s"),
-            (BakeProgress::Failed(BakeError::NoTriangles), "failed: no mesh below a BakedStatic"),
+            (BakeProgress::Failed(BakeError::NoTriangles), "failed: no mesh below a ShadowStatic"),
         ];
         for (progress, words) in all {
             assert!(progress.to_string().contains(words), "{progress}");

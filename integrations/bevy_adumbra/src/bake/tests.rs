@@ -1,18 +1,27 @@
 //! When bakes begin, and which meshes are in their files.
 
 use std::sync::mpsc::channel;
+use std::time::Instant;
 
-use adumbra::Sun;
+use adumbra::{Filter, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate};
 use bevy::asset::AssetEvent;
 use bevy::ecs::message::Messages;
+use bevy::ecs::system::RunSystemOnce;
 use bevy::image::Image;
 use bevy::math::Quat;
-use bevy::mesh::Mesh;
+use bevy::math::primitives::Plane3d;
+use bevy::mesh::{Mesh, Meshable};
 use bevy::prelude::Transform;
+use bevy::time::Virtual;
 
 use super::*;
+use crate::StreamBudget;
+use crate::components::ShadowStatic;
+use crate::moving::{SunKeys, write_keys};
+use crate::statics::mark_meshes;
+use crate::stream::PoolUploads;
 
 /// A light and a mesh, without a renderer. The mesh is not loaded, so that no bake begins by itself.
 struct Stage {
@@ -36,8 +45,9 @@ impl Stage {
         world.init_resource::<Messages<AssetEvent<Image>>>();
         world.init_resource::<DeviceLimits>();
         world.init_resource::<Time<Real>>();
-        let light = world.spawn((DirectionalLight::default(), BakeShadow::default())).id();
-        let mesh = world.spawn((Mesh3d::default(), InBake)).id();
+        let light = world.spawn((DirectionalLight::default(), RuntimeBake::default())).id();
+        let mesh = world.spawn((Mesh3d::default(), IncludedInBake)).id();
+        world.add_observer(pause_bakes);
         let mut systems = Schedule::default();
         systems.add_systems((count_changes, find_meshes, bake_shadows, mark_changes).chain());
         let mut stage = Self { world, systems, light, mesh };
@@ -66,7 +76,7 @@ impl Stage {
         sender.send(Ok(Finished { file, seconds: 0.0, triangles: 0, blocks: [1, 0], is_last })).unwrap();
         let keys = Arc::clone(&self.world.resource::<StaticKeys>().keys);
         let towards_light = self.world.get::<GlobalTransform>(self.light).unwrap().back().as_vec3();
-        let mut light = self.world.get_mut::<BakeShadow>(self.light).unwrap();
+        let mut light = self.world.get_mut::<RuntimeBake>(self.light).unwrap();
         light.seen = Some(Seen { settings: light.settings, towards_light, keys });
         light.job = Some(Job::of_test(results));
         self.update();
@@ -85,12 +95,12 @@ impl Stage {
 
     /// Whether the newest bake saw something else than there is now.
     fn is_pending(&self) -> bool {
-        self.world.get::<BakeShadow>(self.light).unwrap().pending.is_some()
+        self.world.get::<RuntimeBake>(self.light).unwrap().pending.is_some()
     }
 
     /// Whether the mesh casts through the cascades.
     fn is_marked(&self) -> bool {
-        self.world.get::<NotYetBaked>(self.mesh).is_some()
+        self.world.get::<AwaitingBake>(self.mesh).is_some()
     }
 }
 
@@ -160,10 +170,10 @@ fn once_all_meshes_are_gone_so_are_the_file_and_the_bake() {
     stage.world.despawn(stage.mesh);
     stage.update();
     assert_eq!(stage.files(), 0);
-    let bake = stage.world.get::<BakeShadow>(stage.light).unwrap();
+    let bake = stage.world.get::<RuntimeBake>(stage.light).unwrap();
     assert!(bake.seen.is_none() && bake.job.is_none() && bake.in_use.is_none());
     // The next level is baked.
-    stage.mesh = stage.world.spawn((Mesh3d::default(), InBake)).id();
+    stage.mesh = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
     stage.update();
     assert!(stage.is_pending());
 }
@@ -185,7 +195,7 @@ fn a_light_that_differs_by_rounding_alone_is_not_baked_anew() {
 #[test]
 fn a_mesh_that_is_none_any_more_is_baked_anew() {
     let mut stage = Stage::new();
-    let other = stage.world.spawn((Mesh3d::default(), InBake)).id();
+    let other = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
     stage.update();
     stage.finish(true);
     assert!(!stage.is_pending());
@@ -202,7 +212,7 @@ fn settings_that_are_given_again_keep_what_was_baked() {
     stage.world.commands().bake_shadow(light, settings);
     stage.world.flush();
     stage.update();
-    let bake = stage.world.get::<BakeShadow>(light).unwrap();
+    let bake = stage.world.get::<RuntimeBake>(light).unwrap();
     assert!(bake.in_use.is_some() && bake.settings == settings);
     assert!(stage.is_pending());
 }
@@ -211,7 +221,7 @@ fn settings_that_are_given_again_keep_what_was_baked() {
 fn a_mesh_that_is_not_there_is_left_out_and_baked_once_it_comes() {
     let mut stage = Stage::new();
     let file = BakeSettings { first_resolution: 64, resolution: 64, ..BakeSettings::default() };
-    stage.world.get_mut::<BakeShadow>(stage.light).unwrap().settings = file;
+    stage.world.get_mut::<RuntimeBake>(stage.light).unwrap().settings = file;
     // There is a server, and it loads neither of them.
     let mut app = bevy::app::App::new();
     app.add_plugins((bevy::app::TaskPoolPlugin::default(), bevy::asset::AssetPlugin::default()));
@@ -246,7 +256,7 @@ fn what_the_app_has_removed_comes_back_once_it_asks_again() {
 fn a_level_that_is_swapped_in_one_frame_takes_its_file_along() {
     let mut stage = Stage::baked();
     stage.world.despawn(stage.mesh);
-    stage.mesh = stage.world.spawn((Mesh3d::default(), InBake)).id();
+    stage.mesh = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
     stage.update();
     assert_eq!(stage.files(), 0);
     stage.update();
@@ -281,12 +291,214 @@ fn a_light_that_comes_before_its_level_waits_for_it() {
     stage.update();
     stage.world.despawn(stage.mesh);
     stage.update();
-    stage.light = stage.world.spawn((DirectionalLight::default(), BakeShadow::default())).id();
+    stage.light = stage.world.spawn((DirectionalLight::default(), RuntimeBake::default())).id();
     stage.update();
     stage.update();
     assert!(!stage.is_pending());
     assert_eq!(stage.world.get::<BakeProgress>(stage.light), Some(&BakeProgress::Waiting));
-    stage.mesh = stage.world.spawn((Mesh3d::default(), InBake)).id();
+    stage.mesh = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
     stage.update();
     assert!(stage.is_pending());
+}
+
+#[test]
+fn a_mesh_that_is_disabled_and_enabled_again_casts_until_it_is_baked() {
+    let mut stage = Stage::baked();
+    let other = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
+    stage.update();
+    stage.finish(true);
+    stage.world.entity_mut(stage.mesh).insert(Disabled);
+    stage.update();
+    *stage.world.get_mut::<GlobalTransform>(other).unwrap() = GlobalTransform::from_xyz(1.0, 0.0, 0.0);
+    stage.update();
+    // Without the mesh that is disabled.
+    stage.finish(true);
+    assert!(!stage.is_pending());
+    stage.world.entity_mut(stage.mesh).remove::<Disabled>();
+    stage.update();
+    assert!(stage.is_pending() && stage.is_marked());
+}
+
+#[test]
+fn another_material_that_casts_alike_is_not_baked() {
+    let mut stage = Stage::new();
+    let [first, second, glass] = [false, false, true].map(|is_glass| {
+        let specular_transmission = if is_glass { 1.0 } else { 0.0 };
+        let material = StandardMaterial { specular_transmission, ..Default::default() };
+        stage.world.resource_mut::<Assets<StandardMaterial>>().add(material)
+    });
+    stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(first));
+    stage.update();
+    stage.finish(true);
+    assert!(!stage.is_pending());
+    stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(second));
+    stage.update();
+    assert!(!stage.is_pending() && !stage.is_marked());
+    stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(glass));
+    stage.update();
+    assert!(stage.is_pending() && stage.is_marked());
+}
+
+/// With pictures: `what_moves_stays_in_the_cascades_until_its_keys_are_shown`, in `tests/gpu/follow.rs`.
+#[test]
+fn a_mesh_casts_until_the_keys_that_hold_it_are_written() {
+    let mut stage = Stage::new();
+    let world = &mut stage.world;
+    world.init_resource::<StreamBudget>();
+    world.init_resource::<PoolUploads>();
+    let plane: Mesh = Plane3d::default().mesh().size(20.0, 20.0).into();
+    let plane = world.resource_mut::<Assets<Mesh>>().add(plane);
+    world.entity_mut(stage.mesh).insert(Mesh3d(plane));
+    let settings = BakeSettings { resolution: 64, settle: Duration::ZERO, ..BakeSettings::default() };
+    let shines = Transform::default().looking_to(Vec3::new(-0.5, -0.8, -0.35), Vec3::Y);
+    let follows = (BakedShadow::follow_sun(), RuntimeBake::new(settings), GlobalTransform::from(shines));
+    world.entity_mut(stage.light).insert(follows);
+    let mut follow = Schedule::default();
+    follow.add_systems((count_changes, find_meshes, follow_suns, mark_changes).chain());
+    follow_until_new_keys(&mut stage, &mut follow);
+    write_all_keys(&mut stage);
+    *stage.world.get_mut::<GlobalTransform>(stage.mesh).unwrap() = GlobalTransform::from_xyz(5.0, 0.0, 0.0);
+    follow_until_new_keys(&mut stage, &mut follow);
+    assert!(stage.is_marked());
+    write_all_keys(&mut stage);
+    follow.run(&mut stage.world);
+    assert!(!stage.is_marked());
+}
+
+/// Follows the light until there are keys that are not written.
+fn follow_until_new_keys(stage: &mut Stage, follow: &mut Schedule) {
+    let begin = Instant::now();
+    let is_new = |stage: &Stage| {
+        let keys = stage.world.get::<SunKeys>(stage.light);
+        keys.is_some_and(|keys| keys.sampler(Filter::Nearest).is_some() && !keys.is_settled())
+    };
+    while !is_new(stage) {
+        follow.run(&mut stage.world);
+        let progress = stage.world.get::<BakeProgress>(stage.light);
+        assert!(begin.elapsed() < Duration::from_mins(5), "{progress:?}");
+    }
+    follow.run(&mut stage.world);
+    assert!(is_new(stage));
+}
+
+fn write_all_keys(stage: &mut Stage) {
+    while !stage.world.get::<SunKeys>(stage.light).unwrap().is_settled() {
+        stage.world.run_system_once(write_keys).unwrap();
+        // As the render world does.
+        stage.world.resource_mut::<PoolUploads>().writes.clear();
+    }
+}
+
+#[test]
+fn a_mesh_that_is_replaced_casts_until_it_is_baked() {
+    let mut stage = Stage::baked();
+    let rubble = stage.world.resource_mut::<Assets<Mesh>>().add(Plane3d::default());
+    stage.world.entity_mut(stage.mesh).insert(Mesh3d(rubble));
+    stage.update();
+    assert!(stage.is_pending() && stage.is_marked());
+    stage.finish(true);
+    assert!(!stage.is_pending() && !stage.is_marked());
+}
+
+#[test]
+fn a_piece_that_is_picked_up_and_put_down_casts_until_it_is_baked() {
+    let mut stage = Stage::new();
+    stage.systems = Schedule::default();
+    stage.systems.add_systems((mark_meshes, count_changes, find_meshes, bake_shadows, mark_changes).chain());
+    let root = stage.world.spawn(ShadowStatic).id();
+    stage.world.entity_mut(stage.mesh).insert(ChildOf(root));
+    stage.world.spawn((Mesh3d::default(), ShadowStatic));
+    stage.update();
+    stage.finish(true);
+    assert!(!stage.is_pending() && !stage.is_marked());
+    let is_static = |stage: &Stage| stage.world.get::<IncludedInBake>(stage.mesh).is_some();
+    stage.world.entity_mut(root).remove::<ShadowStatic>();
+    stage.update();
+    assert!(!is_static(&stage) && stage.is_pending());
+    stage.finish(true);
+    stage.move_mesh(3.0);
+    assert!(!stage.is_pending(), "what is carried is in no bake");
+    stage.world.entity_mut(root).insert(ShadowStatic);
+    stage.update();
+    assert!(is_static(&stage) && stage.is_marked() && stage.is_pending());
+    stage.finish(true);
+    assert!(!stage.is_marked());
+}
+
+#[test]
+fn a_copy_of_a_baked_mesh_casts_until_it_is_baked() {
+    let mut stage = Stage::baked();
+    let mesh = stage.mesh;
+    let copy = stage.world.commands().entity(mesh).clone_and_spawn().id();
+    stage.world.flush();
+    *stage.world.get_mut::<GlobalTransform>(copy).unwrap() = GlobalTransform::from_xyz(5.0, 0.0, 0.0);
+    stage.update();
+    assert!(stage.world.get::<IncludedInBake>(copy).is_some());
+    assert!(stage.world.get::<AwaitingBake>(copy).is_some() && !stage.is_marked() && stage.is_pending());
+    stage.finish(true);
+    assert!(stage.world.get::<AwaitingBake>(copy).is_none());
+}
+
+#[test]
+fn what_is_taken_away_during_a_bake_stays_away_until_it_is_asked_for_again() {
+    let mut stage = Stage::new();
+    stage.finish(false);
+    assert_eq!(stage.files(), 1);
+    let light = stage.light;
+    stage.world.entity_mut(light).remove::<(BakedShadow, RuntimeBake)>();
+    stage.update();
+    stage.update();
+    assert_eq!(stage.files(), 0);
+    assert!(stage.world.get::<BakeProgress>(light).is_none());
+    stage.world.commands().bake_shadow(light, BakeSettings::default());
+    stage.world.flush();
+    stage.update();
+    assert!(stage.is_pending());
+    stage.finish(true);
+    assert!(stage.files() == 1 && !stage.is_marked());
+    // The light itself goes during a bake, and another one comes.
+    stage.world.despawn(light);
+    stage.light = stage.world.spawn((DirectionalLight::default(), RuntimeBake::default())).id();
+    stage.update();
+    assert!(stage.files() == 0 && stage.is_pending());
+}
+
+#[test]
+fn what_is_removed_and_asked_for_in_one_frame_is_baked() {
+    let mut stage = Stage::baked();
+    let light = stage.light;
+    stage.world.entity_mut(light).remove::<BakedShadow>();
+    stage.world.commands().bake_shadow(light, BakeSettings::default());
+    stage.world.flush();
+    stage.update();
+    assert!(stage.is_pending());
+    // So is what is set up anew.
+    stage.finish(true);
+    stage.world.entity_mut(light).remove::<(BakedShadow, RuntimeBake)>().insert(RuntimeBake::default());
+    stage.update();
+    assert!(stage.is_pending());
+}
+
+#[test]
+fn a_bake_begins_while_the_app_has_stopped_its_own_time() {
+    let mut stage = Stage::new();
+    let plane = stage.world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(20.0, 20.0));
+    stage.world.entity_mut(stage.mesh).insert(Mesh3d(plane));
+    let shines = Transform::default().looking_to(Vec3::new(-0.5, -0.8, -0.35), Vec3::Y);
+    let settings = BakeSettings { resolution: 64, first_resolution: 64, ..BakeSettings::default() };
+    stage.world.entity_mut(stage.light).insert(GlobalTransform::from(shines));
+    stage.world.get_mut::<RuntimeBake>(stage.light).unwrap().settings = settings;
+    stage.update();
+    stage.finish(true);
+    let mut stopped = Time::<Virtual>::default();
+    stopped.pause();
+    stage.world.insert_resource(stopped);
+    // The first update of a time only begins it.
+    stage.world.resource_mut::<Time<Real>>().update_with_duration(Duration::ZERO);
+    stage.move_mesh(1.0);
+    stage.update();
+    assert!(stage.is_pending() && stage.is_marked());
+    stage.world.resource_mut::<Time<Real>>().update_with_duration(Duration::from_millis(600));
+    stage.update();
+    assert!(!stage.is_pending());
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::time::Duration;
 
-use adumbra::{AtRest, Filter, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate, write_glb, write_shadow_name};
 use bevy::light::CascadeShadowConfig;
@@ -33,7 +33,7 @@ fn a_world_is_baked_while_the_app_runs_and_again_when_it_changes() {
         settle: Duration::from_millis(50),
         ..default()
     };
-    stage.app.world_mut().entity_mut(stage.light).insert(BakeShadow::new(settings));
+    stage.app.world_mut().entity_mut(stage.light).insert(RuntimeBake::new(settings));
     let is_done =
         |stage: &Stage| matches!(progress(stage), BakeProgress::Done { .. }) && stage.status().is_active();
     stage.wait_for(is_done);
@@ -74,10 +74,10 @@ fn a_bake_that_cannot_be_is_said_and_the_cascades_stay() {
     let mut stage = Stage::new(|_| {});
     let world = stage.app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(3.0));
-    world.spawn((Mesh3d(cube), BakedStatic, Transform::from_xyz(0.0, 5.0, 0.0)));
+    world.spawn((Mesh3d(cube), ShadowStatic, Transform::from_xyz(0.0, 5.0, 0.0)));
     // A sun below the horizon.
     *world.get_mut::<Transform>(stage.light).unwrap() = Transform::default().looking_to(Vec3::Y, Vec3::Z);
-    world.entity_mut(stage.light).insert(BakeShadow::default());
+    world.entity_mut(stage.light).insert(RuntimeBake::default());
     stage.wait_for(|stage| matches!(progress(stage), BakeProgress::Failed(BakeError::Sun(_))));
     assert_eq!(stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds.len(), 4);
 }
@@ -90,13 +90,13 @@ fn a_light_of_a_gltf_file_loads_the_file_that_it_names() {
     let sun = Sun::from_direction(towards_sun()).unwrap();
     write_glb(&scene, &scene_path).unwrap();
     let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(256)), Watch::none()).unwrap();
-    fs::write(file_path, baked.file.to_bytes(AtRest::default()).unwrap()).unwrap();
+    fs::write(file_path, baked.file.to_bytes(Encoding::default()).unwrap()).unwrap();
     write_shadow_name(&scene_path, "p.adumbra", sun).unwrap();
     let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
     let root = stage.app.world().resource::<AssetServer>().load("p.glb#Scene0");
     let light = stage.light;
     stage.app.world_mut().despawn(light);
-    stage.app.world_mut().spawn((WorldAssetRoot(root), BakedStatic));
+    stage.app.world_mut().spawn((WorldAssetRoot(root), ShadowStatic));
     for _ in 0..2000 {
         stage.update();
         let mut lights = stage.app.world_mut().query::<(&BakedShadowStatus, &DirectionalLight)>();

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use adumbra::{AtRest, Bounds, Filter, FormatError, ShadowFile, Sun};
+use adumbra::{Bounds, Encoding, Filter, FormatError, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::full;
@@ -21,7 +21,7 @@ use bevy_adumbra::{DeviceLimits, ShadowFileError};
 use crate::stage::{Stage, assert_alike, baked, expected, towards_sun};
 
 fn bytes(file: &ShadowFile) -> Vec<u8> {
-    file.to_bytes(AtRest::default()).unwrap()
+    file.to_bytes(Encoding::default()).unwrap()
 }
 
 #[test]

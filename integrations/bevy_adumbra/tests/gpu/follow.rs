@@ -1,9 +1,11 @@
 //! Lights that are followed: keys are baked ahead of them while the app runs.
 
+use std::cell::Cell;
 use std::time::Duration;
 
 use adumbra::Filter;
 use bevy::prelude::*;
+use bevy_adumbra::CascadeCasters;
 use bevy_adumbra::prelude::*;
 
 use crate::stage::{Stage, assert_alike, beside_tower, expected_by, towards_sun, tower};
@@ -48,7 +50,7 @@ fn a_light_is_followed_wherever_it_turns() {
     let settings = BakeSettings { resolution: 1024, settle: Duration::from_millis(50), ..default() };
     let world = stage.app.world_mut();
     let shadow = BakedShadow { filter: ShadowFilter::Nearest, ..BakedShadow::follow_sun() };
-    world.entity_mut(stage.light).insert((shadow, BakeShadow::new(settings)));
+    world.entity_mut(stage.light).insert((shadow, RuntimeBake::new(settings)));
     turn(&mut stage, 0.0, 50.0);
     stage.wait_for(is_settled);
     assert_drawn(&mut stage, Filter::Nearest);
@@ -65,7 +67,7 @@ fn a_light_is_followed_wherever_it_turns() {
     assert_drawn(&mut stage, Filter::Box5);
 
     // A mesh that moves casts through the cascades until it is in the keys.
-    let casters = |stage: &Stage| stage.app.world().resource::<bevy_adumbra::CascadeCasters>().kept;
+    let casters = |stage: &Stage| stage.app.world().resource::<CascadeCasters>().kept;
     assert_eq!(casters(&stage), 0);
     stage.app.world_mut().get_mut::<Transform>(tower).unwrap().translation.y += 1.0;
     stage.update();
@@ -82,11 +84,43 @@ fn a_light_is_followed_wherever_it_turns() {
     stage.update();
     stage.update();
     assert!(stage.status().is_active(), "the keys are still there");
-    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().softness = Some(0.5);
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().sun_degrees = Some(0.5);
     stage.update();
     assert_eq!(stage.status(), BakedShadowStatus::Unusable(BakedShadowError::SoftFollow));
-    stage.app.world_mut().entity_mut(stage.light).remove::<(BakeShadow, SunKeys)>();
-    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().softness = None;
+    stage.app.world_mut().entity_mut(stage.light).remove::<(RuntimeBake, SunKeys)>();
+    stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().sun_degrees = None;
     stage.update();
     assert_eq!(stage.status(), BakedShadowStatus::Unusable(BakedShadowError::NothingFollows));
+}
+
+#[test]
+#[ignore = "slow: draws many frames"]
+fn what_moves_stays_in_the_cascades_until_its_keys_are_shown() {
+    let mut stage = Stage::new(|_| {});
+    let tower = tower(&mut stage, 10.0);
+    let settings = BakeSettings { resolution: 256, settle: Duration::from_millis(50), ..default() };
+    stage
+        .app
+        .world_mut()
+        .entity_mut(stage.light)
+        .insert((BakedShadow::follow_sun(), RuntimeBake::new(settings)));
+    turn(&mut stage, 0.0, 50.0);
+    stage.wait_for(is_settled);
+    // New keys are written over several frames.
+    stage.app.world_mut().resource_mut::<StreamBudget>().upload_bytes_per_frame = 64;
+    stage.app.world_mut().get_mut::<Transform>(tower).unwrap().translation.x -= 20.0;
+    stage.update();
+    stage.update();
+    let kept = |stage: &Stage| stage.app.world().resource::<CascadeCasters>().kept;
+    assert!(kept(&stage) > 0);
+    let frames_of_writing = Cell::new(0);
+    stage.wait_for(|stage| {
+        let keys = stage.app.world().get::<SunKeys>(stage.light).unwrap();
+        if !keys.is_settled() {
+            frames_of_writing.set(frames_of_writing.get() + 1);
+            assert!(kept(stage) > 0, "it left the cascades before its keys were shown");
+        }
+        kept(stage) == 0
+    });
+    assert!(frames_of_writing.get() > 1, "{frames_of_writing:?}");
 }

@@ -2,6 +2,7 @@
 //! and the features `bake`, `gltf` and `processor`.
 
 mod baking;
+mod everyday;
 mod files;
 mod fog;
 mod follow;

@@ -84,7 +84,7 @@ fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
         "{}",
         stage.status()
     );
-    let root = stage.app.world_mut().spawn((FileRoot::new(handle), Transform::default())).id();
+    let root = stage.app.world_mut().spawn((FileRoot::new(handle.clone()), Transform::default())).id();
     stage.update();
     let status = stage.status();
     assert!(matches!(status, BakedShadowStatus::Incomplete { files: 1, missing: 1, .. }), "{status}");
@@ -99,6 +99,17 @@ fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
     stage.app.world_mut().despawn(root);
     stage.update();
     assert_eq!(stage.status(), BakedShadowStatus::Waiting);
+    // A level that is entered again, somewhere else, has its file in the first frame.
+    let light = stage.light;
+    stage.app.world_mut().despawn(light);
+    stage.update();
+    let at = Transform::from_xyz(50.0, 0.0, 0.0).with_rotation(Quat::from_rotation_y(1.0));
+    let world = stage.app.world_mut();
+    world.spawn((FileRoot::new(handle.clone()), at));
+    let light = DirectionalLight { shadow_maps_enabled: true, ..default() };
+    stage.light = world.spawn((light, BakedShadow::new(handle))).id();
+    stage.update();
+    assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
 }
 
 /// What is static and outside of the files in use casts through the cascades while the light has other files.
@@ -110,7 +121,7 @@ fn what_a_file_holds_that_is_loading_or_turned_away_stays_in_the_cascades() {
     let world = stage.app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
     let at = Transform::from_translation(MIDDLE + far + Vec3::new(0.0, 5.0, 0.0));
-    world.spawn((Mesh3d(cube), MeshMaterial3d(stage.material.clone()), at, BakedStatic));
+    world.spawn((Mesh3d(cube), MeshMaterial3d(stage.material.clone()), at, ShadowStatic));
     stage.app.world_mut().get_mut::<Transform>(stage.camera).unwrap().translation += far;
     stage.update_until_known();
     let kept = |stage: &mut Stage| {
@@ -143,7 +154,7 @@ fn what_is_in_a_missing_file_stays_in_the_cascades() {
     }
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
     let at = Transform::from_translation(MIDDLE + Vec3::new(0.0, 5.0, 0.0));
-    let mesh = (Mesh3d(cube.clone()), MeshMaterial3d(stage.material.clone()), at, BakedStatic);
+    let mesh = (Mesh3d(cube.clone()), MeshMaterial3d(stage.material.clone()), at, ShadowStatic);
     let world = stage.app.world_mut();
     world.spawn(mesh.clone());
     for _ in 0..3 {
@@ -168,7 +179,7 @@ fn what_is_in_a_missing_file_stays_in_the_cascades() {
     let wide = stage
         .app
         .world_mut()
-        .spawn((Mesh3d(wide), MeshMaterial3d(stage.material.clone()), at, BakedStatic))
+        .spawn((Mesh3d(wide), MeshMaterial3d(stage.material.clone()), at, ShadowStatic))
         .id();
     for _ in 0..3 {
         stage.update();
@@ -178,7 +189,7 @@ fn what_is_in_a_missing_file_stays_in_the_cascades() {
     // The camera goes to the last one, with a mesh of its own.
     let move_by = Vec3::new(2000.0 * 11.0, 0.0, 0.0);
     let world = stage.app.world_mut();
-    world.spawn((mesh.0, mesh.1, at.with_translation(at.translation + move_by), BakedStatic));
+    world.spawn((mesh.0, mesh.1, at.with_translation(at.translation + move_by), ShadowStatic));
     world.get_mut::<Transform>(stage.camera).unwrap().translation += move_by;
     for _ in 0..3 {
         stage.update();

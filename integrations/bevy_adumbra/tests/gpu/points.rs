@@ -2,6 +2,7 @@
 
 use adumbra::{Bias, Error, Filter, RangeError, RangeField};
 use adumbra_bake::FrameChoice;
+use bevy::camera::visibility::CascadesVisibleEntities;
 use bevy::camera::{RenderTarget, Viewport};
 use bevy::core_pipeline::prepass::{DeferredPrepass, DepthPrepass};
 use bevy::light::CascadeShadowConfig;
@@ -9,9 +10,10 @@ use bevy::mesh::skinning::SkinnedMesh;
 use bevy::pbr::{DefaultOpaqueRendererMethod, ExtendedMaterial, MaterialExtension, MaterialPlugin};
 use bevy::prelude::*;
 use bevy::reflect::TypePath;
-use bevy::render::render_resource::{AsBindGroup, TextureFormat};
+use bevy::render::RenderApp;
+use bevy::render::render_resource::{AsBindGroup, CachedPipelineState, PipelineCache, TextureFormat};
 use bevy_adumbra::prelude::*;
-use bevy_adumbra::{CascadeCasters, InBake};
+use bevy_adumbra::{CascadeCasters, DeviceLimits, IncludedInBake};
 
 use crate::stage::{MIDDLE, SIDE, SQUARE, Stage, assert_alike, baked, expected, from_above, picture};
 
@@ -196,7 +198,7 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(2.0));
     let material = MeshMaterial3d(stage.material.clone());
     let at = |x: f32| Transform::from_translation(MIDDLE + Vec3::new(x, 5.0, 0.0));
-    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    let root = world.spawn((ShadowStatic, Transform::default(), Visibility::default())).id();
     for x in [-10.0, 0.0] {
         world.spawn((Mesh3d(cube.clone()), material.clone(), at(x), ChildOf(root)));
     }
@@ -243,37 +245,80 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(-0.1);
     stage.update();
     assert_eq!((stage.status(), stage.cascades()), (BakedShadowStatus::Active { files: 1 }, 0));
+    // A moon without a file has what is static, while the sun is hidden.
+    let down = Transform::default().looking_to(Vec3::new(0.3, -1.0, 0.1), Vec3::Y);
+    let shining = DirectionalLight { shadow_maps_enabled: true, ..default() };
+    let moon = stage.app.world_mut().spawn((shining, down)).id();
+    stage.app.world_mut().entity_mut(stage.light).insert(Visibility::Hidden);
+    stage.update();
+    stage.update();
+    let casters_of = |stage: &Stage, light: Entity| {
+        let visible = stage.app.world().get::<CascadesVisibleEntities>(light).unwrap();
+        visible.entities.values().flatten().map(|cascade| cascade.entities.len()).sum::<usize>()
+    };
+    assert!(casters_of(&stage, moon) > 0);
+    stage.app.world_mut().despawn(moon);
+    stage.app.world_mut().entity_mut(stage.light).insert(Visibility::Visible);
+    stage.update();
+    stage.update();
+    assert_eq!((stage.status(), stage.cascades()), (BakedShadowStatus::Active { files: 1 }, 0));
     // A static mesh that is taken out of its root, and one that gets a skeleton, cast again.
     let house = stage
         .app
         .world_mut()
-        .query_filtered::<Entity, With<InBake>>()
+        .query_filtered::<Entity, With<IncludedInBake>>()
         .iter(stage.app.world())
         .next()
         .unwrap();
     stage.app.world_mut().entity_mut(house).remove::<ChildOf>();
     stage.update();
-    assert!(stage.app.world().get::<InBake>(house).is_none() && stage.cascades() == 4);
+    assert!(stage.app.world().get::<IncludedInBake>(house).is_none() && stage.cascades() == 4);
     stage.app.world_mut().entity_mut(house).insert(ChildOf(root));
     stage.update();
     stage.update();
     assert_eq!(stage.cascades(), 0);
     stage.app.world_mut().entity_mut(house).insert(SkinnedMesh::default());
     stage.update();
-    assert!(stage.app.world().get::<InBake>(house).is_none());
+    assert!(stage.app.world().get::<IncludedInBake>(house).is_none());
     stage.app.world_mut().entity_mut(house).remove::<SkinnedMesh>();
     stage.app.world_mut().entity_mut(stage.light).remove::<BakedShadow>();
     stage.update();
     stage.update();
     assert_eq!((casters(&stage), stage.cascades()), (CascadeCasters::default(), 4));
     assert!(stage.app.world().get::<BakedShadowStatus>(stage.light).is_none());
-    let visible =
-        stage.app.world().get::<bevy::camera::visibility::CascadesVisibleEntities>(stage.light).unwrap();
-    assert!(visible.entities.values().flatten().any(|cascade| !cascade.entities.is_empty()));
+    assert!(casters_of(&stage, stage.light) > 0);
+}
+
+/// Pipelines that are compiled again while an app runs would leave surfaces out until then.
+#[test]
+fn a_light_that_waits_for_its_file_has_its_shaders_already() {
+    let mut stage = Stage::new(|_| {});
+    let handle = stage.app.world().resource::<Assets<BakedShadowFile>>().reserve_handle();
+    let shadow = BakedShadow { sun_degrees: Some(2.0), ..BakedShadow::new(handle.clone()) };
+    stage.app.world_mut().entity_mut(stage.light).insert(shadow);
+    let compiled = |stage: &Stage| {
+        let pipelines = stage.app.sub_app(RenderApp).world().resource::<PipelineCache>();
+        pipelines.pipelines().filter(|pipeline| matches!(pipeline.state, CachedPipelineState::Ok(_))).count()
+    };
+    for _ in 0..6 {
+        stage.update();
+    }
+    assert!(compiled(&stage) > 0);
+    let waiting = |stage: &Stage| {
+        stage.app.sub_app(RenderApp).world().resource::<PipelineCache>().waiting_pipelines().count()
+    };
+    assert_eq!(waiting(&stage), 0);
+    let asset = BakedShadowFile::new(oblique(), DeviceLimits::default()).unwrap();
+    stage.app.world_mut().resource_mut::<Assets<BakedShadowFile>>().insert(&handle, asset).unwrap();
+    for _ in 0..3 {
+        stage.update();
+        assert_eq!(waiting(&stage), 0, "pipelines are compiled again");
+    }
+    assert!(stage.status().is_active(), "{}", stage.status());
 }
 
 #[test]
-fn filter_bias_and_softness_change_while_running() {
+fn filter_bias_and_sun_degrees_change_while_running() {
     let file = oblique();
     let mut stage = Stage::new(|_| {});
     stage.give(file.clone(), |_| {});
@@ -292,7 +337,7 @@ fn filter_bias_and_softness_change_while_running() {
     assert_alike(&found, &expected(&lifted, Filter::Box5), Filter::Box5);
     // Penumbrae: values in between where the hard shadow has edges, and alike in the mean.
     let hard = expected(&file, Filter::Nearest);
-    let found = shadow(&mut stage, &|s| (s.bias, s.softness) = (None, Some(2.0)));
+    let found = shadow(&mut stage, &|s| (s.bias, s.sun_degrees) = (None, Some(2.0)));
     let mean = |v: &[f32]| v.iter().sum::<f32>() / v.len() as f32;
     let between = found.iter().filter(|v| (0.05..0.95).contains(*v)).count();
     assert!((mean(&found) - mean(&hard)).abs() < 0.03, "{} {}", mean(&found), mean(&hard));
@@ -311,7 +356,7 @@ fn filter_bias_and_softness_change_while_running() {
             status => panic!("{status:?}"),
         }
     };
-    assert_eq!(wrong_field(&|s| s.softness = Some(21.0)), RangeField::SunAngle);
+    assert_eq!(wrong_field(&|s| s.sun_degrees = Some(21.0)), RangeField::SunDegrees);
     let bias = ShadowBias { constant_texels: 17.0, ..default() };
-    assert_eq!(wrong_field(&|s| (s.softness, s.bias) = (None, Some(bias))), RangeField::BiasTerm);
+    assert_eq!(wrong_field(&|s| (s.sun_degrees, s.bias) = (None, Some(bias))), RangeField::BiasTerm);
 }

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use adumbra::{AtRest, Filter, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_scene::{GeneratedKind, Scene, generate, to_glb, write_glb};
 use bevy::asset::{AssetMode, AssetPlugin, LoadState};
@@ -62,7 +62,7 @@ fn a_scene_is_baked_as_an_asset_step_and_again_when_it_changes() {
     stage.wait_for(|stage| stage.status().is_active());
     assert_alike(&stage.visibility(), &expected(&file, Filter::Box5), Filter::Box5);
     // What ships is the file that `adumbra bake` writes.
-    assert_eq!(fs::read(&imported).unwrap(), file.to_bytes(AtRest::default()).unwrap());
+    assert_eq!(fs::read(&imported).unwrap(), file.to_bytes(Encoding::default()).unwrap());
     assert!(file.settings.triangles != baked(&second).settings.triangles);
 
     // The scene is saved again, with other houses.

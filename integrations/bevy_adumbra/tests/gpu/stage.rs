@@ -258,7 +258,7 @@ pub fn tower(stage: &mut Stage, x: f32) -> Entity {
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(30.0));
     let ground = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(160.0, 160.0));
     let material = MeshMaterial3d(stage.material.clone());
-    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    let root = world.spawn((ShadowStatic, Transform::default(), Visibility::default())).id();
     let tower = (Mesh3d(cube), material.clone(), Transform::from_xyz(x, 15.0, 10.0), ChildOf(root));
     let tower = world.spawn(tower).id();
     world.spawn((Mesh3d(ground), material, Transform::default(), ChildOf(root)));

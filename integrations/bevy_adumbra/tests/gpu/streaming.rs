@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use adumbra::stream::{BytesSource, ShadowSource, SourceError, StreamCounts, StreamError};
-use adumbra::{AtRest, Filter, ShadowFile, Sun};
+use adumbra::{Encoding, Filter, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
@@ -31,7 +31,7 @@ fn city() -> &'static [u8] {
         };
         let file = bake_file(&generate(GeneratedKind::City, 1), &options).unwrap();
         let mut bytes = Cursor::new(Vec::new());
-        file.write_to(&mut bytes, AtRest::Coded).unwrap();
+        file.write_to(&mut bytes, Encoding::Coded).unwrap();
         bytes.into_inner()
     })
 }
@@ -88,7 +88,7 @@ impl Stage {
 
 /// Ways in which a light's files are looked up.
 const LOOKS: [fn(&mut BakedShadow); 3] =
-    [|_| (), |shadow| shadow.filter = ShadowFilter::Nearest, |shadow| shadow.softness = Some(1.5)];
+    [|_| (), |shadow| shadow.filter = ShadowFilter::Nearest, |shadow| shadow.sun_degrees = Some(1.5)];
 
 /// Returns a picture for each of the looks, and one beside glass, where words are below a picture.
 fn pictures(stage: &mut Stage, looks: &[fn(&mut BakedShadow)]) -> Vec<Vec<u8>> {
@@ -345,7 +345,7 @@ fn a_file_that_has_changed_is_opened_anew_by_a_retry() {
     stage.budget().detail_pixels = 1e6;
     stage.stream(path.as_path());
     stage.settle();
-    std::fs::write(&path, half.to_bytes(AtRest::default()).unwrap()).unwrap();
+    std::fs::write(&path, half.to_bytes(Encoding::default()).unwrap()).unwrap();
     // Another budget opens it anew; the file is another, and takes the place of what was resident.
     stage.budget().detail_pixels = 0.0;
     stage.settle();

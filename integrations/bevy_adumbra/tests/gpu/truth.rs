@@ -96,7 +96,7 @@ fn draw(scene: &Scene, file: ShadowFile, eye: [f64; 3], target: [f64; 3], fov: f
             world.resource_mut::<Assets<Mesh>>().add(new)
         })
         .collect();
-    let root = world.spawn((BakedStatic, Transform::default(), Visibility::default())).id();
+    let root = world.spawn((ShadowStatic, Transform::default(), Visibility::default())).id();
     for instance in &scene.instances {
         let row = |r: usize| instance.world_from_mesh[r].map(|c| c as f32);
         let [x, y, z] = [row(0), row(1), row(2)];

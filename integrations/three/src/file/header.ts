@@ -51,8 +51,8 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const flags = fields.u32(4);
   check(flags <= 63, 'flags', hex(flags), 'limited to bits 0 to 5');
   const has = (flag: number): boolean => (flags & flag) !== 0;
-  const atRest = fields.u32(7);
-  check(atRest <= 1, 'at_rest', atRest, '0 (raw) or 1 (coded)');
+  const encoding = fields.u32(7);
+  check(encoding <= 1, 'encoding', encoding, '0 (raw) or 1 (coded)');
   const region = regionOf(fields);
   const box: Bounds = { min: fields.f64s(16), max: fields.f64s(22) };
   const isGiven = has(HAS_BOUNDS);
@@ -88,7 +88,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   const fileBytes = fields.u64(34);
   const directoryEnd = directoryEndOf(levelCount);
   check(fileBytes >= directoryEnd, 'file_bytes', fileBytes, `at least ${directoryEnd}`);
-  return { version: LATEST_VERSION, settings, isCoded: atRest === 1, levelCount, directoryChecksum: fields.u32(33), fileBytes };
+  return { version: LATEST_VERSION, settings, isCoded: encoding === 1, levelCount, directoryChecksum: fields.u32(33), fileBytes };
 }
 
 /** Returns the region that the file is of, or `null` if it is of a whole world. */

@@ -1,7 +1,7 @@
 // adumbra-three/gltf: lights of glTF files that name their shadow file.
 //
 // A directional light of KHR_lights_punctual may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`. The
-// path is relative to the glTF file. `adumbra bake --into city.glb` writes it.
+// path is relative to the glTF file. `adumbra bake --link-in city.glb` writes it.
 
 import { LoaderUtils, PropertyBinding } from 'three';
 import type { DirectionalLight, Object3D } from 'three';

@@ -20,7 +20,7 @@ export const PARAMETERS_AT = 16;
 /** The penumbrae of a sun that is a disc, in place of a filter. */
 export interface Penumbra {
   /** Full angle of the sun, degrees, 0.01 to 20. */
-  readonly angleDegrees: number;
+  readonly sunDegrees: number;
   /** Largest radius of a penumbra, texels, 1 to 64; in the oblique frame its short one. */
   readonly maxRadiusTexels: number;
 }
@@ -92,7 +92,7 @@ export function lookUpHeader(
     for (const texels of terms) checkRange('a term of the bias in texels', texels, 0, 16);
     if (penumbra !== undefined) {
       if (filter !== 1) throw new RangeError(`penumbrae need a filter of width 1, but it is ${filter}`);
-      checkRange("the sun's angle in degrees", penumbra.angleDegrees, 0.01, 20);
+      checkRange("the sun's angular diameter in degrees", penumbra.sunDegrees, 0.01, 20);
       checkRange('the largest radius of a penumbra in texels', penumbra.maxRadiusTexels, 1, 64);
     }
     const placed = placedGrid(grid, place);
@@ -103,7 +103,7 @@ export function lookUpHeader(
     header.floats.set(placed.sun, 8);
     floats.set([...terms, 1], 72);
     words[80] = filter;
-    floats[81] = penumbra === undefined ? 0 : coneTexelsPerVoxel(grid, penumbra.angleDegrees);
+    floats[81] = penumbra === undefined ? 0 : coneTexelsPerVoxel(grid, penumbra.sunDegrees);
     floats[82] = penumbra?.maxRadiusTexels ?? 0;
   };
   setLookUp(options);

@@ -94,8 +94,8 @@ export function circleAcrossLight(grid: LightGrid): [number, number, number, num
 }
 
 /** Returns by how many texels the radius of the cone of a sun with this full angle grows per voxel of depth. */
-export function coneTexelsPerVoxel(grid: LightGrid, angleDegrees: number): number {
+export function coneTexelsPerVoxel(grid: LightGrid, sunDegrees: number): number {
   const edge = grid.edges[2];
   const voxelAlongLight = Math.sqrt(dot(edge, edge)) * grid.voxelSize;
-  return (Math.tan(0.5 * angleDegrees * (Math.PI / 180)) * voxelAlongLight) / grid.voxelSize;
+  return (Math.tan(0.5 * sunDegrees * (Math.PI / 180)) * voxelAlongLight) / grid.voxelSize;
 }

@@ -9,7 +9,7 @@ import type { LookUp } from '../look-ups/look-up.js';
 import { Alignment, isIn, shines, towardsLight } from './direction.js';
 import type { SunLike } from './direction.js';
 import { lookUpOf, openFiles } from './files.js';
-import { asList, asPlaced, copied } from './options.js';
+import { asList, asPlaced, copied, inScene } from './options.js';
 import type { BakedShadowOptions, FileChoice, ShadowOptions, ShadowStatus } from './options.js';
 import type { Part } from './scene.js';
 import { isMover } from './statics.js';
@@ -43,7 +43,7 @@ export interface BakedLight extends Part {
 /** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
 const SAME_SUN = 1.5e-3;
 
-const AT_REST = new Matrix4();
+const ENCODING = new Matrix4();
 
 /** Numbers in use. A number that is free is used again, so that shaders are too. */
 const inUse = new Set<number>();
@@ -52,7 +52,7 @@ const inUse = new Set<number>();
 export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowOptions): BakedLight {
   if (!('isDirectionalLight' in light || 'isSunLight' in light)) throw new TypeError(`a ${(light as SunLike).type} has no baked shadow; give a DirectionalLight`);
   let options = copied(first);
-  const statics = asList(options.statics, 'statics');
+  const statics = asList(options.statics, 'statics').map((each) => inScene(each, 'statics'));
   const lookUp = lookUpOf(file) ?? options.lookUp ?? filtered;
   let files = openFiles(file, lookUp, options);
   const alignment = (options.align ?? true) && new Alignment(light);
@@ -103,6 +103,9 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       update();
     },
     status() {
+      // The app may have moved it since the last drawing.
+      light.updateWorldMatrix(true, false);
+      light.target?.updateWorldMatrix(true, false);
       const distances = distancesTo(towardsLight(light, new Vector3()));
       return {
         filesInUse: isDisposed || !shines(light) ? 0 : distances.filter((each) => each <= SAME_SUN).length,
@@ -121,7 +124,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     },
     warnOfMoved(scene) {
       if (!files.roots.includes(undefined)) return;
-      const moved = [scene, ...statics].find((root) => !('geometry' in root) && !root.matrixWorld.equals(AT_REST));
+      const moved = [scene, ...statics].find((root) => !('geometry' in root) && !root.matrixWorld.equals(ENCODING));
       if (!moved) return;
       const name = moved === scene ? 'the scene' : `'${moved.name || moved.type}' in statics`;
       warnOnce(`${name} is moved, turned or scaled; if its file was baked from what is below it, give { file, root }`, 'at rest');

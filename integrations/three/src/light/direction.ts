@@ -29,7 +29,7 @@ function isShown(object: Object3D | null): boolean {
 }
 
 /** Whether an object is another one, or below it. */
-export function isIn(object: Object3D | null | undefined, root: Object3D): boolean {
+export function isIn(object: Object3D | null | undefined, root: Object3D | null): boolean {
   return object != null && (object === root || isIn(object.parent, root));
 }
 
@@ -89,7 +89,7 @@ export class Alignment {
     if (isSame(light[this.#part], this.#ours)) (light[this.#part] as Vector3).copy(this.#theirs as Vector3);
     if (light.matrixAutoUpdate) light.updateMatrix();
     else if (this.#theirMatrix && isSame(light.matrix, this.#ourMatrix)) light.matrix.copy(this.#theirMatrix);
-    light.updateMatrixWorld(true);
+    updateWorld(light);
     this.#ours = this.#ourMatrix = undefined;
   }
 }
@@ -121,7 +121,16 @@ function alignLight(light: SunLike, sun: Vec3, distance: number): void {
     light.position.copy(light.parent === null ? from : light.parent.worldToLocal(from));
   }
   light.updateMatrix();
+  updateWorld(light);
+}
+
+/** Updates the matrices of a light, and of a target below it, though the app may have frozen them. */
+function updateWorld(light: SunLike): void {
+  const objects: Object3D[] = light.target ? [light, light.target] : [light];
+  const settings = objects.map((each) => each.matrixWorldAutoUpdate);
+  for (const each of objects) each.matrixWorldAutoUpdate = true;
   light.updateMatrixWorld(true);
+  objects.forEach((each, i) => (each.matrixWorldAutoUpdate = settings[i]!));
 }
 
 function targetOf(light: SunLike): Vector3 {

@@ -15,12 +15,12 @@ export const MAX_FILES = 8;
 
 /** The options that may change at any time. `undefined` is the default. */
 export interface ShadowOptions {
-  /** Width of the filter in texels, by default 5; 1 is a hard edge. Not with `softnessDegrees`. */
+  /** Width of the filter in texels, by default 5; 1 is a hard edge. Not with `sunDegrees`. */
   filter?: FilterWidth | undefined;
   /** The bias; each file's own by default. */
   bias?: Bias | undefined;
   /** Angle of the sun's disc in degrees, 0.01 to 20; by default 0.53, the real one. Only with the look-up `soft`. */
-  softnessDegrees?: number | undefined;
+  sunDegrees?: number | undefined;
 }
 
 /** How a light and its files do. */
@@ -77,17 +77,17 @@ export interface BakedShadowOptions extends ShadowOptions {
 }
 
 /** Returns the options as a look-up of a file takes them. */
-export function gpuOptions({ filter, bias, softnessDegrees }: ShadowOptions, lookUp: LookUp): GpuLookUpOptions {
+export function gpuOptions({ filter, bias, sunDegrees }: ShadowOptions, lookUp: LookUp): GpuLookUpOptions {
   if (!lookUp.isSoft) {
-    if (softnessDegrees !== undefined) {
-      throw new RangeError("softnessDegrees needs lookUp: soft, from 'adumbra-three/look-ups'");
+    if (sunDegrees !== undefined) {
+      throw new RangeError("sunDegrees needs lookUp: soft, from 'adumbra-three/look-ups'");
     }
     return { filter: filter ?? 5, bias };
   }
   /** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
   const MAX_PENUMBRA_TEXELS = 32;
-  if (filter !== undefined) throw new RangeError('the look-up soft has no filter; set softnessDegrees');
-  return { filter: 1, bias, penumbra: { angleDegrees: softnessDegrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
+  if (filter !== undefined) throw new RangeError('the look-up soft has no filter; set sunDegrees');
+  return { filter: 1, bias, penumbra: { sunDegrees: sunDegrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
 }
 
 /** Checks that files can be on one light. */
@@ -103,7 +103,7 @@ export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D 
   return asList(files, 'file').map((each) => {
     const { file, root } = 'file' in each ? each : { file: each };
     if (!('settings' in there(file, 'file'))) throw new TypeError("the file is none; await loadAsync");
-    return 'root' in each ? { file, root: there(root, 'root')! } : { file };
+    return 'root' in each ? { file, root: inScene(root, 'root') } : { file };
   });
 }
 
@@ -111,6 +111,12 @@ export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D 
 export function asList<T>(values: T | readonly T[] | undefined, name: string): readonly T[] {
   const list = values === undefined ? [] : Array.isArray(values) ? (values as readonly T[]) : [values as T];
   return list.map((each) => there(each, name));
+}
+
+/** Returns an object that the app gave, if it can be in a scene: a glTF file cannot. */
+export function inScene(object: Object3D | null | undefined, name: string): Object3D {
+  if (object?.isObject3D) return object;
+  throw new TypeError(`${name} is ${object}; give an Object3D, such as gltf.scene`);
 }
 
 /** Returns a value that the app gave. A reference may have none yet, and an object may not be found. */

@@ -25,24 +25,30 @@ export interface View {
   readonly pixelPerDistance: number;
 }
 
-/** Returns what a camera whose picture has so many rows of pixels sees of a file, which the app may have placed. */
+/**
+ * Returns what a camera whose picture has so many rows of pixels sees of a file, which the app may have placed. All comes from the
+ * product of its matrices: map libraries have the view in the projection.
+ */
 export function viewOf(camera: Camera, rows: number, placement?: WorldFromFile): View {
   camera.updateWorldMatrix(true, false);
-  const { projectionMatrix, matrixWorldInverse, matrixWorld } = camera;
-  const place = new Matrix4();
-  if (placement !== undefined) place.fromArray(placement);
-  const m = new Matrix4().multiplyMatrices(projectionMatrix, matrixWorldInverse).multiply(place).elements;
-  const position = new Vector3().setFromMatrixPosition(matrixWorld).applyMatrix4(place.clone().invert()).toArray();
+  const matrix = new Matrix4().multiplyMatrices(camera.projectionMatrix, camera.matrixWorldInverse);
+  if (placement !== undefined) matrix.multiply(new Matrix4().fromArray(placement));
+  const m = matrix.elements;
   /** A row of the matrix added to its last row, or taken from it: a side of the picture. */
   const side = (row: number, sign: number): Plane => {
     const sum = (column: number): number => m[4 * column + 3]! + sign * m[4 * column + row]!;
     return { normal: [sum(0), sum(1), sum(2)], offset: sum(3) };
   };
   const planes = [side(0, 1), side(0, -1), side(1, 1), side(1, -1)];
-  // The last row of a perspective is the distance from the camera, of a parallel projection 1.
-  const isPerspective = projectionMatrix.elements[11] !== 0;
-  const size = 2 / (projectionMatrix.elements[5]! * rows);
-  return { position, planes, pixel: isPerspective ? 0 : size / place.getMaxScaleOnAxis(), pixelPerDistance: isPerspective ? size : 0 };
+  // The last row of a perspective is the distance from the camera, of a parallel projection a number.
+  const ahead = new Vector3(m[3], m[7], m[11]);
+  const up = new Vector3(m[1], m[5], m[9]).projectOnPlane(ahead);
+  const size = (2 * (ahead.length() || m[15]!)) / (up.length() * rows);
+  // Where the lines of sight meet. Those of a parallel projection do not.
+  const [x, y, z, w] = matrix.clone().invert().elements.slice(8) as [number, number, number, number];
+  return w === 0
+    ? { position: [0, 0, 0], planes, pixel: size, pixelPerDistance: 0 }
+    : { position: [x / w, y / w, z / w], planes, pixel: 0, pixelPerDistance: size };
 }
 
 /** Whether a box touches the inner sides of all planes of a view. */

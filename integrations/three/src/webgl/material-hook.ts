@@ -51,10 +51,17 @@ export function removeChange(material: Material, change: ShaderChange): void {
 function install(material: Material, earlier: Iterable<ShaderChange> = []): Hook {
   const changes = new Set(earlier);
   const keys = (): string => [...changes].map(({ key }) => key).join(' ');
+  // The app's hook may call the one before it, and then change three's text itself.
+  let depth = 0;
   const compile = wrap(material, 'onBeforeCompile', (theirs) => {
     const hooked = function (this: Material | undefined, shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer): void {
-      theirs.call(this ?? material, shader, renderer);
-      for (const change of changes) change.apply(shader, this ?? material);
+      depth += 1;
+      try {
+        theirs.call(this ?? material, shader, renderer);
+      } finally {
+        depth -= 1;
+      }
+      if (depth === 0) for (const change of changes) change.apply(shader, this ?? material);
     };
     // By default three tells programs apart by this text, in copies of the material too.
     return Object.assign(hooked, { toString: () => `${String(theirs)} ${keys()}` });

@@ -45,6 +45,9 @@ type Builder = NodeBuilder & {
   };
 };
 
+/** The node of each light, which the light need not have been given yet. */
+const nodes = new WeakMap<SunLike, BakedShadowNode>();
+
 /** The class that three's shadow nodes have in common. Where it is missing, no node can be made, but the import goes on. */
 const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 
@@ -59,6 +62,8 @@ export class BakedShadowNode extends Base implements BakedShadow {
   /** Whether three is about to rebuild the light's shadow, which disposes the one that it has. */
   #isRenewing = false;
   #isDisposed = false;
+  /** Whether three has dropped it, and may draw another shadow of the light. */
+  #isDropped = false;
   readonly #movers: Node | null;
   readonly #part: Part;
   /** How many times over the light tells its listeners of its end, at the moment. */
@@ -87,7 +92,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
     this.#sun = light;
     this.#baked = bakedLight(light, file, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
-    this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer) };
+    this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer), casters: (scene) => this.#baked.casters(this.#isDropped ? null : scene) };
     this.#events = wrap(light, 'dispatchEvent', (theirs) => (event) => {
       const isEnd = Number(event.type === 'dispose');
       this.#endings += isEnd;
@@ -99,7 +104,9 @@ export class BakedShadowNode extends Base implements BakedShadow {
     });
     // What was in use until now is dropped, and materials are built anew.
     const before = light.shadow.shadowNode as unknown;
-    if (before instanceof BakedShadowNode) before.dispose();
+    const earlier = nodes.get(light);
+    nodes.set(light, this);
+    if (earlier) earlier.dispose();
     else if (before === undefined || before !== movers) forgetShadow(light);
     // Once it has given the light back.
     this.#baked.update();
@@ -169,6 +176,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
   /** For three: takes part in the drawing of the scene. From then on its part is done around each drawing. */
   override updateBefore({ renderer, scene }: NodeFrame): undefined {
     if (this.#isDisposed) return;
+    this.#isDropped = false;
     this.#update(renderer);
     if (scene === this.#scene || scene === null) return;
     this.#leave?.();
@@ -188,18 +196,24 @@ export class BakedShadowNode extends Base implements BakedShadow {
 
   /** Frees what the GPU holds, gives the light back as the app set it last, and leaves it. */
   override dispose(): void {
+    if (this.#isRenewing) return;
     // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
-    if (TSL.getCurrentStack() !== null || this.#isRenewing) return;
+    if (TSL.getCurrentStack() !== null) {
+      this.#isDropped = true;
+      return;
+    }
     // Three drops the shadow of a light that is disposed, and must not do so again within.
-    const isDropped = this.#endings > 0;
+    const isEnding = this.#endings > 0;
     this.#isDisposed = true;
     this.#leave?.();
     if (!this.#baked.dispose()) return;
     this.#events.remove();
+    if (nodes.get(this.#sun) === this) nodes.delete(this.#sun);
+    if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
+    // Before 0.187 three throws here once its renderer is disposed.
     this.#movers?.dispose();
     super.dispose();
-    if (this.#sun.shadow.shadowNode === this) delete this.#sun.shadow.shadowNode;
-    if (!isDropped) forgetShadow(this.#sun);
+    if (!isEnding) forgetShadow(this.#sun);
   }
 }
 

@@ -102,7 +102,7 @@ function rendered(): Float32Array {
   const picture = join(folder, 'tower.png');
   execFileSync(program!, [
     ...['render', join(folder, 'tower.obj'), '--shadow-file', join(folder, 'tower.adumbra')],
-    ...['--shadow', `voxel:soft:angle=${ANGLE}`, '--layer', 'shadow', '--antialias', '1', '--size', `${SIDE}x${SIDE}`],
+    ...['--shadow', `voxel:soft:sun-degrees=${ANGLE}`, '--layer', 'shadow', '--antialias', '1', '--size', `${SIDE}x${SIDE}`],
     ...['--eye=0,90,0.01', '--target=0,0,0', '--ortho', String(SQUARE.width), '-o', picture],
   ]);
   const { data, channels } = decode(readFileSync(picture));
@@ -216,7 +216,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   });
 
   test('softens as the program does', async () => {
-    const settings = { softnessDegrees: ANGLE };
+    const settings = { sunDegrees: ANGLE };
     const task = { backend, files: ['tower.adumbra'], lookUp: 'soft', settings, height: 0 };
     const found = (await draw(task)).pictures[0]!;
     const wanted = rendered();

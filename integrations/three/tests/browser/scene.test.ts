@@ -53,7 +53,7 @@ beforeAll(async () => {
     run('bake', at('world.obj'), '--sun', sun, '--resolution', '1024', '-o', at(`${name}.adumbra`));
   }
   run('generate', 'city', '-o', at('city.glb'));
-  run('bake', at('city.glb'), '--resolution', '2048', '-o', at('city.adumbra'), '--into', at('city.glb'));
+  run('bake', at('city.glb'), '--resolution', '2048', '-o', at('city.adumbra'), '--link-in', at('city.glb'));
   const city = readFileSync(at('city.glb'));
   const named = (extras: object) => withJson(city, (json) => {
     json.extensions.KHR_lights_punctual.lights[0].extras.adumbra = extras;

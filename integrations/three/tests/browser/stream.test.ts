@@ -117,7 +117,7 @@ describe.each(BACKENDS)('%s', (backend) => {
 
   test('penumbrae of what is wholly there have the pixels of the file itself', async () => {
     // Few pixels: a software renderer takes a second for a frame of all.
-    const task = { backend, lookUp: 'soft', settings: { softnessDegrees: 2 }, pixelsAcross: 96 };
+    const task = { backend, lookUp: 'soft', settings: { sunDegrees: 2 }, pixelsAcross: 96 };
     const whole = await draw(task);
     const streamed = await draw({ ...task, stream: { budget: 8 * MIB, detail: ALL }, cpu: { filter: 1 } });
     expectSame(streamed.visibility[1]!, whole.visibility[0]!);

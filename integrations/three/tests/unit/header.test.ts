@@ -80,7 +80,7 @@ it.each<[name: string, fault: Fault]>([
   ['reserved word 40', (h) => h.u32(40, 1)],
   ['reserved word 62', (h) => h.u32(62, 1)],
   ['flags', (h) => h.u32(4, 64)],
-  ['at_rest', (h) => h.u32(7, 2)],
+  ['encoding', (h) => h.u32(7, 2)],
   ['bounds', (h) => h.u32(4, 0)],
   ['bounds', (h) => h.f64(16, 1e9)],
   ['bounds', (h) => h.f64(22, NaN)],

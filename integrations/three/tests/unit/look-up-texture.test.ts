@@ -31,7 +31,7 @@ const OPTIONS: GpuLookUpOptions[] = [
   {
     filter: 1,
     bias: { constantTexels: 0.7, slopeTexels: 1.3, normalOffsetTexels: 0.1 },
-    penumbra: { angleDegrees: 0.53, maxRadiusTexels: 20.5 },
+    penumbra: { sunDegrees: 0.53, maxRadiusTexels: 20.5 },
   },
   { filter: 5, placement: [0, 0, -0.5, 0, 0, 0.5, 0, 0, 0.5, 0, 0, 0, 12.5, -3, 40.25, 1] },
   { filter: 5, placement: [4.8, 6.4, 0, 0, -6.4, 4.8, 0, 0, 0, 0, 8, 0, -7, 0.25, 1e5, 1] },
@@ -106,9 +106,9 @@ it.each([
   ['filter', { filter: 2 as FilterWidth }],
   ['bias', { filter: 1, bias: { constantTexels: 17, slopeTexels: 0, normalOffsetTexels: 0 } }],
   ['bias', { filter: 1, bias: { constantTexels: 0, slopeTexels: NaN, normalOffsetTexels: 0 } }],
-  ['filter', { filter: 3, penumbra: { angleDegrees: 0.5, maxRadiusTexels: 8 } }],
-  ['angle', { filter: 1, penumbra: { angleDegrees: 21, maxRadiusTexels: 8 } }],
-  ['radius', { filter: 1, penumbra: { angleDegrees: 0.5, maxRadiusTexels: 65 } }],
+  ['filter', { filter: 3, penumbra: { sunDegrees: 0.5, maxRadiusTexels: 8 } }],
+  ['angular diameter', { filter: 1, penumbra: { sunDegrees: 21, maxRadiusTexels: 8 } }],
+  ['radius', { filter: 1, penumbra: { sunDegrees: 0.5, maxRadiusTexels: 65 } }],
 ] satisfies [string, GpuLookUpOptions][])('%s out of its range: %o', (name, options) => {
   const file = vector('sphere_depths');
   const error = caught(() => new LookUpTexture(file, 4096, options));

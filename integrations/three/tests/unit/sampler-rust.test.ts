@@ -85,7 +85,7 @@ describe.skipIf(PROGRAM === undefined)('adumbra query, skipped unless ADUMBRA_BI
     const scene = join(folder, 'city.glb');
     const [coded, raw] = [join(folder, 'coded.adumbra'), join(folder, 'raw.adumbra')];
     run('bake', scene, '-o', coded, '--resolution', '8192');
-    run('unpack', coded, '-o', raw);
+    run('convert', coded, '--encoding', 'raw', '-o', raw);
     const bytes = readBytes(coded);
     expect(parseHeader(bytes).isCoded).toBe(true);
     const expected = new BakedShadowFile(readBytes(raw));

@@ -38,11 +38,11 @@ describe.each(RENDERERS)('%s', (name, show) => {
     shown.shadow.dispose();
   });
 
-  test('softness changes with the soft look-up', () => {
+  test('sunDegrees changes with the soft look-up', () => {
     const shown = show({ lookUp: soft });
     const words = wordsOf(shown);
     const before = words[CONE];
-    shown.shadow.setOptions({ softnessDegrees: 2 });
+    shown.shadow.setOptions({ sunDegrees: 2 });
     const after = words[CONE];
     expect(after).not.toBe(before);
     shown.shadow.setOptions({ bias: { constantTexels: 4, slopeTexels: 2, normalOffsetTexels: 1 } });
@@ -51,7 +51,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     shown.shadow.dispose();
   });
 
-  test.each([{ filter: 4 as 5 }, { softnessDegrees: 1 }, { bias: { constantTexels: NaN, slopeTexels: 0, normalOffsetTexels: 0 } }])(
+  test.each([{ filter: 4 as 5 }, { sunDegrees: 1 }, { bias: { constantTexels: NaN, slopeTexels: 0, normalOffsetTexels: 0 } }])(
     'options out of their range change nothing: %o',
     (options) => {
       const shown = show({ filter: 9 });

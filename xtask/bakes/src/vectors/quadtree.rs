@@ -4,7 +4,7 @@ use std::error::Error;
 
 use adumbra::layout::depths::page::BUNDLE_PAGES;
 use adumbra::layout::depths::{DepthTree, TreeBuilder};
-use adumbra::{AtRest, Frame, LightGrid, ShadowFile};
+use adumbra::{Encoding, Frame, LightGrid, ShadowFile};
 use adumbra_papers::dag::LeafMasks;
 use adumbra_papers::dag::build::convert::depths_of;
 
@@ -42,26 +42,26 @@ const ALSO_CODED: [&str; 3] = ["many_pages", "levels", "many_depths"];
 pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>, Box<dyn Error>> {
     let small =
         known.iter().filter(|known| known.is_monotone()).map(|known| std::slice::from_ref(&known.grid));
-    let raw = small.chain(large.iter().map(Vec::as_slice)).map(|levels| vector(levels, AtRest::Raw));
+    let raw = small.chain(large.iter().map(Vec::as_slice)).map(|levels| vector(levels, Encoding::Raw));
     let is_coded = |levels: &&Vec<Grid>| ALSO_CODED.contains(&levels[0].name);
-    let coded = large.iter().filter(is_coded).map(|levels| vector(levels, AtRest::Coded));
-    raw.chain(coded).chain([AtRest::Raw, AtRest::Coded].map(repeated)).collect()
+    let coded = large.iter().filter(is_coded).map(|levels| vector(levels, Encoding::Coded));
+    raw.chain(coded).chain([Encoding::Raw, Encoding::Coded].map(repeated)).collect()
 }
 
 /// Returns a vector all of whose pages have the same words, which no writer that looks for equal shapes would store twice.
 /// Coded, its bundle ends with zeros.
-fn repeated(at_rest: AtRest) -> Result<Vector, Box<dyn Error>> {
+fn repeated(encoding: Encoding) -> Result<Vector, Box<dyn Error>> {
     let grid = grids::repeated();
     let [_, _, depth] = grid.grid.size;
     let one =
         depths_of(&Masks { size: [REPEATED_PAGE, REPEATED_PAGE, depth], lit: &grid.lit }, grid.root_level)?;
     let mut builder = TreeBuilder::new(grid.grid.size, Vec::new());
     builder.add([0, 0], &[one.page([0, 0]); BUNDLE_PAGES]);
-    file_of(&grid, builder.finish()?, Vec::new(), at_rest)
+    file_of(&grid, builder.finish()?, Vec::new(), encoding)
 }
 
 /// Returns the vector of these levels, the finest first.
-fn vector(levels: &[Grid], at_rest: AtRest) -> Result<Vector, Box<dyn Error>> {
+fn vector(levels: &[Grid], encoding: Encoding) -> Result<Vector, Box<dyn Error>> {
     let tree = |grid: &Grid| {
         let size = grid.grid.size;
         depths_of(&Masks { size, lit: &grid.lit }, grid.root_level)
@@ -69,7 +69,7 @@ fn vector(levels: &[Grid], at_rest: AtRest) -> Result<Vector, Box<dyn Error>> {
     let Some((finest, coarser)) = levels.split_first() else { return Err("a vector has a level".into()) };
     let coarser: Vec<_> =
         coarser.iter().map(|grid| Ok((grid.grid, tree(grid)?))).collect::<Result<_, Box<dyn Error>>>()?;
-    file_of(finest, tree(finest)?, coarser, at_rest)
+    file_of(finest, tree(finest)?, coarser, encoding)
 }
 
 /// Returns the vector of a grid's tree and coarser levels.
@@ -77,13 +77,13 @@ fn file_of(
     finest: &Grid,
     tree: DepthTree,
     coarser: Vec<(LightGrid, DepthTree)>,
-    at_rest: AtRest,
+    encoding: Encoding,
 ) -> Result<Vector, Box<dyn Error>> {
     let file = ShadowFile::new(finest.grid, finest.settings, tree).with_coarser(coarser);
-    let coded = if at_rest == AtRest::Coded { "_coded" } else { "" };
+    let coded = if encoding == Encoding::Coded { "_coded" } else { "" };
     Ok(Vector {
         name: format!("{}{coded}_depths", finest.name),
-        bytes: file.to_bytes(at_rest)?,
+        bytes: file.to_bytes(encoding)?,
         answers: finest.answers(),
     })
 }
@@ -142,7 +142,7 @@ fn headers(small: &ShadowBytes, levels: &ShadowBytes) -> Vec<Broken> {
     add("resolution_0", "HeaderField", "resolution", s().put_word(20, 0).sealed());
     add("grids_0", "HeaderField", "grids", s().put_word(24, 0).sealed_header());
     add("grids_9", "HeaderField", "grids", s().put_word(24, 9).sealed_header());
-    add("at_rest_unknown", "HeaderField", "at_rest", s().put_word(28, 7).sealed_header());
+    add("encoding_unknown", "HeaderField", "encoding", s().put_word(28, 7).sealed_header());
     add("thickness_negative", "HeaderField", "thickness", s().put_f64(32, -0.1).sealed());
     add("bias_infinite", "HeaderField", "bias", s().put_f64(48, f64::NEG_INFINITY).sealed());
     add("bounds_without_flag", "HeaderField", "bounds", s().put_f64(64, 1.0).sealed());
@@ -193,7 +193,7 @@ fn frames_of_levels(levels: &ShadowBytes) -> Result<Vec<Broken>, Box<dyn Error>>
         [("frame_of_first_level", Frame::Light), ("yaw_of_first_level", Frame::Oblique { yaw_radians: 0.5 })];
     let broken = frames.map(|(name, frame)| {
         let grid = LightGrid::new(sun, frame, voxel_size, corner, size);
-        let alone = ShadowFile::new(grid, file.settings, (*file.tree).clone()).to_bytes(AtRest::Raw)?;
+        let alone = ShadowFile::new(grid, file.settings, (*file.tree).clone()).to_bytes(Encoding::Raw)?;
         // Where the grid is placed: all of its entry before its sections.
         let bytes = levels.clone().put(256, &alone[256..416]).sealed();
         Ok(Broken { name, error: "HeaderField", fault: None, names: "that of the first grid", bytes })

@@ -1,4 +1,4 @@
-//! The columns of one 8 × 8 block, from the surfaces near it. The result is that of `capture.rs` for a tile, but
+//! The columns of one 8 × 8 block, from the surfaces near it. The result is that of `capture.rs` for a root block, but
 //! computed a block at a time in bit masks, and receivers are evaluated only if an answer depends on them.
 //!
 //! A column needs to know whether a receiver is behind its base, and whether one samples it nearer than its exit. A

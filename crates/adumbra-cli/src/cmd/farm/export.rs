@@ -12,7 +12,7 @@ use adumbra_program::exit::Failure;
 use crate::args::ExportFormat;
 use crate::cmd::store::url_of;
 
-/// What a job runs. All paths are absolute; the place of the objects may be a URL.
+/// What a job runs. All paths are absolute; the place of the entries may be a URL.
 pub(super) struct Job<'p> {
     pub(super) format: ExportFormat,
     /// The program `adumbra`.

@@ -1,4 +1,4 @@
-//! `adumbra link`: makes the file of a plan of its objects.
+//! `adumbra link`: makes the file of a plan of its entries.
 
 use std::time::Instant;
 
@@ -15,7 +15,7 @@ use serde::Serialize;
 use super::plan_file::{PlanFile, cache_of};
 use crate::args::Link;
 use crate::cmd::staged::staged;
-use crate::cmd::store::objects;
+use crate::cmd::store::open_or_create;
 
 /// What is printed with `--json`.
 #[derive(Serialize, JsonSchema)]
@@ -37,9 +37,9 @@ pub(crate) struct Linked {
 pub(crate) fn run(args: &Link) -> Outcome {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
-    let cache = cache_of(args.cache.as_ref(), &args.plan);
+    let place = cache_of(args.cache.as_ref(), &args.plan);
     let PlanFile { plan, scene, load } = PlanFile::read(&args.plan)?;
-    let inputs = [("the plan", &*args.plan), ("the cache", &*cache), (SCENE, &*scene)];
+    let inputs = [("the plan", &*args.plan), ("the cache", &*place), (SCENE, &*scene)];
     let edits = load.edit().map(|path| ("the edits", &**path));
     refuse_inputs("--output", &args.output, inputs.into_iter().chain(edits)).map_err(bad_input)?;
     files::check_output(&args.output)?;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &Link) -> Outcome {
     with_threads(args.run.threads, || {
         let limit = args.run.memory_limit();
         let share = limit.share(0);
-        let objects = objects(&cache)?;
+        let cache = open_or_create(&place)?;
         let output = &args.output;
         let limits = BakeOptions {
             max_memory_bytes: share.bytes(),
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Link) -> Outcome {
         let guard = Guard::new(limit);
         let progress = |_| guard.look();
         let linked =
-            staged(output, |out| link(&plan, &objects, &limits, Watch::new(&progress, guard.cancel()), out));
+            staged(output, |out| link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), out));
         let (staged, written) = guard.end("linking", &share, linked)?;
         StagedFile::place([staged])?;
         let Written { levels, bytes: file_bytes, report, .. } = written;

@@ -13,12 +13,12 @@ use serde::Serialize;
 
 use super::plan_file::{PlanFile, cache_of};
 use crate::args::{Shard, Tile};
-use crate::cmd::store::{objects, url_of};
+use crate::cmd::store::{open_or_create, url_of};
 
 /// What is printed with `--json`.
 #[derive(Serialize, JsonSchema)]
 pub(crate) struct Tiled {
-    /// Where the objects are.
+    /// Where the entries are.
     cache: String,
     /// Number of parts that were baked.
     baked: usize,
@@ -31,7 +31,7 @@ pub(crate) struct Tiled {
 }
 
 pub(crate) fn run(args: &Tile) -> Outcome {
-    let cache = cache_of(args.cache.as_ref(), &args.plan);
+    let place = cache_of(args.cache.as_ref(), &args.plan);
     let PlanFile { scene: path, load, plan } = PlanFile::read(&args.plan)?;
     let path = args.scene.as_ref().unwrap_or(&path);
     let ids: Vec<usize> = match (args.shard, &args.ids) {
@@ -43,10 +43,10 @@ pub(crate) fn run(args: &Tile) -> Outcome {
         let limit = args.run.memory_limit();
         let scene = load_scene_within(limit, path, &load.load_options()?)?;
         let share = limit.share(scene.memory_bytes());
-        let objects = objects(&cache)?;
+        let cache = open_or_create(&place)?;
         let limits = BakeOptions {
             max_memory_bytes: share.bytes(),
-            spill_folder: url_of(&cache).is_none().then(|| cache.clone()),
+            spill_folder: url_of(&place).is_none().then(|| place.clone()),
             ..plan.options()
         };
         let guard = Guard::new(limit);
@@ -56,19 +56,19 @@ pub(crate) fn run(args: &Tile) -> Outcome {
             reporter.update(p);
         };
         let baker = PartBaker::new(&scene, &plan, &limits)?;
-        let done = baker.bake(&ids, &objects, Watch::new(&progress, guard.cancel()));
+        let done = baker.bake(&ids, &cache, Watch::new(&progress, guard.cancel()));
         let done = guard.end("the bake of parts", &share, done)?;
         let peak_bytes = memory::peak_bytes().unwrap_or(done.accounted_bytes);
         if args.run.json {
             print_json(&Tiled {
-                cache: cache.display().to_string(),
+                cache: place.display().to_string(),
                 baked: done.baked,
                 reused: done.reused,
                 seconds: done.seconds,
                 peak_bytes,
             })?;
         } else {
-            let (plan, cache) = (args.plan.display(), cache.display());
+            let (plan, cache) = (args.plan.display(), place.display());
             say!(
                 "{plan} -> {cache}: {} parts in {:.1} s, {} were there",
                 done.baked,

@@ -1,12 +1,13 @@
 //! `adumbra info`: what a shadow file contains.
 
 mod pages;
+mod snippet;
 
 use adumbra::file::sections::read_file;
 use adumbra::file::{
     BUNDLE_ENTRY_BYTES, BundleEntry, Contents, GRID_BYTES, GridEntry, HEADER_BYTES, Header, Level,
 };
-use adumbra::{AtRest, Error, FileSettings, Frame, Receivers, Region, ShadowFile};
+use adumbra::{Encoding, Error, FileSettings, Frame, Receivers, Region, ShadowFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::moment;
 use adumbra_program::output::{format_bytes, print_json, refuse_inputs, write_png};
@@ -41,8 +42,8 @@ pub(super) struct FileInfo {
     /// Length of the shadow file, in bytes.
     file_bytes: u64,
     /// How the file is stored.
-    #[schemars(with = "mirrors::AtRest")]
-    at_rest: AtRest,
+    #[schemars(with = "mirrors::Encoding")]
+    encoding: Encoding,
     /// Bytes of header and directory.
     front_bytes: u64,
     /// Bits of the shadow file per texel of its finest grid.
@@ -108,10 +109,12 @@ pub(crate) fn run(args: &Info) -> Outcome {
     if let Some(picture) = &args.picture {
         refuse_inputs("--picture", picture, [("the shadow file", args.file.as_path())])?;
     }
+    let of_one_file =
+        args.picture.as_ref().map(|_| "--picture").or(args.snippet.as_ref().map(|_| "--snippet"));
     if let Some(regions) = regions::manifest(&args.file)? {
-        if args.picture.is_some() {
+        if let Some(option) = of_one_file {
             let file = args.file.display();
-            return Err(Failure::Usage(format!("--picture: {file} is a manifest; give a region's file")));
+            return Err(Failure::Usage(format!("{option}: {file} is a manifest; give a region's file")));
         }
         let info = ManifestInfo::of(&regions, &args.file);
         if args.run.json {
@@ -122,9 +125,9 @@ pub(crate) fn run(args: &Info) -> Outcome {
         return Ok(Code::Fine);
     }
     if let Some(sun_path) = moment::sun_path(&args.file)? {
-        if args.picture.is_some() {
+        if let Some(option) = of_one_file {
             let file = args.file.display();
-            return Err(Failure::Usage(format!("--picture: {file} is a sun path; give the file of one sun")));
+            return Err(Failure::Usage(format!("{option}: {file} is a sun path; give the file of one sun")));
         }
         if let Some(info) = path::info(&sun_path, &args.file, args.run.json)? {
             print_json(&Printed::Path(info))?;
@@ -140,6 +143,10 @@ fn info_of_file(args: &Info) -> Outcome {
     let error = |source| Error::Format { path: args.file.clone(), source: Box::new(source) };
     let contents = Contents::parse(&bytes).map_err(error)?;
     let file = ShadowFile::from_bytes(&bytes).map_err(error)?;
+    if let Some(of) = args.snippet {
+        say!("{}", snippet::snippet(of, &args.file));
+        return Ok(Code::Fine);
+    }
     if let Some(picture) = &args.picture {
         let level = LevelArg { level: args.level };
         write_png(picture, &PageBytes::of(&level.of(&file, &args.file)?.tree).picture())?;
@@ -149,7 +156,7 @@ fn info_of_file(args: &Info) -> Outcome {
     let info = FileInfo {
         file: args.file.display().to_string(),
         file_bytes,
-        at_rest: contents.header.at_rest,
+        encoding: contents.header.encoding,
         front_bytes: (HEADER_BYTES + GRID_BYTES * contents.grids.len()) as u64,
         bits_per_texel: bits_per_texel(&file.grid, file_bytes),
         times_smaller: 4.0 * nx * ny / file_bytes as f64,
@@ -198,8 +205,8 @@ fn levels(contents: &Contents, file: &ShadowFile) -> Vec<LevelInfo> {
 
 fn print(info: &FileInfo) {
     let s = &info.settings;
-    let at_rest = if info.at_rest == AtRest::Raw { "raw" } else { "coded" };
-    say!("{}: {}, {at_rest}", info.file, format_bytes(info.file_bytes));
+    let encoding = if info.encoding == Encoding::Raw { "raw" } else { "coded" };
+    say!("{}: {}, {encoding}", info.file, format_bytes(info.file_bytes));
     say!("  sun towards     {:.6}, {:.6}, {:.6}", info.sun[0], info.sun[1], info.sun[2]);
     say!("  resolution      {}", s.resolution);
     if let Some(Region { x, y, texels }) = s.region {
@@ -249,7 +256,7 @@ fn print(info: &FileInfo) {
     }
     say!("  baked from      {} triangles in {} instances", s.triangles, s.instances);
     say!(
-        "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} m, switch within {} voxels, alpha ignored {}",
+        "  ground assumed {}, closed regions {}, receivers {:?}, thickness {} world units, switch within {} voxels, alpha ignored {}",
         s.assume_ground,
         s.closed_regions,
         s.receivers,

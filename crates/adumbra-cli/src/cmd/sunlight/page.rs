@@ -1,6 +1,6 @@
 //! Hours of one design, or of two, on a page that needs no other file.
 
-use adumbra_compare::page::{Body, Embedded, Encoding, Page, Pair, Section, Table};
+use adumbra_compare::page::{Body, Embedded, Page, Pair, PictureEncoding, Section, Table};
 use adumbra_compare::pictures::png;
 use adumbra_program::exit::{Code, Failure};
 use adumbra_sunlight::Grid;
@@ -105,7 +105,8 @@ fn share(cells: &[Option<f64>], least: f64) -> f64 {
 }
 
 fn embed(picture: &Picture) -> Result<Embedded, Failure> {
-    let encoded = png(picture).and_then(|bytes| Embedded::from_png(&bytes, None, WIDEST, Encoding::Lossless));
+    let encoded =
+        png(picture).and_then(|bytes| Embedded::from_png(&bytes, None, WIDEST, PictureEncoding::Lossless));
     encoded.map_err(|error| Failure::Other { code: Code::BadInput, message: error.to_string() })
 }
 

@@ -28,8 +28,8 @@ pub struct Compare {
     /// Camera.
     #[command(flatten)]
     pub view: CameraArgs,
-    /// Height of a street camera above the ground, in metres
-    #[arg(long, value_name = "METRES", default_value_t = 1.7)]
+    /// Height of a street camera above the ground, in world units
+    #[arg(long, value_name = "LENGTH", default_value_t = 1.7)]
     pub eye_height: f64,
     /// Number of frames that each median is taken over
     #[arg(long, value_name = "N", default_value_t = 9, value_parser = clap::value_parser!(u32).range(1..=10_000))]
@@ -39,7 +39,7 @@ pub struct Compare {
     pub sun: SunArgs,
     /// Angular diameter in degrees of the sun's disc that soft techniques are compared with
     #[arg(long, value_name = "DEGREES", default_value_t = 0.53)]
-    pub sun_angle: f64,
+    pub sun_degrees: f64,
     /// Rays per pixel towards the sun's disc
     #[arg(long, value_name = "N", default_value_t = 64, value_parser = clap::value_parser!(u32).range(2..=65_536))]
     pub sun_samples: u32,
@@ -98,9 +98,11 @@ impl Compare {
     ///
     /// Returns [`Failure::Usage`] for the first number that is out of its range.
     pub fn check(&self) -> Result<(), Failure> {
-        if !(self.sun_angle > 0.0 && self.sun_angle <= 180.0) {
-            let angle = self.sun_angle;
-            return Err(Failure::Usage(format!("--sun-angle {angle}: give degrees above 0 and at most 180")));
+        if !(self.sun_degrees > 0.0 && self.sun_degrees <= 180.0) {
+            let angle = self.sun_degrees;
+            return Err(Failure::Usage(format!(
+                "--sun-degrees {angle}: give degrees above 0 and at most 180"
+            )));
         }
         if !(self.eye_height > 0.0 && self.eye_height.is_finite()) {
             return Err(Failure::Usage(format!("--eye-height {}: give a height above 0", self.eye_height)));

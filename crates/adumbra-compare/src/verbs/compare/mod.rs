@@ -40,10 +40,10 @@ pub fn run(args: &Compare, offer: Offer<'_>) -> Result<Code> {
     args.check()?;
     // A wrong sun is refused before the scene is loaded.
     args.sun.given_for(&args.scene, &args.load)?;
-    // A technique that takes a sun's angle gets that of the disc that it is compared with, unless it names its own.
+    // A technique that takes the sun's angular diameter gets that of the disc that it is compared with, unless it names its own.
     let specs: Vec<TechniqueSpec> = parse(offer.techniques, &args.shadow)?
         .iter()
-        .map(|spec| spec.with_sun_angle(args.sun_angle))
+        .map(|spec| spec.with_sun_degrees(args.sun_degrees))
         .collect();
     if args.device.device == DeviceArg::Cpu {
         return Err(Failure::Usage(
@@ -121,7 +121,7 @@ fn draw(
     let baked = swept.as_ref().map_or_else(|| files.baked(), SweptSun::baked);
     let mut contenders = contenders(&renderer, specs, baked, args.reference)?;
     let (cache, key) = (args.cache.cache(&args.output), scene_key(&scene, load.ignore_alpha));
-    let disc = (args.sun_angle, args.sun_samples);
+    let disc = (args.sun_degrees, args.sun_samples);
     let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun: sun.towards(), disc };
     let comparison = compare(&mut renderer, &reference, &camera, &mut contenders, args.frames)?;
     let path = match &args.path {
@@ -142,7 +142,7 @@ fn draw(
         camera: camera_figures(&name, &camera),
         sun: sun.towards(),
         sun_origin: Some(chosen.origin.clone()),
-        sun_angle_degrees: args.sun_angle,
+        sun_degrees: args.sun_degrees,
         sun_samples: args.sun_samples,
         frames: args.frames,
         pixels: comparison.pixels,

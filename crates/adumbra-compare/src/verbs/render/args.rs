@@ -132,7 +132,7 @@ pub enum LayerArg {
     /// The picture, coloured by the level of the hybrid map that answers: red is the finest, then orange, green, blue
     HrsmLevels,
     /// The picture, coloured by the size of the block of the baked file that answers: purple is a single voxel, then
-    /// blue, green, yellow and orange; a legend gives metres
+    /// blue, green, yellow and orange; a legend gives its edge
     VoxelSize,
     /// The picture, coloured by the coarsest level of detail of the shadow file whose texels are not larger than a pixel:
     /// red is the finest, then orange, green, blue
@@ -151,8 +151,8 @@ pub struct CameraArgs {
     /// Vertical field of view in degrees
     #[arg(long, value_name = "DEGREES", default_value_t = 45.0)]
     pub fov: f64,
-    /// Use an orthographic camera that sees this height, instead of a field of view
-    #[arg(long, value_name = "METRES", conflicts_with = "fov")]
+    /// Use an orthographic camera that sees this height in world units, instead of a field of view
+    #[arg(long, value_name = "LENGTH", conflicts_with = "fov")]
     pub ortho: Option<f64>,
     /// Size of the picture in pixels
     #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = parse_size)]

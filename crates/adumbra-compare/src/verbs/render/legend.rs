@@ -39,7 +39,7 @@ impl Legend {
     /// Prints one line per level.
     pub(super) fn print(&self) {
         for Row { level, edge_world, share, .. } in &self.0 {
-            say!("  level {level}: {edge_world:.4} m, {:.2} % of the pixels", 100.0 * share);
+            say!("  level {level}: {edge_world:.4} world units, {:.2} % of the pixels", 100.0 * share);
         }
     }
 

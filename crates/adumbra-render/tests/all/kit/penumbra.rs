@@ -16,8 +16,8 @@ pub(crate) struct Penumbra {
 }
 
 impl Penumbra {
-    /// Traces the ground under a sun whose disc is `angle_degrees` wide.
-    pub(crate) fn new(angle_degrees: f64) -> Self {
+    /// Traces the ground under a sun whose disc is `sun_degrees` wide.
+    pub(crate) fn new(sun_degrees: f64) -> Self {
         let scene = boxes(&[
             ([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]),
             ([-4.0, 4.0, -4.0], [4.0, 4.2, 4.0]),
@@ -36,7 +36,7 @@ impl Penumbra {
         let tracer = Tracer::build(&scene, TraceOptions::default());
         let seen = |p: &SurfacePoint| {
             let p_world = [p.p_world[0], 1e-4, p.p_world[2]];
-            tracer.sun_disc_visibility(p_world, towards_sun, angle_degrees, 64, 1)
+            tracer.sun_disc_visibility(p_world, towards_sun, sun_degrees, 64, 1)
         };
         let disc = points.iter().map(seen).collect();
         drop(tracer);

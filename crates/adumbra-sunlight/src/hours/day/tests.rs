@@ -126,9 +126,9 @@ fn hours_end_when_asked_and_tell_their_progress() {
     let last = std::sync::Mutex::new(0);
     let go = std::sync::atomic::AtomicBool::new(false);
     let see = |p: Progress| {
-        assert_eq!(p.total_tiles, 2);
+        assert_eq!(p.total, 2);
         let mut last = last.lock().unwrap();
-        *last = p.done_tiles.max(*last);
+        *last = p.done.max(*last);
     };
     day.hours(&tracer, &points, Watch::new(&see, &go)).unwrap();
     assert_eq!(*last.lock().unwrap(), 2);

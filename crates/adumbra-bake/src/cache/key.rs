@@ -1,14 +1,14 @@
-//! The name of an object.
+//! The name of an entry.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Names an object: a BLAKE3 hash.
+/// Names an entry: a BLAKE3 hash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct ObjectKey([u8; 32]);
+pub struct CacheKey([u8; 32]);
 
-impl ObjectKey {
-    /// Wraps a hash of everything that the object depends on.
+impl CacheKey {
+    /// Wraps a hash of everything that the entry depends on.
     pub(crate) fn new(hash: [u8; 32]) -> Self {
         Self(hash)
     }
@@ -19,7 +19,7 @@ impl ObjectKey {
     }
 }
 
-impl FromStr for ObjectKey {
+impl FromStr for CacheKey {
     type Err = ();
 
     /// Reads 64 lower-case hexadecimal digits.
@@ -38,7 +38,7 @@ impl FromStr for ObjectKey {
     }
 }
 
-impl fmt::Display for ObjectKey {
+impl fmt::Display for CacheKey {
     /// Writes 64 hexadecimal digits.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.iter().try_for_each(|byte| write!(f, "{byte:02x}"))

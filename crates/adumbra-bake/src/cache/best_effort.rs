@@ -1,4 +1,4 @@
-//! Objects that a bake can do without: what a cache cannot give is baked again, and what it cannot take is not kept.
+//! Entries that a bake can do without: what a cache cannot give is baked again, and what it cannot take is not kept.
 
 use std::fmt;
 use std::sync::Arc;
@@ -6,28 +6,28 @@ use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use adumbra::IoError;
 
-use super::{Fetched, MemoryObjects, ObjectKey, Objects};
+use super::{BakeCache, CacheKey, Fetched, MemoryCache};
 
 /// After so many failures without a success between them, no more is read from a cache, or written to it: a server that is
 /// away takes minutes to say so.
 const MOST_FAILURES: u32 = 3;
 
-/// Objects whose failures are no errors of the bake.
-pub struct CachedObjects {
-    objects: Arc<dyn Objects>,
+/// Entries whose failures are no errors of the bake.
+pub struct BestEffortCache {
+    cache: Arc<dyn BakeCache>,
     /// Has what could not be put, or could not be read again, for users that read what they have put.
-    memory: Option<MemoryObjects>,
+    memory: Option<MemoryCache>,
     on_failure: Box<dyn Fn(&IoError) + Send + Sync>,
     has_failed: AtomicBool,
     reading: Failures,
     writing: Failures,
 }
 
-impl CachedObjects {
-    /// Wraps objects for a bake. The first failure is passed to `on_failure`.
-    pub fn new(objects: Arc<dyn Objects>, on_failure: impl Fn(&IoError) + Send + Sync + 'static) -> Self {
+impl BestEffortCache {
+    /// Wraps entries for a bake. The first failure is passed to `on_failure`.
+    pub fn new(cache: Arc<dyn BakeCache>, on_failure: impl Fn(&IoError) + Send + Sync + 'static) -> Self {
         Self {
-            objects,
+            cache,
             memory: None,
             on_failure: Box::new(on_failure),
             has_failed: AtomicBool::new(false),
@@ -40,19 +40,19 @@ impl CachedObjects {
     /// has put.
     #[must_use]
     pub fn with_memory(self) -> Self {
-        Self { memory: Some(MemoryObjects::default()), ..self }
+        Self { memory: Some(MemoryCache::default()), ..self }
     }
 
     /// Passes on what `attempt` returns. `None` if it fails, or is not tried.
     fn attempt<T>(
         &self,
         failures: &Failures,
-        attempt: impl FnOnce(&dyn Objects) -> Result<T, IoError>,
+        attempt: impl FnOnce(&dyn BakeCache) -> Result<T, IoError>,
     ) -> Option<T> {
         if failures.are_too_many() {
             return None;
         }
-        match attempt(&*self.objects) {
+        match attempt(&*self.cache) {
             Ok(done) => {
                 failures.reset();
                 Some(done)
@@ -68,24 +68,24 @@ impl CachedObjects {
     }
 }
 
-impl fmt::Debug for CachedObjects {
+impl fmt::Debug for BestEffortCache {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("CachedObjects").field(&self.objects).finish()
+        f.debug_tuple("BestEffortCache").field(&self.cache).finish()
     }
 }
 
-impl Objects for CachedObjects {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+impl BakeCache for BestEffortCache {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
         match self.memory.as_ref().map(|memory| memory.get(key, most_bytes)).transpose()? {
             None | Some(Fetched::Nothing) => {}
             Some(found) => return Ok(found),
         }
-        let found = self.attempt(&self.reading, |objects| objects.get(key, most_bytes));
+        let found = self.attempt(&self.reading, |cache| cache.get(key, most_bytes));
         Ok(found.unwrap_or(Fetched::Nothing))
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
-        let is_there = self.attempt(&self.writing, |objects| objects.put(key, bytes)).is_some();
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
+        let is_there = self.attempt(&self.writing, |cache| cache.put(key, bytes)).is_some();
         match &self.memory {
             Some(memory) if !is_there || self.reading.are_too_many() => memory.put(key, bytes),
             _ => Ok(()),

@@ -1,22 +1,22 @@
-//! Objects as bytes.
+//! Entries as bytes.
 
 use adumbra::layout::depths::UNIFORM;
 use adumbra_scene::random::Random;
 use blake3::Hasher;
 
-use super::object::{PageObject, from_bytes, to_bytes};
-use super::{ObjectKey, Parts};
+use super::entry::{CachedPage, from_bytes, to_bytes};
+use super::{CacheKey, PartGrid};
 
-fn key(byte: u8) -> ObjectKey {
-    ObjectKey::new([byte; 32])
+fn key(byte: u8) -> CacheKey {
+    CacheKey::new([byte; 32])
 }
 
-fn bytes_of(key: &ObjectKey, pages: &[PageObject]) -> Vec<u8> {
+fn bytes_of(key: &CacheKey, pages: &[CachedPage]) -> Vec<u8> {
     to_bytes(key, pages.iter().map(|page| (page.root, page.base, &*page.words)))
 }
 
 /// A page with a leaf of two depths in its corner, and a uniform page.
-fn pages() -> Vec<PageObject> {
+fn pages() -> Vec<CachedPage> {
     use crate::pages::{Child, Draft};
     let mut draft = Draft::default();
     let mut index = draft.leaf(&LEAF, true);
@@ -27,7 +27,7 @@ fn pages() -> Vec<PageObject> {
         index = draft.node(&children, level, true);
     }
     let (words, root) = draft.page().expect("a small page");
-    vec![PageObject { root, base: 9, words }, PageObject { root: UNIFORM, base: 7, words: Vec::new() }]
+    vec![CachedPage { root, base: 9, words }, CachedPage { root: UNIFORM, base: 7, words: Vec::new() }]
 }
 
 /// A leaf whose columns have one of two depths: a head, a difference, and a bit for each column.
@@ -35,15 +35,15 @@ const LEAF: [u16; 6] = [1, 4, 0x00ff, 0x00ff, 0x00ff, 0x00ff];
 
 #[test]
 fn uniform_page_is_three_words() {
-    let page = PageObject { root: UNIFORM, base: 7, words: Vec::new() };
+    let page = CachedPage { root: UNIFORM, base: 7, words: Vec::new() };
     let bytes = bytes_of(&key(1), std::slice::from_ref(&page));
-    assert_eq!(&bytes[..8], b"ADUMOBJ1");
+    assert_eq!(&bytes[..8], b"ADUMENT1");
     assert_eq!(bytes[40..], [0xff, 0xff, 0xff, 0xff, 7, 0, 0, 0, 0, 0, 0, 0]);
     assert_eq!(from_bytes(&key(1), &bytes, [1, 1]), Some(vec![page]));
 }
 
 #[test]
-fn objects_are_read_as_they_were_written_and_under_their_own_key_alone() {
+fn entries_are_read_as_written_and_only_under_their_own_key() {
     let pages = pages();
     let bytes = bytes_of(&key(1), &pages);
     assert_eq!(from_bytes(&key(1), &bytes, [2, 1]), Some(pages));
@@ -63,7 +63,7 @@ fn objects_are_read_as_they_were_written_and_under_their_own_key_alone() {
 
 /// Anyone can write a checksum: what has one must still be pages.
 #[test]
-fn forged_objects_are_refused_or_can_be_read() {
+fn forged_entries_are_rejected_or_readable() {
     let pages = pages();
     let bytes = bytes_of(&key(1), &pages);
     let mut random = Random::for_batch(11, 0);
@@ -92,15 +92,15 @@ fn forged_objects_are_refused_or_can_be_read() {
 #[test]
 fn parts_have_each_root_block_and_each_page_once() {
     for (size, level) in [([1500, 700, 9], 5), ([1500, 700, 9], 9), ([9000, 5000, 9], 11), ([40, 40, 4], 5)] {
-        let parts = Parts::new(size, level);
-        let tiles = [0, 1].map(|a| size[a].div_ceil(1 << level));
-        let mut seen_tiles = vec![0; (tiles[0] * tiles[1]) as usize];
+        let parts = PartGrid::new(size, level);
+        let root_blocks = [0, 1].map(|a| size[a].div_ceil(1 << level));
+        let mut seen_root_blocks = vec![0; (root_blocks[0] * root_blocks[1]) as usize];
         let dims = adumbra::layout::depths::page::page_dims(size);
         let mut seen_pages = vec![0; (dims[0] * dims[1]) as usize];
         for part in 0..parts.count() {
-            for tile in parts.tiles(part) {
-                assert_eq!(parts.of_tile(tile), part);
-                seen_tiles[tile] += 1;
+            for root_block in parts.root_blocks(part) {
+                assert_eq!(parts.of_root_block(root_block), part);
+                seen_root_blocks[root_block] += 1;
             }
             for page in parts.pages(part) {
                 assert_eq!(parts.at_page(page), part);
@@ -109,6 +109,6 @@ fn parts_have_each_root_block_and_each_page_once() {
             let [across, down] = parts.page_dims(part);
             assert_eq!(parts.pages(part).count(), (across * down) as usize);
         }
-        assert!(seen_tiles.iter().chain(&seen_pages).all(|&n| n == 1), "{size:?} {level}");
+        assert!(seen_root_blocks.iter().chain(&seen_pages).all(|&n| n == 1), "{size:?} {level}");
     }
 }

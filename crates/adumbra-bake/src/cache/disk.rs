@@ -1,4 +1,4 @@
-//! Objects in a folder: `ab/cdef….object` for the key `abcdef…`, and `new/` for objects that are being written.
+//! Entries in a folder: `ab/cdef….entry` for the key `abcdef…`, and `new/` for entries that are being written.
 
 use std::fs::{self, File, Metadata};
 use std::io::{ErrorKind, Read, Write};
@@ -8,26 +8,26 @@ use std::time::{Duration, SystemTime};
 use adumbra::IoError;
 use adumbra_files::{Abandoned, replace_unsynced};
 
-use super::object::OBJECT_MAGIC;
-use super::{Fetched, ObjectKey, Objects};
+use super::entry::ENTRY_MAGIC;
+use super::{BakeCache, CacheKey, Fetched};
 
-const EXTENSION: &str = "object";
+const EXTENSION: &str = "entry";
 const NEW: &str = "new";
-/// Objects are written in less than a second. Other machines may share the folder, and their locks may not be seen here.
+/// Entries are written in less than a second. Other machines may share the folder, and their locks may not be seen here.
 const ABANDONED_AFTER: Duration = Duration::from_hours(24);
 
-/// A folder with objects. Bakes on one machine or on many may share it. What else is in the folder is left alone, and no
-/// symbolic link in it is followed.
+/// A cache in a folder, which bakes on one machine or many may share. Other files in the folder are left alone, and symbolic
+/// links are not followed.
 #[derive(Clone, Debug)]
-pub struct FolderObjects {
+pub struct DiskCache {
     folder: PathBuf,
 }
 
-/// What a folder of objects has.
+/// The contents of a cache.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FolderContents {
-    /// Number of objects.
-    pub objects: u64,
+pub struct CacheUsage {
+    /// Number of entries.
+    pub entries: u64,
     /// Their bytes.
     pub bytes: u64,
     /// Number of temporary files that programs left more than a day ago because they were killed.
@@ -36,16 +36,16 @@ pub struct FolderContents {
     pub abandoned_bytes: u64,
 }
 
-/// What was found or removed, and what could not be.
+/// What [`DiskCache::contents`] found or [`DiskCache::prune`] removed, with the failures on the way.
 #[derive(Debug, Default)]
-pub struct FolderReport {
+pub struct CacheReport {
     /// What was found or removed.
-    pub contents: FolderContents,
+    pub contents: CacheUsage,
     /// What could not be read or removed.
     pub failures: Vec<IoError>,
 }
 
-impl FolderObjects {
+impl DiskCache {
     /// Uses a folder, and creates it if it is not there. Removes temporary files that programs left more than a day ago.
     ///
     /// # Errors
@@ -53,9 +53,9 @@ impl FolderObjects {
     pub fn create(folder: impl Into<PathBuf>) -> Result<Self, IoError> {
         let folder = folder.into();
         fs::create_dir_all(&folder).map_err(IoError::at("create", &folder))?;
-        let objects = Self { folder };
-        objects.abandoned().for_each(|file| _ = file.remove());
-        Ok(objects)
+        let entries = Self { folder };
+        entries.abandoned().for_each(|file| _ = file.remove());
+        Ok(entries)
     }
 
     /// Uses a folder that is there.
@@ -68,25 +68,25 @@ impl FolderObjects {
         Ok(Self { folder })
     }
 
-    /// Counts the objects.
+    /// Counts the entries.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be read.
-    pub fn contents(&self) -> Result<FolderReport, IoError> {
-        let (objects, failures) = self.list()?;
-        let mut contents = FolderContents::default();
-        objects.iter().for_each(|object| contents.add_object(object.bytes));
+    pub fn contents(&self) -> Result<CacheReport, IoError> {
+        let (entries, failures) = self.list()?;
+        let mut contents = CacheUsage::default();
+        entries.iter().for_each(|entry| contents.add_entry(entry.bytes));
         self.abandoned().for_each(|file| contents.add_abandoned(file.bytes()));
-        Ok(FolderReport { contents, failures })
+        Ok(CacheReport { contents, failures })
     }
 
-    /// Removes temporary files that were left more than a day ago, then objects until the others have at most `most_bytes`;
+    /// Removes temporary files that were left more than a day ago, then entries until the others have at most `most_bytes`;
     /// those that were used longest ago go first. Returns what was removed. What cannot be removed stays.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be read.
-    pub fn prune(&self, most_bytes: u64) -> Result<FolderReport, IoError> {
-        let mut removed = FolderContents::default();
+    pub fn prune(&self, most_bytes: u64) -> Result<CacheReport, IoError> {
+        let mut removed = CacheUsage::default();
         let (mut found, mut failures) = self.list()?;
         for file in self.abandoned() {
             let bytes = file.bytes();
@@ -96,7 +96,7 @@ impl FolderObjects {
             }
         }
         found.sort_by(|a, b| (a.used, &a.path).cmp(&(b.used, &b.path)));
-        let mut left: u64 = found.iter().map(|object| object.bytes).sum();
+        let mut left: u64 = found.iter().map(|entry| entry.bytes).sum();
         for Found { path, bytes, .. } in found {
             if left <= most_bytes {
                 break;
@@ -107,11 +107,11 @@ impl FolderObjects {
                 Err(error) => failures.push(IoError::at("remove", path)(error)),
                 Ok(()) => {
                     left -= bytes;
-                    removed.add_object(bytes);
+                    removed.add_entry(bytes);
                 }
             }
         }
-        Ok(FolderReport { contents: removed, failures })
+        Ok(CacheReport { contents: removed, failures })
     }
 
     fn abandoned(&self) -> impl Iterator<Item = Abandoned> + use<> {
@@ -120,7 +120,7 @@ impl FolderObjects {
         all.into_iter().flatten()
     }
 
-    /// Returns the objects, and what could not be read.
+    /// Returns the entries, and what could not be read.
     fn list(&self) -> Result<(Vec<Found>, Vec<IoError>), IoError> {
         let (mut list, mut failures) = (Vec::new(), Vec::new());
         for (first, folder) in entries(&self.folder)? {
@@ -136,13 +136,13 @@ impl FolderObjects {
                 if !rest.is_some_and(|rest| is_name(rest, 62)) {
                     continue;
                 }
-                match object_at(&path) {
+                match metadata_of_entry(&path) {
                     Ok(Some(found)) => {
                         let used = found.modified().unwrap_or(SystemTime::UNIX_EPOCH);
                         list.push(Found { path, bytes: found.len(), used });
                     }
                     Ok(None) => {}
-                    // One that is gone by now is none.
+                    // Skip an entry that another process has removed.
                     Err(error) if error.kind() == ErrorKind::NotFound => {}
                     Err(error) => failures.push(IoError::at("read", path)(error)),
                 }
@@ -151,16 +151,16 @@ impl FolderObjects {
         Ok((list, failures))
     }
 
-    fn path(&self, key: &ObjectKey) -> PathBuf {
+    fn path(&self, key: &CacheKey) -> PathBuf {
         let name = key.to_string();
         let (folder, rest) = name.split_at(2);
         self.folder.join(folder).join(rest).with_extension(EXTENSION)
     }
 }
 
-impl FolderContents {
-    fn add_object(&mut self, bytes: u64) {
-        self.objects += 1;
+impl CacheUsage {
+    fn add_entry(&mut self, bytes: u64) {
+        self.entries += 1;
         self.bytes += bytes;
     }
 
@@ -170,14 +170,14 @@ impl FolderContents {
     }
 }
 
-/// An object in a folder.
+/// An entry in a folder.
 struct Found {
     path: PathBuf,
     bytes: u64,
     used: SystemTime,
 }
 
-/// Returns the names and paths of what is in a folder. Names that are no text belong to no object.
+/// Returns the names and paths of what is in a folder. Names that are no text belong to no entry.
 fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, IoError> {
     let named = |entry: fs::DirEntry| Some((entry.file_name().into_string().ok()?, entry.path()));
     let all = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
@@ -194,21 +194,21 @@ fn is_name(name: &str, digits: usize) -> bool {
     name.len() == digits && name.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Returns what is known of the object at a path. A power failure may leave one that is cut off or full of zeros. `None` if
-/// it is something else.
-fn object_at(path: &Path) -> std::io::Result<Option<Metadata>> {
+/// Returns the metadata of the entry at a path, or `None` if the file is not an entry. An entry that a power failure has
+/// truncated or filled with zeros counts.
+fn metadata_of_entry(path: &Path) -> std::io::Result<Option<Metadata>> {
     let found = fs::symlink_metadata(path)?;
     if !found.is_file() {
         return Ok(None);
     }
     let mut magic = Vec::new();
-    File::open(path)?.take(OBJECT_MAGIC.len() as u64).read_to_end(&mut magic)?;
-    let is_object = OBJECT_MAGIC.starts_with(&magic) || magic.iter().all(|&byte| byte == 0);
-    Ok(is_object.then_some(found))
+    File::open(path)?.take(ENTRY_MAGIC.len() as u64).read_to_end(&mut magic)?;
+    let is_entry = ENTRY_MAGIC.starts_with(&magic) || magic.iter().all(|&byte| byte == 0);
+    Ok(is_entry.then_some(found))
 }
 
-impl Objects for FolderObjects {
-    fn get(&self, key: &ObjectKey, most_bytes: u64) -> Result<Fetched, IoError> {
+impl BakeCache for DiskCache {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
         let path = self.path(key);
         let read = || -> std::io::Result<Fetched> {
             let found = fs::symlink_metadata(&path)?;
@@ -231,7 +231,7 @@ impl Objects for FolderObjects {
         }
     }
 
-    fn put(&self, key: &ObjectKey, bytes: &[u8]) -> Result<(), IoError> {
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
         let path = self.path(key);
         let new = self.folder.join(NEW);
         for folder in [path.parent().unwrap_or(&self.folder), &new] {

@@ -1,41 +1,41 @@
-//! The bytes of an object.
+//! The bytes of an entry.
 //!
 //! | offset | bytes | contents |
 //! |---|---|---|
-//! | 0 | 8 | `ADUMOBJ1` |
+//! | 0 | 8 | `ADUMENT1` |
 //! | 8 | 32 | BLAKE3 of the key and of all bytes from 40 on |
 //! | 40 | 12 n | root, base and number of words of each of the part's n pages, x fastest |
 //! | 40 + 12 n | | the words of the pages, in this order |
 //!
 //! All numbers are little-endian words of 32 bits. A page has the number of words 0 and the root `UNIFORM`, 0xffffffff, if
-//! it has no shapes. The object of one uniform page with the base 7 ends in `ffffffff 07000000 00000000`.
+//! it has no shapes. The entry of one uniform page with the base 7 ends in `ffffffff 07000000 00000000`.
 
 use adumbra::layout::depths::page::{BUNDLE_PAGES, BUNDLE_SIDE, IN_PAGE, PAGE_LEVEL, Page};
 use adumbra::layout::depths::{TreeBuilder, UNIFORM};
 use blake3::Hasher;
 
-use super::ObjectKey;
+use super::CacheKey;
 
-/// The first bytes of an object.
-pub const OBJECT_MAGIC: &[u8; 8] = b"ADUMOBJ1";
+/// The first bytes of an entry.
+pub const ENTRY_MAGIC: &[u8; 8] = b"ADUMENT1";
 const HEAD: usize = 40;
 const PAGE_HEAD: usize = 12;
 /// The most half-words of a page: 64 × 64 leaves, each with a head, a gradient, 63 differences of 32 bits and six planes of 64
 /// bits, and 16 × 16 + 4 × 4 + 1 nodes, each with three half-words and 16 fields of two.
 const MOST_PAGE_HALVES: u64 = 4096 * (2 + 126 + 24) + 273 * (3 + 32);
 
-/// A page of an object, before it is linked.
+/// A page of an entry, before it is linked.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct PageObject {
+pub(crate) struct CachedPage {
     /// Address of the root, or [`UNIFORM`].
     pub(crate) root: u32,
     pub(crate) base: u32,
     pub(crate) words: Vec<u32>,
 }
 
-/// Returns the bytes of an object.
+/// Returns the bytes of an entry.
 pub(super) fn to_bytes<'p>(
-    key: &ObjectKey,
+    key: &CacheKey,
     pages: impl Iterator<Item = (u32, u32, &'p [u32])> + Clone,
 ) -> Vec<u8> {
     let mut bytes = vec![0; HEAD];
@@ -43,53 +43,53 @@ pub(super) fn to_bytes<'p>(
         bytes.extend([root, base, words.len() as u32].into_iter().flat_map(u32::to_le_bytes));
     }
     pages.for_each(|(_, _, words)| words.iter().for_each(|word| bytes.extend(word.to_le_bytes())));
-    bytes[..8].copy_from_slice(OBJECT_MAGIC);
+    bytes[..8].copy_from_slice(ENTRY_MAGIC);
     let sum = checksum(key, &bytes);
     bytes[8..HEAD].copy_from_slice(&sum);
     bytes
 }
 
-/// Returns the most bytes that an object with `dims` pages along x and y can have.
+/// Returns the most bytes that an entry with `dims` pages along x and y can have.
 pub(super) fn most_bytes(dims: [u32; 2]) -> u64 {
     let pages = u64::from(dims[0]) * u64::from(dims[1]);
     HEAD as u64 + pages * (PAGE_HEAD as u64 + 4 * MOST_PAGE_HALVES.div_ceil(2))
 }
 
-/// Returns the pages of an object with `dims` pages along x and y. `None` if the bytes are not what a bake wrote under this
+/// Returns the pages of an entry with `dims` pages along x and y. `None` if the bytes are not what a bake wrote under this
 /// key.
-pub(super) fn from_bytes(key: &ObjectKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<PageObject>> {
+pub(super) fn from_bytes(key: &CacheKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<CachedPage>> {
     let found = bytes.get(8..HEAD)?;
-    if &bytes[..8] != OBJECT_MAGIC || checksum(key, bytes) != *found {
+    if &bytes[..8] != ENTRY_MAGIC || checksum(key, bytes) != *found {
         return None;
     }
     from_own_bytes(bytes, dims).filter(|pages| is_valid(pages, dims))
 }
 
-/// Returns the pages of an object that this process has made.
-pub(super) fn from_own_bytes(bytes: &[u8], dims: [u32; 2]) -> Option<Vec<PageObject>> {
+/// Returns the pages of an entry that this process has made.
+pub(super) fn from_own_bytes(bytes: &[u8], dims: [u32; 2]) -> Option<Vec<CachedPage>> {
     let count = (dims[0] * dims[1]) as usize;
     let heads = bytes.get(HEAD..HEAD + PAGE_HEAD * count)?;
     let (words, []) = bytes[HEAD + PAGE_HEAD * count..].as_chunks::<4>() else { return None };
     let mut words = words.iter().map(|&b| u32::from_le_bytes(b));
-    let pages: Vec<PageObject> = heads
+    let pages: Vec<CachedPage> = heads
         .as_chunks::<PAGE_HEAD>()
         .0
         .iter()
         .map(|head| {
             let number = |i: usize| u32::from_le_bytes([head[i], head[i + 1], head[i + 2], head[i + 3]]);
             let words = words.by_ref().take(number(8) as usize).collect();
-            PageObject { root: number(0), base: number(4), words }
+            CachedPage { root: number(0), base: number(4), words }
         })
         .collect();
     words.next().is_none().then_some(pages)
 }
 
-fn checksum(key: &ObjectKey, bytes: &[u8]) -> [u8; 32] {
+fn checksum(key: &CacheKey, bytes: &[u8]) -> [u8; 32] {
     *Hasher::new().update(key.as_bytes()).update(&bytes[HEAD..]).finalize().as_bytes()
 }
 
 /// Whether pages can be read. A checksum is no proof: anyone can write one.
-fn is_valid(pages: &[PageObject], dims: [u32; 2]) -> bool {
+fn is_valid(pages: &[CachedPage], dims: [u32; 2]) -> bool {
     let size = dims.map(|n| n << PAGE_LEVEL);
     let mut tree = TreeBuilder::new([size[0], size[1], 1], Vec::new());
     for y in 0..dims[1].div_ceil(BUNDLE_SIDE) {
@@ -98,7 +98,7 @@ fn is_valid(pages: &[PageObject], dims: [u32; 2]) -> bool {
             for (slot, page) in (0_u32..).zip(&mut bundle) {
                 let at = [x * BUNDLE_SIDE + slot % BUNDLE_SIDE, y * BUNDLE_SIDE + slot / BUNDLE_SIDE];
                 if at[0] < dims[0] && at[1] < dims[1] {
-                    let PageObject { root, base, words } = &pages[(at[1] * dims[0] + at[0]) as usize];
+                    let CachedPage { root, base, words } = &pages[(at[1] * dims[0] + at[0]) as usize];
                     if (*root == UNIFORM) != words.is_empty() || (*root != UNIFORM && root & IN_PAGE != 0) {
                         return false;
                     }

@@ -1,14 +1,14 @@
-//! Bakes that use objects of earlier bakes write the bytes of fresh bakes, whatever was edited in between.
+//! Bakes that use entries of earlier bakes write the bytes of fresh bakes, whatever was edited in between.
 
 use std::fs;
 use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use adumbra::{AtRest, Bias, Bounds, Receivers, Sun};
+use adumbra::{Bias, Bounds, Encoding, Receivers, Sun};
 use adumbra_bake::{
-    AssumeGround, BakeOptions, Builder, Fetched, FolderObjects, FrameChoice, ObjectKey, Objects, Report,
-    Size, Watch, bake_to, bake_with_objects,
+    AssumeGround, BakeCache, BakeOptions, Builder, CacheKey, DiskCache, Fetched, FrameChoice, Report, Size,
+    Watch, bake_to, bake_with_cache,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{
@@ -29,7 +29,12 @@ fn options(resolution: u64) -> BakeOptions {
     let frame = FrameChoice::ObliqueAt(0.0);
     // The bounds keep voxels where they are when something beyond the scene's extent is added.
     let bounds = Some(Bounds { min: [-150.0, -1.0, -150.0], max: [150.0, 60.0, 150.0] });
-    BakeOptions { frame, bounds, at_rest: AtRest::Raw, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
+    BakeOptions {
+        frame,
+        bounds,
+        encoding: Encoding::Raw,
+        ..BakeOptions::new(sun, Size::Resolution(resolution))
+    }
 }
 
 fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
@@ -38,9 +43,9 @@ fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
     out.into_inner()
 }
 
-fn with_objects(scene: &Scene, options: &BakeOptions, objects: &Arc<dyn Objects>) -> (Vec<u8>, Report) {
+fn with_cache(scene: &Scene, options: &BakeOptions, cache: &Arc<dyn BakeCache>) -> (Vec<u8>, Report) {
     let mut out = Cursor::new(Vec::new());
-    let written = bake_with_objects(scene, options, objects, Watch::none(), &mut out).expect("a good bake");
+    let written = bake_with_cache(scene, options, cache, Watch::none(), &mut out).expect("a good bake");
     (out.into_inner(), written.report)
 }
 
@@ -94,21 +99,24 @@ fn edited_bakes_are_fresh_bakes(kind: GeneratedKind, options: &BakeOptions, edit
 
 fn edits_are_fresh_bakes(name: &str, mut scene: Scene, options: &BakeOptions, edits: u64) {
     let memory = Arc::new(InMemory::default());
-    let objects: Arc<dyn Objects> = memory.clone();
-    let (bytes, report) = with_objects(&scene, options, &objects);
+    let cache: Arc<dyn BakeCache> = memory.clone();
+    let (bytes, report) = with_cache(&scene, options, &cache);
     assert!(bytes == fresh(&scene, options));
-    assert_eq!(report.reused_tiles, 0);
+    assert_eq!(report.reused_root_blocks, 0);
     assert!(memory.len() > 0);
     let mut random = Random::for_batch(edits, 7);
     let mut reused = 0;
     for number in 0..edits {
         let what = edit(&mut scene, &mut random);
-        let (bytes, report) = with_objects(&scene, options, &objects);
+        let (bytes, report) = with_cache(&scene, options, &cache);
         assert!(bytes == fresh(&scene, options), "{name}: {number}: {what}");
-        reused += report.reused_tiles;
+        reused += report.reused_root_blocks;
         // Nothing changed: all is there.
-        let (again, report) = with_objects(&scene, options, &objects);
-        assert!(again == bytes && report.reused_tiles == report.tiles, "{name}: {number}: {what}");
+        let (again, report) = with_cache(&scene, options, &cache);
+        assert!(
+            again == bytes && report.reused_root_blocks == report.root_blocks,
+            "{name}: {number}: {what}"
+        );
     }
     assert!(reused > 0);
 }
@@ -161,9 +169,9 @@ fn edits_of_root_blocks_of_several_pages_have_the_bytes_of_fresh_bakes() {
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(32768), 3);
 }
 
-/// A store that has the objects of one bake is of no use to a bake with another option, unless the option matters to no page.
+/// A store that has the entries of one bake is of no use to a bake with another option, unless the option matters to no page.
 #[test]
-fn every_option_that_matters_has_its_own_objects() {
+fn every_relevant_option_changes_the_keys() {
     let scene = generate(GeneratedKind::Primitives, 3);
     let plain = options(512);
     let bias = |constant_texels, slope_texels, normal_offset_texels| {
@@ -186,15 +194,15 @@ fn every_option_that_matters_has_its_own_objects() {
         bias(c, s + 0.25, n),
         bias(c, s, n + 0.25),
     ];
-    let objects: Arc<dyn Objects> = Arc::new(InMemory::default());
-    let (bytes, _) = with_objects(&scene, &plain, &objects);
+    let cache: Arc<dyn BakeCache> = Arc::new(InMemory::default());
+    let (bytes, _) = with_cache(&scene, &plain, &cache);
     for (number, options) in cases.iter().enumerate() {
-        let (found, report) = with_objects(&scene, options, &objects);
+        let (found, report) = with_cache(&scene, options, &cache);
         assert!(found == fresh(&scene, options), "{number}");
-        assert_eq!(report.reused_tiles, 0, "{number}");
+        assert_eq!(report.reused_root_blocks, 0, "{number}");
     }
-    let (again, report) = with_objects(&scene, &plain, &objects);
-    assert!(again == bytes && report.reused_tiles == report.tiles);
+    let (again, report) = with_cache(&scene, &plain, &cache);
+    assert!(again == bytes && report.reused_root_blocks == report.root_blocks);
 }
 
 /// A ground, and above it a box and a card with a texture that cuts holes.
@@ -227,9 +235,9 @@ fn small_options() -> BakeOptions {
     BakeOptions { bounds, ..options(128) }
 }
 
-/// A store that has the objects of other scenes is of no use to one that differs in a property that may matter.
+/// A store that has the entries of other scenes is of no use to one that differs in a property that may matter.
 #[test]
-fn every_property_that_matters_has_its_own_objects() {
+fn every_relevant_property_changes_the_keys() {
     let changes: [fn(&mut Scene); 22] = [
         |s| s.materials[1].base_color[3] = 0.4,
         |s| s.materials[1].alpha = AlphaMode::Mask { cutoff: 0.7 },
@@ -254,104 +262,104 @@ fn every_property_that_matters_has_its_own_objects() {
         |s| s.instances.truncate(2),
         |s| s.instances.push(s.instances[1].clone()),
     ];
-    let objects: Arc<dyn Objects> = Arc::new(InMemory::default());
+    let cache: Arc<dyn BakeCache> = Arc::new(InMemory::default());
     let (scene, options) = (small_scene(), small_options());
-    let (bytes, _) = with_objects(&scene, &options, &objects);
+    let (bytes, _) = with_cache(&scene, &options, &cache);
     for (number, change) in changes.iter().enumerate() {
         let mut changed = scene.clone();
         change(&mut changed);
-        let (found, report) = with_objects(&changed, &options, &objects);
+        let (found, report) = with_cache(&changed, &options, &cache);
         assert!(found == fresh(&changed, &options), "{number}");
-        assert_eq!(report.reused_tiles, 0, "{number}");
+        assert_eq!(report.reused_root_blocks, 0, "{number}");
     }
-    let (again, report) = with_objects(&scene, &options, &objects);
-    assert!(again == bytes && report.reused_tiles == report.tiles);
+    let (again, report) = with_cache(&scene, &options, &cache);
+    assert!(again == bytes && report.reused_root_blocks == report.root_blocks);
 }
 
 #[test]
-fn damaged_objects_are_made_again() {
+fn damaged_entries_are_rebuilt() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let memory = Arc::new(InMemory::default());
-    let objects: Arc<dyn Objects> = memory.clone();
-    let (bytes, _) = with_objects(&scene, &options, &objects);
-    let whole: Vec<(ObjectKey, Vec<u8>)> =
+    let cache: Arc<dyn BakeCache> = memory.clone();
+    let (bytes, _) = with_cache(&scene, &options, &cache);
+    let whole: Vec<(CacheKey, Vec<u8>)> =
         memory.0.lock().unwrap().iter().map(|(key, bytes)| (*key, bytes.clone())).collect();
     let mut number = 0;
-    each(&memory, |object| {
+    each(&memory, |entry| {
         number += 1;
         match number % 4 {
-            0 => object.truncate(object.len() / 2),
-            1 => object.clear(),
-            2 => object[40] ^= 1,
+            0 => entry.truncate(entry.len() / 2),
+            1 => entry.clear(),
+            2 => entry[40] ^= 1,
             _ => {
-                let last = object.len() - 1;
-                object[last] ^= 0x80;
+                let last = entry.len() - 1;
+                entry[last] ^= 0x80;
             }
         }
     });
-    let (again, report) = with_objects(&scene, &options, &objects);
-    assert!(again == bytes && report.reused_tiles == 0);
+    let (again, report) = with_cache(&scene, &options, &cache);
+    assert!(again == bytes && report.reused_root_blocks == 0);
     // They have been replaced.
-    for (key, object) in &whole {
-        assert_eq!(memory.get(key, u64::MAX).unwrap(), Fetched::Whole(object.clone()));
+    for (key, entry) in &whole {
+        assert_eq!(memory.get(key, u64::MAX).unwrap(), Fetched::Whole(entry.clone()));
     }
-    // An object under the key of another is damaged too.
+    // An entry under the key of another is damaged too.
     let first = whole[0].1.clone();
-    each(&memory, |object| object.clone_from(&first));
-    let (again, report) = with_objects(&scene, &options, &objects);
+    each(&memory, |entry| entry.clone_from(&first));
+    let (again, report) = with_cache(&scene, &options, &cache);
     // Only under its own key it is whole: a page has 16 x 16 root blocks of 32 texels at most.
-    assert!(again == bytes && (1..=256).contains(&report.reused_tiles), "{report:?}");
+    assert!(again == bytes && (1..=256).contains(&report.reused_root_blocks), "{report:?}");
 }
 
 #[test]
-fn folder_keeps_objects_and_removes_those_that_were_used_longest_ago() {
+fn disk_cache_removes_least_recently_used_entries_first() {
     let folder = adumbra_testing::Folder::new();
-    let cache = FolderObjects::create(folder.path("cache")).unwrap();
-    let objects: Arc<dyn Objects> = Arc::new(cache.clone());
+    let disk = DiskCache::create(folder.path("cache")).unwrap();
+    let cache: Arc<dyn BakeCache> = Arc::new(disk.clone());
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
-    let (bytes, _) = with_objects(&scene, &options, &objects);
-    let all = cache.contents().unwrap().contents;
-    assert!(all.objects > 0 && all.bytes > 0);
-    let (again, report) = with_objects(&scene, &options, &objects);
-    assert!(again == bytes && report.reused_tiles == report.tiles);
-    assert_eq!(cache.contents().unwrap().contents, all);
-    let removed = cache.prune(all.bytes / 2).unwrap().contents;
-    let left = cache.contents().unwrap().contents;
+    let (bytes, _) = with_cache(&scene, &options, &cache);
+    let all = disk.contents().unwrap().contents;
+    assert!(all.entries > 0 && all.bytes > 0);
+    let (again, report) = with_cache(&scene, &options, &cache);
+    assert!(again == bytes && report.reused_root_blocks == report.root_blocks);
+    assert_eq!(disk.contents().unwrap().contents, all);
+    let removed = disk.prune(all.bytes / 2).unwrap().contents;
+    let left = disk.contents().unwrap().contents;
     assert!(
-        left.bytes <= all.bytes / 2 && removed.objects + left.objects == all.objects,
+        left.bytes <= all.bytes / 2 && removed.entries + left.entries == all.entries,
         "{removed:?} {left:?}"
     );
     assert_eq!(removed.bytes + left.bytes, all.bytes);
-    let (again, report) = with_objects(&scene, &options, &objects);
-    assert!(again == bytes && report.reused_tiles < report.tiles);
+    let (again, report) = with_cache(&scene, &options, &cache);
+    assert!(again == bytes && report.reused_root_blocks < report.root_blocks);
     assert!(folder.no_temporary_files());
-    let error = FolderObjects::open(folder.path("none")).unwrap_err();
+    let error = DiskCache::open(folder.path("none")).unwrap_err();
     assert!(error.to_string().contains("none"), "{error}");
 }
 
 #[test]
-fn objects_that_are_damaged_on_disk_are_made_again() {
+fn entries_damaged_on_disk_are_rebuilt() {
     let folder = adumbra_testing::Folder::new();
-    let cache = PathBuf::from(folder.path("cache"));
-    let objects: Arc<dyn Objects> = Arc::new(FolderObjects::create(&cache).unwrap());
+    let path = PathBuf::from(folder.path("cache"));
+    let cache: Arc<dyn BakeCache> = Arc::new(DiskCache::create(&path).unwrap());
     let (scene, options) = (small_scene(), small_options());
-    let (bytes, _) = with_objects(&scene, &options, &objects);
+    let (bytes, _) = with_cache(&scene, &options, &cache);
     let list = |folder: PathBuf| fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let files: Vec<PathBuf> = list(cache).flat_map(list).collect();
+    let files: Vec<PathBuf> = list(path).flat_map(list).collect();
     let [file] = &files[..] else { panic!("{files:?}") };
     let whole = fs::read(file).unwrap();
     for at in [40, whole.len() - 1] {
         let mut damaged = whole.clone();
         damaged[at] ^= 1;
         fs::write(file, damaged).unwrap();
-        let (again, report) = with_objects(&scene, &options, &objects);
-        assert!(again == bytes && report.reused_tiles == 0, "{at}");
+        let (again, report) = with_cache(&scene, &options, &cache);
+        assert!(again == bytes && report.reused_root_blocks == 0, "{at}");
         // It has been replaced.
         assert!(fs::read(file).unwrap() == whole, "{at}");
     }
 }
 
-/// Objects are named after the rules by which they were made. If pages change for the same surfaces, `RULES` in
+/// Entries are named after the rules by which they were made. If pages change for the same surfaces, `RULES` in
 /// `src/inputs.rs` must change too, so that no bake takes pages that were made by other rules.
 #[test]
 fn pages_change_only_with_the_version_of_the_rules() {
@@ -363,8 +371,8 @@ fn pages_change_only_with_the_version_of_the_rules() {
         for receivers in [Receivers::All, Receivers::Static] {
             let options = BakeOptions { receivers, levels: 1, bounds: None, ..options(1024) };
             let memory = Arc::new(InMemory::default());
-            let objects: Arc<dyn Objects> = memory.clone();
-            with_objects(&scene, &options, &objects);
+            let cache: Arc<dyn BakeCache> = memory.clone();
+            with_cache(&scene, &options, &cache);
             // Their heads have the version of the rules.
             let mut pages: Vec<Vec<u8>> =
                 memory.0.lock().unwrap().values().map(|bytes| bytes[40..].to_vec()).collect();
