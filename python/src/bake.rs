@@ -84,7 +84,8 @@ impl Options {
     }
 }
 
-/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished root blocks and of all.
+/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished root blocks and
+/// of all.
 #[pyfunction]
 pub(crate) fn bake(
     py: Python<'_>,

@@ -1,6 +1,7 @@
 //! Bakes in steps that many machines can share: plans, their parts, and the files that are linked of them.
 //!
-//! A plan is written as the program `adumbra plan` writes it: where the scene is, how to load it, and what is to be baked.
+//! A plan is written as the program `adumbra plan` writes it: where the scene is, how to load it, and what is to be
+//! baked.
 
 use std::collections::HashMap;
 use std::fs;
@@ -193,8 +194,8 @@ impl Plan {
         watched(py, None, |_| self.check(&output))
     }
 
-    /// Makes the file of the entries in `cache`. `sums` are the BLAKE3 of some parts' entries: one with other bytes counts as
-    /// missing.
+    /// Makes the file from the entries in `cache`. `sums` are the BLAKE3 of some parts' entries: one with other bytes
+    /// counts as missing.
     fn link(
         &self,
         py: Python<'_>,
@@ -240,8 +241,8 @@ pub(crate) struct Baker {
 
 #[pymethods]
 impl Baker {
-    /// Bakes the parts with these ids whose entries are not in `cache`, which is created if it is not there. Returns for each
-    /// part its id, the BLAKE3 of its entry, and whether it was baked; and the seconds.
+    /// Bakes the parts with these ids whose entries are not in `cache`, which is created if it is not there. Returns
+    /// for each part its id, the BLAKE3 of its entry, and whether it was baked; and the seconds.
     #[allow(clippy::type_complexity, reason = "what became of the parts")]
     fn bake(
         &self,
@@ -268,7 +269,7 @@ impl Baker {
     }
 }
 
-/// Entries that remember what they last gave or took under each key: its hash, and whether it was put there.
+/// A cache that remembers what it last gave or took under each key: its hash, and whether it was put there.
 #[derive(Debug)]
 struct Recorded {
     cache: DiskCache,
@@ -298,7 +299,7 @@ impl BakeCache for Recorded {
     }
 }
 
-/// Entries of which some must have the bytes that they were written with. An entry with others is not there.
+/// A cache some of whose entries must have the bytes that they were written with. An entry with others is not there.
 #[derive(Debug)]
 struct Checked {
     cache: DiskCache,

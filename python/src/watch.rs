@@ -1,5 +1,5 @@
-//! Long work that Python can watch and stop. The work runs on another thread without the interpreter's lock; the calling
-//! thread wakes up now and then to tell Python how far it is, and to ask whether Python was interrupted.
+//! Long work that Python can watch and stop. The work runs on another thread without the interpreter's lock; the
+//! calling thread wakes up now and then to tell Python how far it is, and to ask whether Python was interrupted.
 
 use std::any::Any;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -1,10 +1,11 @@
 //! Names and options that have been replaced appear in no source and no document.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::process::Command;
 
 /// Each retired word, and what stands in its place.
-const RETIRED: [(&str, &str); 45] = [
+const RETIRED: [(&str, &str); 49] = [
     // The bake cache.
     ("FolderObjects", "DiskCache"),
     ("MemoryObjects", "MemoryCache"),
@@ -17,6 +18,7 @@ const RETIRED: [(&str, &str); 45] = [
     ("Keeper", "PartCache"),
     ("bake_with_objects", "bake_with_cache"),
     ("with_objects", "with_cache"),
+    ("OBJECT_MAGIC", "ENTRY_MAGIC"),
     ("ADUMOBJ1", "ADUMENT1"),
     // Root blocks, and what progress counts.
     ("done_tiles", "done"),
@@ -24,10 +26,13 @@ const RETIRED: [(&str, &str); 45] = [
     ("reused_tiles", "reused_root_blocks"),
     ("sampled_tiles", "sampled_root_blocks"),
     ("texels_per_tile", "texels_per_unit"),
+    ("TileRect", "TexelRect"),
+    ("TileSurfaces", "BinSurfaces"),
     ("on_pages_of", "snapped_to"),
     // How a file is stored.
     ("AtRest", "Encoding"),
     ("at_rest", "encoding"),
+    ("AT_REST", "ENCODING"),
     ("--at-rest", "--encoding"),
     ("adumbra pack", "adumbra convert"),
     ("adumbra unpack", "adumbra convert"),
@@ -57,32 +62,31 @@ const RETIRED: [(&str, &str); 45] = [
     ("softness", "sun_degrees, sunDegrees"),
 ];
 
-/// Where a retired word means something else: the word, and the end of the file's path.
+/// Where a retired word means something else, or is named as such: the word, and the file.
 const ELSEWHERE: [(&str, &str); 2] = [
     // A control of the demo's page.
     ("softness", "integrations/three/demo/main.ts"),
     ("softness", "integrations/three/demo/index.html"),
 ];
 
-/// Folders without sources of this repository's own.
-const SKIPPED: [&str; 9] =
-    ["target", "node_modules", "dist", "bench", "generated", ".git", "test_vectors", "shared", "fuzz"];
+/// Files that tell of the old words.
+const HISTORY: [&str; 2] = ["CHANGELOG.md", "xtask/tests/retired_words.rs"];
 
-fn files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
-        let path = entry.path();
-        let name = entry.file_name().into_string().unwrap();
-        if path.is_dir() {
-            if !SKIPPED.contains(&&*name) {
-                files(&path, found);
-            }
-        } else if ["rs", "ts", "py", "pyi", "md", "wgsl", "toml", "html", "js", "tsx", "mk", "sh", "yaml"]
-            .iter()
-            .any(|end| path.extension().is_some_and(|e| e == *end))
-        {
-            found.push(path);
-        }
-    }
+/// Endings of files with text.
+const ENDINGS: [&str; 17] = [
+    "rs", "ts", "tsx", "js", "mjs", "py", "pyi", "md", "txt", "wgsl", "toml", "html", "mk", "sh", "yaml",
+    "yml", "ipynb",
+];
+
+/// Returns the files of this repository, without recorded measurements.
+fn files(root: &Path) -> Vec<String> {
+    let listed = Command::new("git").args(["ls-files", "-z"]).current_dir(root).output().unwrap();
+    assert!(listed.status.success(), "git ls-files: {}", String::from_utf8_lossy(&listed.stderr));
+    let all = String::from_utf8(listed.stdout).unwrap();
+    let is_text =
+        |name: &&str| ENDINGS.iter().any(|end| name.rsplit_once('.').is_some_and(|(_, e)| e == *end));
+    let files = all.split('\0').filter(is_text).filter(|name| !name.starts_with("docs/bench/"));
+    files.map(str::to_owned).collect()
 }
 
 /// Whether a text has a word, and not as a part of a longer one.
@@ -95,18 +99,14 @@ fn has_word(text: &str, word: &str) -> bool {
 #[test]
 fn retired_words_are_used_nowhere() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    let mut sources = Vec::new();
-    files(root, &mut sources);
+    let sources = files(root);
     assert!(sources.len() > 1000, "{}", sources.len());
     let mut faults = Vec::new();
-    for path in sources {
-        let name = path.strip_prefix(root).unwrap().to_str().unwrap().replace('\\', "/");
-        if name == "xtask/tests/retired_words.rs" {
-            continue;
-        }
-        let text = fs::read_to_string(&path).unwrap();
+    for name in sources.iter().filter(|name| !HISTORY.contains(&&***name)) {
+        // A file that is listed may have been removed.
+        let Ok(text) = fs::read_to_string(root.join(name)) else { continue };
         for (word, instead) in RETIRED {
-            if has_word(&text, word) && !ELSEWHERE.contains(&(word, &*name)) {
+            if has_word(&text, word) && !ELSEWHERE.contains(&(word, name)) {
                 faults.push(format!("{name}: {word}; write {instead}"));
             }
         }

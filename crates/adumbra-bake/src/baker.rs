@@ -16,9 +16,9 @@ use crate::progress::Watch;
 use crate::sink::depths::DepthsBlock;
 use crate::sink::recent::RecentBlocks;
 
-/// A scene, the options of its bake, and the pages that were baked. Unless the options limit the memory, it also holds the
-/// root blocks of pages that have several, about half a kilobyte for each block of 8 × 8 texels that an outline crosses:
-/// such pages are those of coarse levels.
+/// A scene, the options of its bake, and the pages that were baked. Unless the options limit the memory, it also holds
+/// the root blocks of pages that have several, about half a kilobyte for each block of 8 × 8 texels that an outline
+/// crosses: such pages are those of coarse levels.
 ///
 /// ```no_run
 /// use adumbra_bake::{BakeOptions, Baker, Size, Watch};
@@ -97,8 +97,8 @@ impl Baker {
         &self.options
     }
 
-    /// Returns the placement of each level's voxels in the world, the finest first. An edit that makes the scene larger or
-    /// smaller changes it.
+    /// Returns the placement of each level's voxels in the world, the finest first. An edit that makes the scene larger
+    /// or smaller changes it.
     pub fn grids(&self) -> Vec<LightGrid> {
         self.plan.grids()
     }
@@ -138,8 +138,8 @@ impl Baker {
         })
     }
 
-    /// Bakes the pages that are not baked yet: coarse levels first, and of each level those nearest to `focus`, a point in
-    /// the world, first. What was done before an error stays.
+    /// Bakes the pages that are not baked yet: coarse levels first, and of each level those nearest to `focus`, a point
+    /// in the world, first. What was done before an error stays.
     ///
     /// # Errors
     /// Returns the errors of [`PartBaker::bake`].
@@ -177,8 +177,8 @@ impl Baker {
         Ok(done)
     }
 
-    /// Forgets which pages are baked. If linking misses some, because their entries could not be read again, the next bake
-    /// makes them.
+    /// Forgets which pages are baked. If linking misses some, because their entries could not be read again, the next
+    /// bake makes them.
     pub fn forget(&mut self) {
         self.known.clear();
     }

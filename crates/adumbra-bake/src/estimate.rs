@@ -72,8 +72,8 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     let [built_bytes, finish_bytes] =
         [merged.memory_bytes(), merged.finish_bytes()].map(|bytes| bytes as f64);
     let merged_bytes = bytes(merged)? as f64;
-    // Upper bound: every root block adds as many bytes as the sampled ones. Lower bound: the sharing seen among the samples
-    // continues over all root blocks.
+    // Upper bound: every root block adds as many bytes as the sampled ones. Lower bound: the sharing seen among the
+    // samples continues over all root blocks.
     let sharing = merged_bytes / (separate_bytes as f64).max(1.0);
     let least = scale * sharing.powf(scale.log2().max(0.0)).max(0.25);
     let [less, more] = SPREAD_OF_BYTES;

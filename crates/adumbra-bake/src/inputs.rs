@@ -9,7 +9,7 @@ use crate::cache::{CacheKey, PartGrid};
 use crate::options::Builder;
 use crate::plan::Plan;
 
-/// Version of the rules by which pages are made. `tests/entries.rs` notices if pages change.
+/// Version of the rules by which pages are made. `tests/cache.rs` notices if pages change.
 const RULES: u32 = 3;
 
 /// The hashes of a scene's instances, with their meshes, materials and textures.

@@ -1,5 +1,6 @@
-//! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in columns along the light, one
-//! root block at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most of it.
+//! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in columns along the light,
+//! one root block at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most
+//! of it.
 //!
 //! Sources: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for columns along the
 //! light that are free where nothing looks; Scandolo, Bauszat, Eisemann, *Merged Multiresolution Hierarchies for Shadow
@@ -47,14 +48,15 @@
 //! it (`plain/agreement.rs`), it with every triangle at every column (`plain/reference.rs`), and files of random scenes
 //! with columns and rays (`fuzz/`).
 //!
-//! `entries/` keeps what was made of each part of a grid under a key of all that it was made from (`inputs`), so that the
-//! next bake need not make it again. `farm/` plans a bake whose parts other machines bake, and links them. [`Baker`] holds
-//! a scene and its parts while it is edited.
+//! `cache/` keeps what was made of each part of a grid under a key of all that it was made from (`inputs`), so that the
+//! next bake need not make it again. `farm/` plans a bake whose parts other machines bake, and links them. [`Baker`]
+//! holds a scene and its parts while it is edited.
 //!
-//! `ground` says whether a scene has a ground of its own. `choose` plans a bake in the frame that was asked for, or in the one that a few blocks forecast to be better. `regions`
-//! cuts a world that is too wide for one file into regions with a file each; `region_grids` places their grids.
+//! `ground` says whether a scene has a ground of its own. `choose` plans a bake in the frame that was asked for, or in
+//! the one that a few blocks forecast to be better. `regions` cuts a world that is too wide for one file into regions
+//! with a file each; `region_grids` places their grids.
 //!
-//! Dependencies go one way: triangles → columns → root blocks → pack → pages → entries → sink → fast and plain → plan →
+//! Dependencies go one way: triangles → columns → root_blocks → pack → pages → cache → sink → fast and plain → plan →
 //! region_grids → ground → choose → regions → inputs → bake → farm → baker.
 //! [`layers`] provides first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
@@ -100,9 +102,8 @@ mod plan;
 mod progress;
 mod region_grids;
 mod regions;
-mod sink;
-
 mod root_blocks;
+mod sink;
 mod tally;
 #[cfg(test)]
 mod test_bakes;

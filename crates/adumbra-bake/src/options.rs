@@ -41,8 +41,8 @@ pub enum FrameChoice {
     Auto,
 }
 
-/// Elevation of the sun in degrees below which [`FrameChoice::Auto`] does not consider the oblique frame: a shadow would
-/// be more than eleven times as long as its caster is high, and the grid would be as long.
+/// Elevation of the sun in degrees below which [`FrameChoice::Auto`] does not consider the oblique frame: a shadow
+/// would be more than eleven times as long as its caster is high, and the grid would be as long.
 pub const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
 
 /// Whether shadows below the last surface of a column are left out, because they would fall on nothing.
@@ -84,10 +84,11 @@ pub struct BakeOptions {
     pub frame: FrameChoice,
     /// The resolution of the grid.
     pub size: Size,
-    /// How far below an open surface a shadow may begin, in world units along the light, at least 0. The bias at the surface's slope
-    /// applies instead if it is larger.
+    /// How far below an open surface a shadow may begin, in world units along the light, at least 0. The bias at the
+    /// surface's slope applies instead if it is larger.
     pub thickness_world: f64,
-    /// Whether to assume that nothing is below the last surface of a column, so that its shadow may begin anywhere there.
+    /// Whether to assume that nothing is below the last surface of a column, so that its shadow may begin anywhere
+    /// there.
     pub assume_ground: AssumeGround,
     /// Whether voxels inside closed components may be either lit or shadowed.
     pub closed_regions: bool,
@@ -105,9 +106,9 @@ pub struct BakeOptions {
     /// Folder for the temporary files, which have no names; `None` = the system's folder.
     pub spill_folder: Option<PathBuf>,
     /// How far behind its first surface a column may switch to shadow, in voxels, at most [`MAX_SWITCH_WITHIN`]; 0 =
-    /// anywhere that neither receivers nor the filters around them read. In a block that no contour crosses, the distance
-    /// counts from the block's deepest first surface for all of its columns. A limit makes files larger. It serves
-    /// filters around points that are not part of the scene, such as movers beside a wall.
+    /// anywhere that neither receivers nor the filters around them read. In a block that no contour crosses, the
+    /// distance counts from the block's deepest first surface for all of its columns. A limit makes files larger. It
+    /// serves filters around points that are not part of the scene, such as movers beside a wall.
     pub switch_within_voxels: u32,
     /// Number of levels of detail, from 1 to [`MAX_LEVELS`](adumbra::file::MAX_LEVELS). Each has voxels four times as
     /// large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
@@ -130,8 +131,8 @@ pub const DEFAULT_LEVELS: u32 = 3;
 pub const LEAST_LEVEL_TEXELS: u32 = 256;
 
 impl BakeOptions {
-    /// Creates default options for a sun and a size: a ground assumed where the scene has one, closed regions used, every
-    /// point answered.
+    /// Creates default options for a sun and a size: a ground assumed where the scene has one, closed regions used,
+    /// every point answered.
     pub fn new(sun: Sun, size: Size) -> Self {
         Self {
             sun,

@@ -112,8 +112,9 @@ const TOP_GRID_LEVEL: u32 = 5;
 /// 2^[`TOP_GRID_LEVEL`] across.
 const LONG_GRID: u32 = 4;
 
-/// Grids begin and end at multiples of a lattice step from the world's origin, so that texels stay where they are when a
-/// scene grows. The step is this share of the resolution, within the limits below, so that small grids are not mostly margin.
+/// Grids begin and end at multiples of a lattice step from the world's origin, so that texels stay where they are when
+/// a scene grows. The step is this share of the resolution, within the limits below, so that small grids are not mostly
+/// margin.
 const STEPS_ACROSS: u32 = 8;
 const MIN_STEP: u32 = 8;
 /// Largest lattice step, texels: a page of the file.
@@ -122,8 +123,8 @@ const MAX_STEP: u32 = 1 << PAGE_LEVEL;
 /// More than rounding adds to a coordinate, relative to it.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns the lattice step, in texels, of a bake whose finest level has this resolution. All levels use it, so that each
-/// has whole steps where the finest one has.
+/// Returns the lattice step, in texels, of a bake whose finest level has this resolution. All levels use it, so that
+/// each has whole steps where the finest one has.
 pub(crate) fn lattice_step(finest_resolution: u32) -> u32 {
     (finest_resolution / STEPS_ACROSS).clamp(MIN_STEP, MAX_STEP)
 }
@@ -250,9 +251,9 @@ impl<'s> Plan<'s> {
         Ok(self.spill.resident_bytes())
     }
 
-    /// Limits the memory for pages, while a structure of `held_bytes` is built, to what the bake and the structure leave.
-    /// The `finish_bytes` that finishing it will need stay free from the start: pages that go to disk only then leave holes
-    /// that nothing large fits.
+    /// Limits the memory for pages, while a structure of `held_bytes` is built, to what the bake and the structure
+    /// leave. The `finish_bytes` that finishing it will need stay free from the start: pages that go to disk only then
+    /// leave holes that nothing large fits.
     pub(crate) fn limit_pages_while_building(&self, held_bytes: u64, finish_bytes: u64) {
         let working_bytes = self.workers as u64 * self.worker_bytes;
         self.limit_pages(self.scene_bytes + held_bytes + working_bytes.max(finish_bytes));

@@ -5,11 +5,11 @@ use std::sync::atomic::AtomicBool;
 /// Progress of a bake.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress {
-    /// Finished root blocks.
+    /// Finished units: root blocks of a bake, cubes of a tree, blocks of points.
     pub done: usize,
-    /// Total number of root blocks.
+    /// Total number of units.
     pub total: usize,
-    /// Texels per root block.
+    /// Texels per unit; voxels of a tree, and points.
     pub texels_per_unit: u64,
     /// Bytes of the result so far.
     pub result_bytes: u64,

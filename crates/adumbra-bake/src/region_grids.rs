@@ -9,8 +9,8 @@ use crate::options::{BakeOptions, FrameChoice, Size};
 use crate::plan::{Placement, lattice_step};
 use crate::triangles::casters::SceneClusters;
 
-/// How far beyond its sides, in texels of any level, a region's look-ups may read: half of the widest filter, and what the
-/// normal offset of the bias may add. Pages beyond the sides have at least as many.
+/// How far beyond its sides, in texels of any level, a region's look-ups may read: half of the widest filter, and what
+/// the normal offset of the bias may add. Pages beyond the sides have at least as many.
 pub(crate) const REACH_TEXELS: f64 = 32.0;
 
 /// Places the grids of all levels of a region: its columns, and the pages that its filters reach.

@@ -33,8 +33,8 @@ impl<'a, 's> Tally<'a, 's> {
         self.drawn_texels.fetch_add(texels, Ordering::Relaxed);
     }
 
-    /// Records a finished root block. `held_bytes` is the size of what has been built, apart from its pages; `result_bytes`
-    /// is the size of the result so far.
+    /// Records a finished root block. `held_bytes` is the size of what has been built, apart from its pages;
+    /// `result_bytes` is the size of the result so far.
     ///
     /// # Errors
     /// Returns [`Error::MemoryLimit`](crate::Error::MemoryLimit) if the limit is exceeded, and

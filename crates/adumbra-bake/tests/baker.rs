@@ -101,7 +101,7 @@ fn pages_cover_each_level_once() {
     }
 }
 
-/// Entries that remember the order in which they came.
+/// A cache that remembers the order of its entries.
 #[derive(Debug, Default)]
 struct InOrder(MemoryCache, Mutex<Vec<CacheKey>>);
 

@@ -169,7 +169,8 @@ fn edits_of_root_blocks_of_several_pages_have_the_bytes_of_fresh_bakes() {
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(32768), 3);
 }
 
-/// A store that has the entries of one bake is of no use to a bake with another option, unless the option matters to no page.
+/// A store that has the entries of one bake is of no use to a bake with another option, unless the option matters to no
+/// page.
 #[test]
 fn every_relevant_option_changes_the_keys() {
     let scene = generate(GeneratedKind::Primitives, 3);

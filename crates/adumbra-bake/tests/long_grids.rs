@@ -14,7 +14,7 @@ fn wall() -> adumbra_scene::Scene {
 }
 
 #[test]
-fn the_number_of_tiles_does_not_grow_with_the_length_of_a_shadow() {
+fn the_number_of_root_blocks_does_not_grow_with_the_length_of_a_shadow() {
     let mut all = Vec::new();
     for elevation_degrees in [60.0, 5.0, 1.0, 0.5] {
         let sun = Sun::from_angles(100.0, elevation_degrees).unwrap();

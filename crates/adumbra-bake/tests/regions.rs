@@ -66,8 +66,8 @@ impl World {
     }
 }
 
-/// Compares both with rays, and with each other at points near the sides of regions, of which there must be some number.
-/// Returns the share of the points that the comparison found in shadow.
+/// Compares both with rays, and with each other at points near the sides of regions, of which there must be some
+/// number. Returns the share of the points that the comparison found in shadow.
 fn assert_answers_are_equal(
     scene: &Scene,
     options: &BakeOptions,

@@ -209,8 +209,8 @@ pub(crate) struct Inspect {
 pub(crate) struct Info {
     /// Shadow file
     pub(crate) file: PathBuf,
-    /// Draw the bytes of each page of a level, not coded: from the fewest, dark blue, over green to the most, yellow, on a
-    /// logarithmic scale; pages without bytes are grey
+    /// Draw the bytes of each page of a level, not coded: from the fewest, dark blue, over green to the most, yellow,
+    /// on a logarithmic scale; pages without bytes are grey
     #[arg(long, value_name = "PNG")]
     pub(crate) picture: Option<PathBuf>,
     /// Level of detail of the picture, 0 = the finest

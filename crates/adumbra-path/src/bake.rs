@@ -109,8 +109,8 @@ pub fn bake_path(
     Ok(BakedPath { keys, voxel_size, dark_after_voxels: probe.dark_after_voxels })
 }
 
-/// Returns the options of all keys: voxels of the size that a bake with this sun has, the yaw of the oblique frame, and one level,
-/// because marches read no coarser ones.
+/// Returns the options of all keys: voxels of the size that a bake with this sun has, the yaw of the oblique frame, and
+/// one level, because marches read no coarser ones.
 fn on_one_lattice(
     scene: &Scene,
     options: &PathOptions,

@@ -1,5 +1,5 @@
-//! Schemas of the reader's types that the programs print. The reader itself does not depend on `schemars`; a field names
-//! the mirror of its type: `#[schemars(with = "mirrors::Bounds")]`.
+//! Schemas of the reader's types that the programs print. The reader itself does not depend on `schemars`; a field
+//! names the mirror of its type: `#[schemars(with = "mirrors::Bounds")]`.
 
 use schemars::JsonSchema;
 
@@ -29,7 +29,8 @@ pub struct Region {
 pub enum Frame {
     /// Perpendicular to the light. Voxels are cubes, with z away from the sun and x horizontal.
     Light,
-    /// Upright: a shear turns the light to the vertical. x and y are horizontal, and z is depth below the top of the grid.
+    /// Upright: a shear turns the light to the vertical. x and y are horizontal, and z is depth below the top of the
+    /// grid.
     Oblique {
         /// Angle from the world's +X to the grid's x axis, in radians, positive towards +Z.
         yaw_radians: f64,
@@ -85,11 +86,11 @@ pub struct FileSettings {
     pub scene_is_z_up: bool,
     /// The points at which the file is correct.
     pub receivers: Receivers,
-    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. 0 = anywhere that no look-up
-    /// from a surface reads.
+    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. 0 = anywhere that no
+    /// look-up from a surface reads.
     pub switch_within_voxels: u32,
-    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to meet
-    /// something. 0 = never.
+    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to
+    /// meet something. 0 = never.
     pub dark_after_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,

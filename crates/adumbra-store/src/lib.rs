@@ -45,8 +45,8 @@ impl fmt::Debug for StoreCache {
 }
 
 impl StoreCache {
-    /// Opens a store: `s3://bucket/prefix`, `gs://bucket/prefix`, `az://container/prefix`, `https://server/folder` and so
-    /// on. The process's environment has what else is needed, such as `AWS_ACCESS_KEY_ID`, `AWS_ENDPOINT` and
+    /// Opens a store: `s3://bucket/prefix`, `gs://bucket/prefix`, `az://container/prefix`, `https://server/folder` and
+    /// so on. The process's environment has what else is needed, such as `AWS_ACCESS_KEY_ID`, `AWS_ENDPOINT` and
     /// `AWS_ALLOW_HTTP`, under the names that the crate `object_store` defines. Nothing is read yet.
     ///
     /// # Errors
@@ -72,7 +72,7 @@ impl StoreCache {
         Self::new(shown, Arc::from(store), below)
     }
 
-    /// Keeps entries in a store of the crate `object_store`, below a path. Messages call it `name`.
+    /// Uses a store of the crate `object_store` as a cache, below a path. Messages call it `name`.
     ///
     /// # Errors
     /// Returns [`IoError`] if no threads can be started.
@@ -95,8 +95,8 @@ impl StoreCache {
         Ok(CacheReport { contents, failures: Vec::new() })
     }
 
-    /// Removes entries until the others have at most `most_bytes`; those that were written longest ago go first, because
-    /// stores do not know what was read. Returns what was removed. What cannot be removed stays.
+    /// Removes entries until the others have at most `most_bytes`; those that were written longest ago go first,
+    /// because stores do not know what was read. Returns what was removed. What cannot be removed stays.
     ///
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
@@ -183,8 +183,8 @@ impl StoreCache {
         Ok(Fetched::Whole(found.bytes().await?.to_vec()))
     }
 
-    /// Writes an entry if there is none. An entry with the same bytes stays as it is; one with other bytes is damaged, and is
-    /// replaced.
+    /// Writes an entry if there is none. An entry with the same bytes stays as it is; one with other bytes is damaged,
+    /// and is replaced.
     async fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
         let payload = || PutPayload::from(bytes.to_vec());
         let create = PutOptions { mode: PutMode::Create, ..PutOptions::default() };
@@ -214,8 +214,8 @@ impl StoreCache {
     }
 }
 
-/// Returns the kind of the error of the operating system behind another. What has none failed again and again on its way
-/// to the store, and may succeed later.
+/// Returns the kind of the error of the operating system behind another. What has none failed again and again on its
+/// way to the store, and may succeed later.
 fn kind_of_cause(error: &Error) -> ErrorKind {
     let mut cause = error.source();
     while let Some(inner) = cause {

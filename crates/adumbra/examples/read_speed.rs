@@ -1,4 +1,5 @@
-//! How fast a shadow file is read on one core, raw and coded: `cargo run --release -p adumbra --example read_speed FILE`.
+//! How fast a shadow file is read on one core, raw and coded:
+//! `cargo run --release -p adumbra --example read_speed FILE`.
 //!
 //! Reading a raw file takes what checking its words takes. Decoding is what a coded one takes beyond that.
 

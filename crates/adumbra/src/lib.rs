@@ -5,9 +5,9 @@
 //! depends on no graphics library, so it works with any version of any of them. Files are baked by the crate
 //! `adumbra-bake` or by the program `adumbra`. A [`SunPath`] has the suns of a day, and answers for any moment of it.
 //!
-//! Data flows one way: grid → layout → file → look-ups, [`gpu`] → regions, [`stream`] → sun paths. All results have one polarity, *visibility*: 1 =
-//! unoccluded. Modules that the documentation hides are for the project's own crates, such as the bake: they may change in
-//! any version. `docs/api.txt` lists the rest.
+//! Data flows one way: grid → layout → file → look-ups, [`gpu`] → regions, [`stream`] → sun paths. All results have one
+//! polarity, *visibility*: 1 = unoccluded. Modules that the documentation hides are for the project's own crates, such
+//! as the bake: they may change in any version. `docs/api.txt` lists the rest.
 //!
 //! ```no_run
 //! use adumbra::{Filter, ShadowFile};

@@ -93,10 +93,11 @@ pub struct FileSettings {
     /// The points at which the file is correct.
     pub receivers: Receivers,
     /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that no contour
-    /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere that no look-up from a surface reads.
+    /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere that no look-up from a
+    /// surface reads.
     pub switch_within_voxels: u32,
-    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to meet
-    /// something. 0 = never.
+    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to
+    /// meet something. 0 = never.
     pub dark_after_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,

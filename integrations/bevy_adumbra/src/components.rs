@@ -19,25 +19,26 @@ use crate::status::BakedShadowStatus;
 #[reflect(Component, Default, Clone, Debug)]
 #[require(BakedShadowStatus)]
 pub struct BakedShadow {
-    /// The files: parts of a large world, or several suns. A point takes the file whose grid contains it, and that which
-    /// it is farthest inside of if there are several. At most eight files are in use at once in an app.
+    /// The files: parts of a large world, or several suns. A point takes the file whose grid contains it, and that
+    /// which it is farthest inside of if there are several. At most eight files are in use at once in an app.
     pub files: Vec<Handle<BakedShadowFile>>,
     /// Files that are streamed: of these, what cameras see is read within a [`StreamBudget`](crate::StreamBudget). They
     /// are in use beside `files`.
     pub streams: Vec<StreamSource>,
     /// The texels whose mean a look-up returns.
     pub filter: ShadowFilter,
-    /// Full angle of the sun's disc in degrees, 0.01 to 20, for shadows that soften with distance; the real sun has 0.53.
-    /// It takes the place of `filter`, and costs about 64 look-ups per pixel.
+    /// Full angle of the sun's disc in degrees, 0.01 to 20, for shadows that soften with distance; the real sun has
+    /// 0.53. It takes the place of `filter`, and costs about 64 look-ups per pixel.
     pub sun_degrees: Option<f32>,
     /// Whether to turn the light towards the sun of the first file. Otherwise a file is in use while the light's
     /// direction is that of its sun, to within 0.05 degrees.
     pub align: bool,
     /// How far points are lifted off their surfaces. `None` is the bias that the file was baked for.
     pub bias: Option<ShadowBias>,
-    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that a `RuntimeBake`
-    /// on the same light bakes ahead of it (feature `bake`), in place of `files` and `streams`. A filter is the mean of 3 × 3
-    /// rays; `sun_degrees` is not possible. Of the files that an app may have in use, such a light takes four.
+    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that a
+    /// `RuntimeBake` on the same light bakes ahead of it (feature `bake`), in place of `files` and `streams`. A filter
+    /// is the mean of 3 × 3 rays; `sun_degrees` is not possible. Of the files that an app may have in use, such a light
+    /// takes four.
     pub follow: bool,
 }
 
@@ -47,15 +48,15 @@ impl BakedShadow {
         Self { files: vec![file], ..Self::default() }
     }
 
-    /// Shadows from one file of any size that is streamed: of an asset's path, a path on a disk, or a source of the app's
-    /// own. Bake it with several levels (`adumbra bake --levels 5`), of which a coarse one answers at once.
+    /// Shadows from one file of any size that is streamed: of an asset's path, a path on a disk, or a source of the
+    /// app's own. Bake it with several levels (`adumbra bake --levels 5`), of which a coarse one answers at once.
     pub fn streamed(source: impl Into<StreamSource>) -> Self {
         Self { streams: vec![source.into()], ..Self::default() }
     }
 
     /// Shadows that follow the light wherever it turns, as the sun does in a day: put a `RuntimeBake` on the same light
-    /// (feature `bake`). Keys are baked ahead of the light in the background, coarse to fine. There is an answer in every
-    /// frame after the first key, also where the light jumps.
+    /// (feature `bake`). Keys are baked ahead of the light in the background, coarse to fine. There is an answer in
+    /// every frame after the first key, also where the light jumps.
     pub fn follow_sun() -> Self {
         Self { align: false, follow: true, ..Self::default() }
     }
@@ -165,11 +166,12 @@ impl From<ShadowBias> for Bias {
 #[reflect(Component, Default, Clone, Debug)]
 pub struct ShadowStatic;
 
-/// The root of what a file was baked from: the file's world is that of this entity. Shadows follow it wherever the app moves
-/// it, turns it, or scales it by one number, at any time, and so does the file's sun. Without one, a file's world is the app's.
+/// The root of what a file was baked from: the file's world is that of this entity. Shadows follow it wherever the app
+/// moves it, turns it, or scales it by one number, at any time, and so does the file's sun. Without one, a file's world
+/// is the app's.
 ///
-/// A file with several roots is in several places, each of which is one of the at most eight files in use, with a copy of the
-/// words on the GPU.
+/// It has a `Transform`, which is added where there is none. A file with several roots is in several places, each of
+/// which is one of the at most eight files in use, with a copy of the words on the GPU.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 #[require(Transform)]

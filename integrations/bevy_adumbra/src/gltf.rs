@@ -1,7 +1,8 @@
 //! Lights of glTF files that name their shadow file.
 //!
-//! A directional light of `KHR_lights_punctual` may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`.
-//! The path is relative to the glTF file, and the filter is its width in texels. `adumbra bake --link-in city.glb` writes it.
+//! A directional light of `KHR_lights_punctual` may have
+//! `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`. The path is relative to the glTF file, and the
+//! filter is its width in texels. `adumbra bake --link-in city.glb` writes it.
 
 use adumbra::Filter;
 use bevy::asset::{AssetPath, AssetServer};

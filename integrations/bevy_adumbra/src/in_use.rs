@@ -107,8 +107,8 @@ pub(crate) fn way(shadow: &BakedShadow) -> Way {
 pub(crate) struct FilesInUse {
     /// For the render world.
     pub(crate) files: Vec<FileInUse>,
-    /// Lights with a file that is not looked up: it is loading, has another sun, or is missing. What is in it has no other shadow
-    /// than that of the cascades.
+    /// Lights with a file that is not looked up: it is loading, has another sun, or is missing. What is in it has no
+    /// other shadow than that of the cascades.
     pub(crate) partial: EntityHashSet,
 }
 

@@ -18,8 +18,8 @@
 //! }
 //! ```
 //!
-//! Every material that calls `apply_pbr_lighting` receives these shadows, and so does volumetric fog. Meshes that are not
-//! below a [`ShadowStatic`] go on casting through Bevy's cascades; a world without any makes no depth pass.
+//! Every material that calls `apply_pbr_lighting` receives these shadows, and so does volumetric fog. Meshes that are
+//! not below a [`ShadowStatic`] go on casting through Bevy's cascades; a world without any makes no depth pass.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -100,7 +100,8 @@ pub use status::{BakedShadowChanged, BakedShadowStatus};
 pub use stream::{ShadowStreams, StreamBudget, StreamDiagnostics};
 pub use systems::AdumbraSystems;
 
-/// Registers what an app finds in its world. Bevy registers types by itself only with its feature `reflect_auto_register`.
+/// Registers what an app finds in its world. Bevy registers types by itself only with its feature
+/// `reflect_auto_register`.
 fn register_types(app: &mut App) {
     app.register_type::<BakedShadow>()
         .register_type::<BakedShadowStatus>()
@@ -175,7 +176,7 @@ impl Plugin for AdumbraPlugin {
                     statics::skip_cascades
                         .after(SimulationLightSystems::UpdateDirectionalLightCascades)
                         .before(SimulationLightSystems::UpdateLightFrusta),
-                    // In the frame in which a light asks, as its directory does.
+                    // Before shaders are extracted, so that they change in the frame in which a light asks.
                     lights::add_ways.before(AssetEventSystems),
                     statics::leave_out.in_set(AdumbraSystems::LeaveCascades),
                 ),

@@ -192,8 +192,8 @@ fn add_files(
     }
 }
 
-/// Adds the ways in which lights ask for look-ups to the shaders, when the first one does: before its file is there, so that
-/// pipelines are not compiled again once it is.
+/// Adds the ways in which lights ask for look-ups to the shaders, when the first one does: before its file is there, so
+/// that pipelines are not compiled again once it is.
 pub(crate) fn add_ways(
     lights: Query<&BakedShadow>,
     mut shaders: ResMut<Assets<Shader>>,

@@ -18,8 +18,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[non_exhaustive]
 pub enum StreamSource {
     /// An asset, by its path. It is opened once, and ranges of it are read if its reader can seek. Otherwise it is read
-    /// whole, once, and streamed from memory, as are assets of Bevy's `http` and `https` sources. Bevy's reader of files
-    /// may read up to 8 MiB more than what is asked for; [`StreamSource::Disk`] does not.
+    /// whole, once, and streamed from memory, as are assets of Bevy's `http` and `https` sources. Bevy's reader of
+    /// files may read up to 8 MiB more than what is asked for; [`StreamSource::Disk`] does not.
     Asset(AssetPath<'static>),
     /// A file on a disk, by its path in the file system.
     Disk(PathBuf),
@@ -48,7 +48,7 @@ impl Serialize for StreamSource {
             Self::Asset(path) => Saved::Asset(path.clone()),
             Self::Disk(path) => Saved::Disk(path.clone()),
             Self::Ranges(_) => {
-                let what = "StreamSource::Ranges cannot be saved; leave BakedShadow out, and set it once the world is loaded";
+                let what = "StreamSource::Ranges cannot be saved; leave its component out, and insert it once the world is loaded";
                 return Err(S::Error::custom(what));
             }
         };

@@ -49,8 +49,8 @@ type Changes = Or<(
 type Changes =
     Or<(Added<Mesh3d>, Added<ShadowStatic>, Added<ExcludeFromBake>, Changed<ChildOf>, Added<SkinnedMesh>)>;
 
-/// Keeps [`IncludedInBake`] on the meshes below a [`ShadowStatic`]. Cost: nothing while the hierarchy does not change; then one
-/// walk over what is below the entities that changed.
+/// Keeps [`IncludedInBake`] on the meshes below a [`ShadowStatic`]. Cost: nothing while the hierarchy does not change;
+/// then one walk over what is below the entities that changed.
 pub(crate) fn mark_meshes(
     mut commands: Commands,
     changed: Query<Entity, Changes>,
@@ -117,8 +117,8 @@ fn is_in_bake(
 #[derive(Component, Debug)]
 pub(crate) struct AwaitingBake;
 
-/// The lights whose cascades have nothing to draw in this frame, so that the render world makes no depth pass. Their components
-/// stay as the app has them.
+/// The lights whose cascades have nothing to draw in this frame, so that the render world makes no depth pass. Their
+/// components stay as the app has them.
 #[derive(Resource, Default, Debug)]
 pub(crate) struct RestingLights(pub(crate) EntityHashSet);
 
@@ -137,8 +137,8 @@ pub(crate) struct OtherCasters<'w, 's> {
 }
 
 impl OtherCasters<'_, '_> {
-    /// Whether there are some: meshes that the GPU culls alone, or meshlets. Unless all files are in use, static ones may be among
-    /// them.
+    /// Whether there are some: meshes that the GPU culls alone, or meshlets. Unless all files are in use, static ones
+    /// may be among them.
     fn exist(&mut self, is_complete: bool) -> bool {
         // Meshlets are a feature of Bevy that this crate does not ask for, so their type may not exist.
         if self.meshlets.0 != self.components.len() {
@@ -154,8 +154,8 @@ impl OtherCasters<'_, '_> {
     }
 }
 
-/// Spares lights whose files are in use the search for what is in their cascades, where there is nothing that may move. Between
-/// Bevy's cascades and their frusta.
+/// Spares lights whose files are in use the search for what is in their cascades, where there is nothing that may move.
+/// Between Bevy's cascades and their frusta.
 pub(crate) fn skip_cascades(
     choice: Res<StaticCasters>,
     mut lights: Query<(Entity, &BakedShadowStatus, &mut Cascades), With<BakedShadow>>,
@@ -199,7 +199,8 @@ fn corners(bounds: Option<&Aabb>) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Removes the meshes in the files from the cascades of lights whose files are in use, and finds the lights with nothing left.
+/// Removes the meshes in the files from the cascades of lights whose files are in use, and finds the lights with
+/// nothing left.
 pub(crate) fn leave_out(
     choice: Res<StaticCasters>,
     mut lights: Query<

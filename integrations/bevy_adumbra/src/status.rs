@@ -23,8 +23,8 @@ pub enum BakedShadowStatus {
         /// How many of the light's files are.
         files: usize,
     },
-    /// Files are in use, and others are missing, or a part of a streamed one could not be had. What is static and outside of
-    /// the files in use casts through the cascades.
+    /// Files are in use, and others are missing, or a part of a streamed one could not be had. What is static and
+    /// outside of the files in use casts through the cascades.
     Incomplete {
         /// How many of the light's files are in use.
         files: usize,
@@ -38,7 +38,8 @@ pub enum BakedShadowStatus {
         /// Angle to the nearest of these suns.
         degrees: f32,
     },
-    /// The light is followed, and points upwards as a sun does below the horizon. Shadows come from the light's cascades.
+    /// The light is followed, and points upwards as a sun does below the horizon. Shadows come from the light's
+    /// cascades.
     Night,
     /// Nothing can be used. Shadows come from the light's cascades.
     Unusable(BakedShadowError),
@@ -53,7 +54,8 @@ impl BakedShadowStatus {
 
 /// Continues the sentence "the shadow is …", and says what to do if it is not in use.
 impl BakedShadowStatus {
-    /// Whether another status says the same but for numbers that may change in every frame: an angle, or the scales of a root.
+    /// Whether another status says the same but for numbers that may change in every frame: an angle, or the scales of
+    /// a root.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         use BakedShadowError::Root;
         match (self, other) {

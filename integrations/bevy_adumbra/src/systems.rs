@@ -15,7 +15,8 @@ pub enum AdumbraSystems {
     AttachFiles,
     /// Lights turn to the suns of their files. In `PostUpdate`, before [`TransformSystems::Propagate`].
     AlignLights,
-    /// Meshes below a [`ShadowStatic`](crate::ShadowStatic) get [`IncludedInBake`](crate::IncludedInBake), others lose it. In `PostUpdate`.
+    /// Meshes below a [`ShadowStatic`](crate::ShadowStatic) get [`IncludedInBake`](crate::IncludedInBake), others lose
+    /// it. In `PostUpdate`.
     MarkStatics,
     /// Bakes begin, and the files of those that are done are put on their lights. In `PostUpdate`, after
     /// [`TransformSystems::Propagate`] and [`AdumbraSystems::MarkStatics`], with the feature `bake`.

@@ -46,8 +46,8 @@ pub(crate) fn warn_of_movers(
     }
 }
 
-/// Returns, once, a static root that is not where it was baked, if no file follows a root. A root that is a mesh is a part of a world
-/// that has its origin elsewhere.
+/// Returns, once, a static root that is not where it was baked, if no file follows a root. A root that is a mesh is a
+/// part of a world that has its origin elsewhere.
 pub(crate) fn find_moved_root(
     mut has_found: Local<bool>,
     lights: Query<&BakedShadowStatus, Loaded>,

@@ -3,6 +3,7 @@
 use std::any::TypeId;
 use std::path::Path;
 
+use adumbra::stream::BytesSource;
 use bevy::asset::AssetPlugin;
 use bevy::ecs::entity::EntityHashMap;
 use bevy::ecs::reflect::AppTypeRegistry;
@@ -124,7 +125,10 @@ fn a_world_is_saved_whatever_its_lights_do() {
     app.world_mut().entity_mut(light).insert(BakedShadowStatus::Unusable(BakedShadowError::NoShadowMaps));
     #[cfg(feature = "bake")]
     app.world_mut().entity_mut(light).insert(BakeProgress::Failed(BakeError::NoTriangles));
-    let root = app.world_mut().spawn(FileRoot::streamed(Path::new("folder/world.adumbra"))).id();
+    #[cfg(feature = "bake")]
+    app.world_mut().entity_mut(light).insert(RuntimeBake::default());
+    let root =
+        app.world_mut().spawn((FileRoot::streamed(Path::new("folder/world.adumbra")), ShadowStatic)).id();
     let registry = app.world().resource::<AppTypeRegistry>().clone();
     let types = registry.read();
     let saved = DynamicWorldBuilder::from_world(app.world(), &types);
@@ -147,4 +151,13 @@ fn a_world_is_saved_whatever_its_lights_do() {
     assert_eq!(new.get::<BakedShadowStatus>(light), Some(&BakedShadowStatus::Waiting));
     #[cfg(feature = "bake")]
     assert_eq!(new.get::<BakeProgress>(light), Some(&BakeProgress::Waiting));
+    assert!(new.get::<ShadowStatic>(root).is_some());
+
+    // A source of the app's own says what to do.
+    let own = StreamSource::ranges(BytesSource(Vec::new()));
+    let light = app.world_mut().spawn(BakedShadow::streamed(own)).id();
+    let types = registry.read();
+    let saved = DynamicWorldBuilder::from_world(app.world(), &types).extract_entities([light].into_iter());
+    let error = saved.build().serialize(&types).unwrap_err().to_string();
+    assert!(error.contains("leave its component out"), "{error}");
 }

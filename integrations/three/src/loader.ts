@@ -94,7 +94,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
       );
     };
     if (typeof ProgressEvent === 'undefined') {
-      const message = 'three loads files in browsers only; read it by yourself, and give its bytes to new BakedShadowFile(bytes)';
+      const message = 'three loads files in browsers only; read the file, and give its bytes to new BakedShadowFile(bytes)';
       fail(new ShadowFileError('Io', message, {}, { url }));
       return;
     }

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from typing import Union
 
 Report = Callable[[int, int], object]
-"""Called with the number of finished root blocks, or parts of a plan, and of all."""
+"""Called with the number of finished root blocks, or with Dask of parts, and of all."""
 
 Progress = Union[bool, Report, None]
 """Whether to show progress, or what to tell it."""

@@ -24,7 +24,7 @@ class Settings(NamedTuple):
     """What all tasks of a bake share."""
 
     cache: str
-    """The folder of entries, which has the plan too."""
+    """The folder of the cache, which has the plan too."""
     digest: str
     """That of the plan."""
     threads: int

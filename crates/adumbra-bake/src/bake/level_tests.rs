@@ -28,8 +28,8 @@ fn options(voxel_size: f64, levels: u32) -> BakeOptions {
 #[test]
 fn level_whose_grid_is_that_of_its_own_bake_has_the_same_bytes() {
     let scene = generate(GeneratedKind::City, 1);
-    // 1024 voxels across, and 256 at the second level: in both, the grid ends at multiples of every page. Along the light
-    // there is a margin of one voxel of the second level.
+    // 1024 voxels across, and 256 at the second level: in both, the grid ends at multiples of every page. Along the
+    // light there is a margin of one voxel of the second level.
     let half = [64.0, 63.5, 64.0];
     let bounds = Some(Bounds { min: half.map(|c| -c), max: half });
     let sun = Sun::from_angles(0.0, 90.0).unwrap();

@@ -122,9 +122,9 @@ pub fn bake_to(
     bake_file(scene, options, None, watch, out)
 }
 
-/// Bakes `scene` into `out` as [`bake_to`] does, to the same bytes, but takes from `cache` what an earlier bake has made
-/// of the same surfaces in the same place, and keeps there what it makes. An edit of a scene bakes the root blocks that
-/// the edit touches, before it and after it.
+/// Bakes `scene` into `out` as [`bake_to`] does, to the same bytes, but takes from `cache` what an earlier bake has
+/// made of the same surfaces in the same place, and keeps there what it makes. An edit of a scene bakes the root blocks
+/// that the edit touches, before it and after it.
 ///
 /// # Errors
 /// Returns the errors of [`bake_to`], and [`Error::Io`] with those of `cache`.

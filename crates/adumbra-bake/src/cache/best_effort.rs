@@ -1,4 +1,4 @@
-//! Entries that a bake can do without: what a cache cannot give is baked again, and what it cannot take is not kept.
+//! A cache that a bake can do without: what a cache cannot give is baked again, and what it cannot take is not kept.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,11 +8,11 @@ use adumbra::IoError;
 
 use super::{BakeCache, CacheKey, Fetched, MemoryCache};
 
-/// After so many failures without a success between them, no more is read from a cache, or written to it: a server that is
-/// away takes minutes to say so.
+/// After so many failures without a success between them, no more is read from a cache, or written to it: a server that
+/// is away takes minutes to say so.
 const MOST_FAILURES: u32 = 3;
 
-/// Entries whose failures are no errors of the bake.
+/// A cache whose failures are no errors of the bake.
 pub struct BestEffortCache {
     cache: Arc<dyn BakeCache>,
     /// Has what could not be put, or could not be read again, for users that read what they have put.
@@ -24,7 +24,7 @@ pub struct BestEffortCache {
 }
 
 impl BestEffortCache {
-    /// Wraps entries for a bake. The first failure is passed to `on_failure`.
+    /// Wraps a cache for a bake. The first failure is passed to `on_failure`.
     pub fn new(cache: Arc<dyn BakeCache>, on_failure: impl Fn(&IoError) + Send + Sync + 'static) -> Self {
         Self {
             cache,
@@ -36,8 +36,8 @@ impl BestEffortCache {
         }
     }
 
-    /// Keeps in memory what cannot be put, and what is put while nothing can be read. A [`Baker`](crate::Baker) links what it
-    /// has put.
+    /// Keeps in memory what cannot be put, and what is put while nothing can be read. A [`Baker`](crate::Baker) links
+    /// what it has put.
     #[must_use]
     pub fn with_memory(self) -> Self {
         Self { memory: Some(MemoryCache::default()), ..self }

@@ -1,4 +1,4 @@
-//! Entries in a folder: `ab/cdef….entry` for the key `abcdef…`, and `new/` for entries that are being written.
+//! A cache in a folder: `ab/cdef….entry` for the key `abcdef…`, and `new/` for entries that are being written.
 
 use std::fs::{self, File, Metadata};
 use std::io::{ErrorKind, Read, Write};
@@ -13,11 +13,12 @@ use super::{BakeCache, CacheKey, Fetched};
 
 const EXTENSION: &str = "entry";
 const NEW: &str = "new";
-/// Entries are written in less than a second. Other machines may share the folder, and their locks may not be seen here.
+/// Entries are written in less than a second. Other machines may share the folder, and their locks may not be seen
+/// here.
 const ABANDONED_AFTER: Duration = Duration::from_hours(24);
 
-/// A cache in a folder, which bakes on one machine or many may share. Other files in the folder are left alone, and symbolic
-/// links are not followed.
+/// A cache in a folder, which bakes on one machine or many may share. Other files in the folder are left alone, and
+/// symbolic links are not followed.
 #[derive(Clone, Debug)]
 pub struct DiskCache {
     folder: PathBuf,
@@ -36,7 +37,7 @@ pub struct CacheUsage {
     pub abandoned_bytes: u64,
 }
 
-/// What [`DiskCache::contents`] found or [`DiskCache::prune`] removed, with the failures on the way.
+/// What counting or pruning found or removed, with the failures on the way.
 #[derive(Debug, Default)]
 pub struct CacheReport {
     /// What was found or removed.
@@ -46,16 +47,17 @@ pub struct CacheReport {
 }
 
 impl DiskCache {
-    /// Uses a folder, and creates it if it is not there. Removes temporary files that programs left more than a day ago.
+    /// Uses a folder, and creates it if it is not there. Removes temporary files that programs left more than a day
+    /// ago.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be created.
     pub fn create(folder: impl Into<PathBuf>) -> Result<Self, IoError> {
         let folder = folder.into();
         fs::create_dir_all(&folder).map_err(IoError::at("create", &folder))?;
-        let entries = Self { folder };
-        entries.abandoned().for_each(|file| _ = file.remove());
-        Ok(entries)
+        let cache = Self { folder };
+        cache.abandoned().for_each(|file| _ = file.remove());
+        Ok(cache)
     }
 
     /// Uses a folder that is there.
@@ -80,8 +82,8 @@ impl DiskCache {
         Ok(CacheReport { contents, failures })
     }
 
-    /// Removes temporary files that were left more than a day ago, then entries until the others have at most `most_bytes`;
-    /// those that were used longest ago go first. Returns what was removed. What cannot be removed stays.
+    /// Removes temporary files that were left more than a day ago, then entries until the others have at most
+    /// `most_bytes`; those that were used longest ago go first. Returns what was removed. What cannot be removed stays.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be read.
@@ -194,8 +196,8 @@ fn is_name(name: &str, digits: usize) -> bool {
     name.len() == digits && name.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Returns the metadata of the entry at a path, or `None` if the file is not an entry. An entry that a power failure has
-/// truncated or filled with zeros counts.
+/// Returns the metadata of the entry at a path, or `None` if the file is not an entry. An entry that a power failure
+/// has truncated or filled with zeros counts.
 fn metadata_of_entry(path: &Path) -> std::io::Result<Option<Metadata>> {
     let found = fs::symlink_metadata(path)?;
     if !found.is_file() {

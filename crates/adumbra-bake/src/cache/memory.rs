@@ -1,4 +1,4 @@
-//! Entries in memory.
+//! A cache in memory.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -7,7 +7,7 @@ use adumbra::IoError;
 
 use super::{BakeCache, CacheKey, Fetched};
 
-/// Entries in memory, for a program that bakes a scene again and again while it is edited.
+/// A cache in memory, for a program that bakes a scene again and again while it is edited.
 #[derive(Default)]
 pub struct MemoryCache {
     held: Mutex<Held>,

@@ -87,14 +87,15 @@ impl PartCache {
         });
     }
 
-    /// Returns the number of entries that did not fit the room, and the room that the longest of them would have needed.
+    /// Returns the number of entries that did not fit the room, and the room that the longest of them would have
+    /// needed.
     pub(crate) fn left_out(&self) -> (usize, u64) {
         let bytes = 2 * COPIES * self.left_out_bytes.load(Ordering::Relaxed);
         (self.left_out.load(Ordering::Relaxed), bytes)
     }
 
-    /// Reads the entry of a part, and passes its pages to `take`. Returns the length of an entry longer than `most_bytes`.
-    /// A damaged entry counts as missing, so its part is baked again.
+    /// Reads the entry of a part, and passes its pages to `take`. Returns the length of an entry longer than
+    /// `most_bytes`. A damaged entry counts as missing, so its part is baked again.
     fn read(
         &self,
         part: usize,

@@ -1,9 +1,9 @@
-//! Computes the columns of a rectangle of texels: first surface, end of the first solid, and the nearest receiver that may be
-//! behind.
+//! Computes the columns of a rectangle of texels: first surface, end of the first solid, and the nearest receiver that
+//! may be behind.
 //!
-//! Two passes over the rectangle's triangles. The first samples texel centres. The second tests, for every triangle near a
-//! texel's footprint, whether it is a receiver behind the column's caster. Only crossings of solids are kept as lists,
-//! to count their winding. The rules are those of §3 of the specification, implemented in `columns/rules.rs`.
+//! Two passes over the rectangle's triangles. The first samples texel centres. The second tests, for every triangle
+//! near a texel's footprint, whether it is a receiver behind the column's caster. Only crossings of solids are kept as
+//! lists, to count their winding. The rules are those of §3 of the specification, implemented in `columns/rules.rs`.
 
 use crate::columns::Columns;
 use crate::columns::crossings::{crossing_key, solid_end};

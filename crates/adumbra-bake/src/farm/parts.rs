@@ -52,8 +52,8 @@ pub struct BakedParts {
 }
 
 impl<'s> PartBaker<'s> {
-    /// Prepares to bake parts of `plan`, which must be a plan of `scene`. Of `limits`, the memory limit and the folder for
-    /// temporary files count; everything else is in the plan.
+    /// Prepares to bake parts of `plan`, which must be a plan of `scene`. Of `limits`, the memory limit and the folder
+    /// for temporary files count; everything else is in the plan.
     ///
     /// # Errors
     /// Returns [`Error::SceneChanged`] if the scene is not the one that was planned.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use super::plan::{BakePlan, PlannedLevel, PlannedPart};
 use crate::error::Error;
 
-const FORMAT: &str = "adumbra plan 1";
+const FORMAT: &str = "adumbra plan 2";
 /// Levels that root blocks may have.
 const ROOT_LEVELS: std::ops::RangeInclusive<u32> = 5..=13;
 

@@ -8,8 +8,8 @@ use crate::triangles::project::Projected;
 use crate::triangles::surface::{Surface, surface_of};
 use adumbra::grid::LightGrid;
 
-/// Gathers the surfaces of root block `root_block` that touch `near`, sorted by group, and within a group in the order of the
-/// clusters.
+/// Gathers the surfaces of root block `root_block` that touch `near`, sorted by group, and within a group in the order
+/// of the clusters.
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn gather(
     casters: &Casters<'_>,

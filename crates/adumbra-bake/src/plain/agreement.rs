@@ -213,8 +213,8 @@ fn small_scenes_have_the_plain_builders_columns() {
     assert!(drawn > 1000, "{drawn} texels are drawn");
 }
 
-/// A ray crosses hundreds of surfaces. Some boxes overlap others, share planes with them, or have no bottom, so that rays
-/// never leave them.
+/// A ray crosses hundreds of surfaces. Some boxes overlap others, share planes with them, or have no bottom, so that
+/// rays never leave them.
 #[test]
 fn boxes_in_boxes_have_the_plain_builders_columns() {
     let boxes = (0..60_u8).map(|i| {

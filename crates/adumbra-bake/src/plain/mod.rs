@@ -22,7 +22,8 @@ pub(crate) struct PlainBuffers {
     columns: Columns,
 }
 
-/// Builds root block `root_block` of `root_blocks` into `sink`. Unlike in the fast builder, a switch limit cuts each column by itself.
+/// Builds root block `root_block` of `root_blocks` into `sink`. Unlike in the fast builder, a switch limit cuts each
+/// column by itself.
 pub(crate) fn build_root<S: BlockSink>(
     root_blocks: &RootBlocks<'_>,
     limit: SwitchLimit,

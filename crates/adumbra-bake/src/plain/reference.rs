@@ -123,8 +123,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
             next = Some(next.map_or(lifted, |n| n.min(lifted)));
         }
     }
-    // Unless a ground is assumed, level ground right behind a solid's end is such a receiver, and so is what samples an open
-    // surface's shadow.
+    // Unless a ground is assumed, level ground right behind a solid's end is such a receiver, and so is what samples an
+    // open surface's shadow.
     if let Some(lift) = rules.level_lift {
         let open_exit = entry + rules.thickness.max(bias);
         let below = solid_end.map_or(open_exit, |end| end - lift).max(entry + SUBTEXEL as FixedDepth);
@@ -362,8 +362,8 @@ fn bake_does_not_depend_on_threads_or_triangle_order() {
     assert_eq!(reference, bake_quietly(&scene_of(mesh, false), &tight).tree);
 }
 
-/// Uses two low boxes beside two high ones, which meet where four root blocks do. Filters around the tops of the low ones read
-/// columns of the high ones, across the borders.
+/// Uses two low boxes beside two high ones, which meet where four root blocks do. Filters around the tops of the low
+/// ones read columns of the high ones, across the borders.
 #[test]
 fn columns_do_not_depend_on_where_root_blocks_begin() {
     let mut mesh = Mesh::default();

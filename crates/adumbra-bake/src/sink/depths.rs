@@ -232,7 +232,7 @@ impl DepthsSink {
     }
 
     /// Writes the entry of the part at a page, which is done.
-    fn keep(&self, page: [u32; 2]) {
+    fn write_entry(&self, page: [u32; 2]) {
         let Some(cache) = &self.cache else { return };
         let part = cache.part_at(page);
         let across = page_dims(self.size)[0];
@@ -345,7 +345,7 @@ impl DepthsSink {
         let whole = self.joined(&mut blocks, PAGE_LEVEL, [0, 0]);
         self.waiting_leaves.fetch_sub(done, Ordering::Relaxed);
         self.put(page, self.pages(PAGE_LEVEL, whole)[0]);
-        self.keep(page);
+        self.write_entry(page);
     }
 
     /// Joins the root blocks of a page's part of `level` that begins at this block.
@@ -451,7 +451,7 @@ impl BlockSink for DepthsSink {
                 let bits = |shift: u32| (0..side).fold(0, |c, l| c | (number >> (2 * l + shift) & 1) << l);
                 self.put([(place[0] << side) + bits(1), (place[1] << side) + bits(0)], page);
             }
-            self.keep(place.map(|n| n << side));
+            self.write_entry(place.map(|n| n << side));
         }
         DepthsBlock(Parts::Taken)
     }

@@ -1,5 +1,5 @@
-//! Root blocks that are smaller than pages, kept while a scene is edited. A page of a coarse level has most triangles of the
-//! scene in reach, but an edit touches few of its root blocks.
+//! Root blocks that are smaller than pages, kept while a scene is edited. A page of a coarse level has most triangles
+//! of the scene in reach, but an edit touches few of its root blocks.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard};

@@ -1,5 +1,5 @@
-//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every bin of the light's plane
-//! the clusters that may touch it.
+//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every square of the light's
+//! plane the clusters that may touch it.
 
 use std::sync::Arc;
 
@@ -44,7 +44,7 @@ pub(crate) struct Placed {
     pub(crate) cluster: u32,
 }
 
-/// The casters of a scene, binned by bin.
+/// The casters of a scene, sorted into bins.
 pub(crate) struct Casters<'s> {
     pub(crate) scene: &'s Scene,
     pub(crate) clusters: Arc<SceneClusters>,
@@ -114,8 +114,8 @@ impl SceneClusters {
         Arc::new(Self { meshes, opacity })
     }
 
-    /// Calls `f` with each placed cluster of casting instances: the least and the largest coordinates of its box in a grid,
-    /// and its number of triangles.
+    /// Calls `f` with each placed cluster of casting instances: the least and the largest coordinates of its box in a
+    /// grid, and its number of triangles.
     pub(crate) fn for_each_extent(
         &self,
         scene: &Scene,
@@ -187,7 +187,7 @@ impl Bins {
 }
 
 impl<'s> Casters<'s> {
-    /// Bins every placed cluster of the scene into bins of `bin_side` texels; `bins` is their number across and down.
+    /// Sorts every placed cluster of the scene into bins of `bin_side` texels; `bins` is their number across and down.
     /// `reach_texels` is how far outside its outline a triangle still matters.
     pub(crate) fn new(
         scene: &'s Scene,

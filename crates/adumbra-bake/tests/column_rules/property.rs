@@ -19,7 +19,7 @@ const SLACK: f64 = 1.0 / 64.0;
 /// Centres this close to an outline may be covered or not, texels.
 const OUTLINE: f64 = 1.0 / 128.0;
 
-/// The entry above the floor.
+/// The object above the floor.
 #[derive(Clone, Copy, Debug)]
 enum Upper {
     Quad,

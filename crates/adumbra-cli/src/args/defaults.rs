@@ -132,7 +132,7 @@ fn settings(args: &bake::BakeSettings) -> Used {
         ("--resolution", String::new()),
         ("--voxel-size", String::new()),
         ("--preset", "medium".to_owned()),
-        ("--thickness", "the bias at its slope".to_owned()),
+        ("--thickness", "the bias at the surface's slope".to_owned()),
         ("--switch-within", options.switch_within_voxels.to_string()),
         ("--encoding", lower(format!("{:?}", options.encoding))),
         ("--levels", options.levels.to_string()),

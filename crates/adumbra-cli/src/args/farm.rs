@@ -27,7 +27,7 @@ pub(crate) struct Plan {
     /// Number of tasks of the job that bake parts
     #[arg(long, value_name = "N", default_value_t = 64, requires = "export", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(crate) shards: u32,
-    /// Folder or URL for the entries of the job, as for bake [default: the plan's path with the extension .cache]
+    /// Folder or URL of the job's bake cache [default: the plan's path with the extension .cache]
     #[arg(long, value_name = "DIR|URL", requires = "export")]
     pub(crate) cache: Option<PathBuf>,
     /// The shadow file of the job [default: the scene's path with the extension .adumbra]
@@ -59,7 +59,7 @@ pub(crate) struct Tile {
     /// Bake these parts, such as 0,5,7-9
     #[arg(long, value_name = "IDS")]
     pub(crate) ids: Option<Ids>,
-    /// Folder or URL for the entries, as for bake [default: the plan's path with the extension .cache]
+    /// Folder or URL of the bake cache [default: the plan's path with the extension .cache]
     #[arg(long, value_name = "DIR|URL")]
     pub(crate) cache: Option<PathBuf>,
     /// The scene that was planned, if it has another path here
@@ -77,7 +77,7 @@ pub(crate) struct Link {
     /// The plan
     #[arg(long, value_name = "FILE")]
     pub(crate) plan: PathBuf,
-    /// Folder or URL with the entries, as for bake [default: the plan's path with the extension .cache]
+    /// Folder or URL of the bake cache [default: the plan's path with the extension .cache]
     #[arg(long, value_name = "DIR|URL")]
     pub(crate) cache: Option<PathBuf>,
     /// The shadow file to write

@@ -155,7 +155,8 @@ impl Follower<'_> {
         Ok((files, watch))
     }
 
-    /// Writes a file of the coarser levels, which is there long before that of all levels, unless there is a file already.
+    /// Writes a file of the coarser levels, which is there long before that of all levels, unless there is a file
+    /// already.
     fn write_coarser(&self, baker: &mut Baker) -> Result<(), Failure> {
         if baker.grids().len() == 1 || self.output.exists() {
             return Ok(());

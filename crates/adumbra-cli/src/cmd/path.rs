@@ -22,7 +22,8 @@ use serde::Serialize;
 
 use crate::args::VerifyPathArgs;
 
-/// Points at which each moment is compared with rays. Of so many, a moment's shares are known to about 0.02 percentage points.
+/// Points at which each moment is compared with rays. Of so many, a moment's shares are known to about 0.02 percentage
+/// points.
 const POINTS: usize = 100_000;
 
 /// What a sun path contains.

@@ -71,8 +71,8 @@ pub(super) fn open_or_create(place: &Path) -> Result<Arc<dyn BakeCache>, Failure
     })
 }
 
-/// Opens the cache of `--cache`, if the option is given. The first failure of the cache is reported as a warning; the bake
-/// goes on without it.
+/// Opens the cache of `--cache`, if the option is given. The first failure of the cache is reported as a warning; the
+/// bake goes on without it.
 pub(super) fn best_effort_cache(place: Option<&Path>) -> Result<Option<BestEffortCache>, Failure> {
     let Some(place) = place else { return Ok(None) };
     let named = place.display().to_string();

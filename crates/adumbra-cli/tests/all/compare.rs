@@ -90,7 +90,7 @@ fn compare_finds_a_street_and_walks_a_file() {
 }
 
 #[test]
-fn sun_angle_reaches_and_judges_every_technique_that_takes_one() {
+fn sun_degrees_reach_and_judges_every_technique_that_takes_one() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("primitives"), folder.path("out"));
     let report = json(&[

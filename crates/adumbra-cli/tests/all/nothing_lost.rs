@@ -112,9 +112,9 @@ fn bakes_keep_every_file_that_an_option_names() {
     let Baked { folder, scene, .. } = baked();
     let gltf = folder.generate("primitives");
     let edits = folder.write("moves.json", b"{}");
-    let (into, edited) = (["bake", &scene, "--link-in", &gltf], ["bake", &scene, "--edit", &edits]);
+    let (linked, edited) = (["bake", &scene, "--link-in", &gltf], ["bake", &scene, "--edit", &edits]);
     for name in names(&folder, "primitives.glb") {
-        is_kept(&gltf, 3, &[[&into[..], &["-o", &name]].concat()]);
+        is_kept(&gltf, 3, &[[&linked[..], &["-o", &name]].concat()]);
     }
     is_kept(&edits, 3, &[[&edited[..], &["-o", &edits]].concat()]);
     // A folder that becomes the cache.

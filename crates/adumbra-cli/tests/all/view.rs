@@ -135,7 +135,8 @@ fn view_streams_a_file_that_needs_more_than_the_budget() {
     // Pixels far away have a coarser level, whose texels are no larger than they are.
     let (flip, _) = apart(&streamed, &drawn);
     assert!(flip > 0.0 && flip <= MAX_FLIP, "streamed: FLIP {flip}");
-    // The finest level is red, the next one orange; a whole file has no such layer, and the picture is shown in its place.
+    // The finest level is red, the next one orange; a whole file has no such layer, and the picture is shown in its
+    // place.
     let colors = |path: &str| {
         let Picture { rgb, .. } = picture(path);
         let tinted = |is: &dyn Fn(&[u8]) -> bool| rgb.chunks(3).filter(|p| is(p)).count();

@@ -76,8 +76,8 @@ impl TechniqueEntry {
     }
 }
 
-/// The techniques that a program offers. [`Techniques::product`] are those of this crate; [`Techniques::with`] adds those
-/// of another.
+/// The techniques that a program offers. [`Techniques::product`] are those of this crate; [`Techniques::with`] adds
+/// those of another.
 #[derive(Clone, Copy, Debug)]
 pub struct Techniques {
     product: &'static [TechniqueEntry],

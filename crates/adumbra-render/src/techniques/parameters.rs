@@ -7,9 +7,9 @@ use super::list::Techniques;
 use crate::technique::{Parameter, ParameterKind};
 
 impl Techniques {
-    /// Returns the parameters of a technique as shown in help: `key=default` and the other accepted values. Parameters that
-    /// always apply come first, then those that apply only with a certain word as another parameter's value. Empty if the
-    /// technique has no parameters or does not exist.
+    /// Returns the parameters of a technique as shown in help: `key=default` and the other accepted values. Parameters
+    /// that always apply come first, then those that apply only with a certain word as another parameter's value. Empty
+    /// if the technique has no parameters or does not exist.
     pub fn parameters(self, name: &str) -> String {
         let text = |(p, goes_with): &(Parameter, Option<String>)| match goes_with {
             None => p.help(),
@@ -18,8 +18,8 @@ impl Techniques {
         self.all(name).iter().map(text).collect::<Vec<_>>().join("; ")
     }
 
-    /// Returns a description of every parameter, sorted by key, as `key: description`. A key that means different things in
-    /// different techniques has several entries.
+    /// Returns a description of every parameter, sorted by key, as `key: description`. A key that means different
+    /// things in different techniques has several entries.
     pub fn parameter_texts(self) -> Vec<String> {
         let mut texts: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
         for technique in self.iter() {

@@ -15,7 +15,7 @@ fn spec_of(text: &SpecText) -> Result<TechniqueSpec> {
 }
 
 #[test]
-fn sun_angle_reaches_every_technique_that_takes_one() {
+fn sun_degrees_reach_every_technique_that_takes_one() {
     let of = |text: &str| text.parse::<TechniqueSpec>().unwrap().with_sun_degrees(3.0).to_string();
     for (text, expected) in [
         ("pcss", "pcss:sun-degrees=3"),
@@ -36,7 +36,7 @@ fn sun_angle_reaches_every_technique_that_takes_one() {
 }
 
 #[test]
-fn registry_s_sun_angle_is_a_parameter_and_means_the_disc() {
+fn registry_s_sun_degrees_are_a_parameter_and_means_the_disc() {
     for name in TECHNIQUES.iter().map(|t| t.name).chain(["voxel:soft", "blur:base=voxel/soft"]) {
         let spec = spec(name);
         let parameters = spec.base().unwrap_or(&spec).describe(Baked::default()).unwrap();

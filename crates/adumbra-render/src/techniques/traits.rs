@@ -28,7 +28,7 @@ pub struct Traits {
     pub reads: Reads,
     /// The truth that it is compared with.
     pub truth: Truth,
-    /// Whether it has a parameter `angle`, the sun's full angle in degrees.
+    /// Whether it has a parameter `sun-degrees`, the sun's full angle in degrees.
     pub takes_sun_degrees: bool,
     /// Whether movers cast shadows, as static objects do.
     pub shows_movers: bool,

@@ -26,9 +26,9 @@ impl VoxelSettings {
         Self { look_up: LookUp { filter, bias: Some(bias), ..LookUp::default() }, quick: false }
     }
 
-    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:sun-degrees=DEGREES][:radius=TEXELS]`, each with
-    /// `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias. Between the keys of
-    /// a sun path, a filter may have `:march=quick`, and penumbrae have no largest radius.
+    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:sun-degrees=DEGREES][:radius=TEXELS]`, each
+    /// with `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias. Between
+    /// the keys of a sun path, a filter may have `:march=quick`, and penumbrae have no largest radius.
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a parameter is unknown or out of range.

@@ -210,8 +210,8 @@ fn some_marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
     marches_to_a_disc_are_near(&[2.0], 1000, 64, [1.5, 1.5]);
 }
 
-/// Root-mean-square errors against rays to the sun's disc: of `voxel:soft` in a file of that very sun, and of marches. These may
-/// be larger by the first factor, and those between keys by the second again.
+/// Root-mean-square errors against rays to the sun's disc: of `voxel:soft` in a file of that very sun, and of marches.
+/// These may be larger by the first factor, and those between keys by the second again.
 fn marches_to_a_disc_are_near(angles: &[f64], points: usize, rays: u32, times: [f64; 2]) {
     let scene = kit::city();
     let mut keys = keys(FrameChoice::ObliqueAt(0.0), 0.15);

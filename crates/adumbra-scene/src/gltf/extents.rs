@@ -97,10 +97,10 @@ impl<'a> Extents<'a> {
         } else {
             (extent.radius_node, extent.size_world())
         };
-        let encoding = rest.map();
+        let rest_map = rest.map();
         tracks.moments().any(|seconds| {
             let map = tracks.at(rest, seconds);
-            let change = std::array::from_fn(|r| std::array::from_fn(|c| map[r][c] - encoding[r][c]));
+            let change = std::array::from_fn(|r| std::array::from_fn(|c| map[r][c] - rest_map[r][c]));
             // The parent's translation does not take part in a difference.
             let change = multiply(&linear(&parent), &change);
             let distance = length(change.map(|row| row[3])) + stretch(&change) * radius;

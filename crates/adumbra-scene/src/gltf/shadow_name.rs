@@ -25,9 +25,9 @@ use crate::glb::container;
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional light
-/// that shines, that of the first of [`Scene::suns`](crate::Scene::suns), or of a new one towards `sun` if it has none.
-/// `name` is the file's path relative to the folder of `path`, with `/` between its parts.
+/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional
+/// light that shines, that of the first of [`Scene::suns`](crate::Scene::suns), or of a new one towards `sun` if it has
+/// none. `name` is the file's path relative to the folder of `path`, with `/` between its parts.
 ///
 /// # Errors
 /// Returns [`Error::Io`](crate::Error::Io), or the error with which [`load`](crate::load) refuses such JSON; the file is
@@ -82,8 +82,8 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     Ok(if is_binary { container(text, parts.bin.unwrap_or_default().to_vec(), &parts.others) } else { text })
 }
 
-/// Adds a node with light `index` to the scene, and the extension to those in use. A file without scenes draws all of its
-/// nodes.
+/// Adds a node with light `index` to the scene, and the extension to those in use. A file without scenes draws all of
+/// its nodes.
 fn add_light(path: &Path, root: &mut Parts, index: usize, scene: usize, sun: Sun) -> Result<()> {
     let fault = |e: serde_json::Error| bad(path, e.to_string());
     // Nodes and scenes keep their own text.
@@ -128,11 +128,11 @@ fn read<T: serde::de::DeserializeOwned>(parts: &Parts, name: &str) -> serde_json
         .transpose()
 }
 
-/// Returns the matrix, column by column, that turns a light, which shines along its -Z, away from the sun. Its scale, from 1 to
-/// the root of 3, means nothing for lights.
+/// Returns the matrix, column by column, that turns a light, which shines along its -Z, away from the sun. Its scale,
+/// from 1 to the root of 3, means nothing for lights.
 ///
-/// Bakes find objects of earlier ones by the bits of the sun, so its Z axis is one of which a loader makes the very same sun.
-/// No quaternion can promise that.
+/// Bakes find objects of earlier ones by the bits of the sun, so its Z axis is one of which a loader makes the very
+/// same sun. No quaternion can promise that.
 fn placement(sun: Sun) -> [f64; 16] {
     let axis = axis_towards(sun);
     let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -150,7 +150,8 @@ fn placement(sun: Sun) -> [f64; 16] {
 }
 
 /// Returns the vector, with a largest component of 1 or -1, of which [`Sun::from_direction`] makes this sun. A sun's
-/// components were divided by a length, so those of the vector are within two units in the last place of their quotients.
+/// components were divided by a length, so those of the vector are within two units in the last place of their
+/// quotients.
 fn axis_towards(sun: Sun) -> [f64; 3] {
     let towards = sun.towards();
     let largest = towards.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
@@ -201,7 +202,7 @@ mod tests {
         assert_eq!(named(&json.to_string()), json);
     }
 
-    /// A bake finds the objects of the one before only if the sun has the same bits.
+    /// A bake finds the entries of the one before only if the sun has the same bits.
     #[test]
     fn light_leads_to_the_very_same_sun() {
         let mut random = crate::random::Random::new(3, 0);

@@ -18,7 +18,8 @@ const BLOCK: usize = 256;
 /// The sky from a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyView {
-    /// One bit for each patch, 1 if its middle is seen. Byte k has the patches from 8 k on, the first in its lowest bit.
+    /// One bit for each patch, 1 if its middle is seen. Byte k has the patches from 8 k on, the first in its lowest
+    /// bit.
     pub bits: Vec<u8>,
     /// Share of the light of an evenly bright sky that arrives: 1 on an open plain, about a half on an open wall.
     pub sky_view_factor: f64,
@@ -34,8 +35,8 @@ impl SkyView {
 }
 
 /// Tells for each point which patches of the sky it sees, on the current rayon pool. A sheet is seen from above, and
-/// a point in space measures light as a level surface does. Progress counts blocks of points. Cost: a ray for each patch
-/// that is on the surface's side.
+/// a point in space measures light as a level surface does. Progress counts blocks of points. Cost: a ray for each
+/// patch that is on the surface's side.
 ///
 /// # Errors
 /// Returns [`Error::Interrupted`] if `watch` asks for it.

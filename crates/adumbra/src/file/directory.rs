@@ -133,8 +133,8 @@ pub(super) fn place(entries: &mut [GridEntry]) -> u64 {
     end
 }
 
-/// Checks that every part begins where the parts before it end, that common sections can be as long as the directory says
-/// once they are decoded, and that the file ends with the last part.
+/// Checks that every part begins where the parts before it end, that common sections can be as long as the directory
+/// says once they are decoded, and that the file ends with the last part.
 fn check_places(entries: &[GridEntry], file_bytes: u64, encoding: Encoding) -> Result<(), FormatError> {
     let mut expected = entries.to_vec();
     let end = place(&mut expected);

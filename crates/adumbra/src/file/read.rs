@@ -30,11 +30,12 @@ impl ShadowFile {
         Self::from_bytes(&bytes).map_err(|fault| invalid(path, fault))
     }
 
-    /// Reads and validates the file at `path` if that takes at most `limit_bytes` of memory, the file's own bytes with it.
+    /// Reads and validates the file at `path` if that takes at most `limit_bytes` of memory, the file's own bytes with
+    /// it.
     ///
-    /// For files from others: a file of a few megabytes is often five times as large in memory, and a forged one can be 300
-    /// times as large. Header, directory and tables say how large it can be, so one that may be too large is refused before
-    /// the rest is read. A pipe cannot be read this way.
+    /// For files from others: a file of a few megabytes is often five times as large in memory, and a forged one can be
+    /// 300 times as large. Header, directory and tables say how large it can be, so one that may be too large is
+    /// refused before the rest is read. A pipe cannot be read this way.
     ///
     /// # Errors
     /// Returns the errors of [`ShadowFile::read`], and [`Error::Format`] with [`FormatError::TooLarge`].

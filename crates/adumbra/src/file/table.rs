@@ -229,7 +229,8 @@ fn is_uniform(pages: &[Page<'_>]) -> bool {
     pages.iter().all(|page| *page == Page::uniform(pages[0].base))
 }
 
-/// Returns the range of a bundle's pages that are inside the grid, and whether all of their columns switch at one depth.
+/// Returns the range of a bundle's pages that are inside the grid, and whether all of their columns switch at one
+/// depth.
 fn range_of(
     bundle: [u32; 2],
     page_dims: [u32; 2],

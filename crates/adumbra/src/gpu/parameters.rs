@@ -176,8 +176,8 @@ impl Parameters {
         Ok(parameters)
     }
 
-    /// Sets the world position that positions in the shader are relative to. `grid` is that of the file, placed as the app has
-    /// it ([`LightGrid::placed`]).
+    /// Sets the world position that positions in the shader are relative to. `grid` is that of the file, placed as the
+    /// app has it ([`LightGrid::placed`]).
     ///
     /// # Errors
     /// Returns [`RangeError`] only if the grid itself is too large.

@@ -17,7 +17,8 @@ pub struct LightGrid {
     pub frame: Frame,
     /// Edge length of a voxel, in world units: in the oblique frame that of its horizontal edges, and its height.
     pub voxel_size: f64,
-    /// Grid position of the corner (0, 0, 0), in voxels from the world's origin: `axes · p / voxel_size` of that corner.
+    /// Grid position of the corner (0, 0, 0), in voxels from the world's origin: `axes · p / voxel_size` of that
+    /// corner.
     pub corner: [f64; 3],
     /// Rows of the linear map from world to grid; see [`Frame::axes`].
     pub axes: [[f64; 3]; 3],
@@ -47,8 +48,8 @@ impl LightGrid {
         Self::new(sun, extent.frame, voxel_size, corner, size)
     }
 
-    /// Returns the smallest grid that contains this one and begins and ends at multiples of `step` voxels from the world's
-    /// origin. Such grids of one sun, frame and voxel size share their voxels, whatever they cover.
+    /// Returns the smallest grid that contains this one and begins and ends at multiples of `step` voxels from the
+    /// world's origin. Such grids of one sun, frame and voxel size share their voxels, whatever they cover.
     #[must_use]
     pub fn snapped_to(self, step: u32) -> Self {
         let step = f64::from(step);

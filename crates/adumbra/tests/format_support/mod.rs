@@ -8,8 +8,8 @@ use adumbra::layout::depths::code::Place;
 use adumbra::{Encoding, FormatError, ShadowFile};
 pub(crate) use damage::{interpret, mutate};
 
-/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes if it is raw, that both ways
-/// of writing it give the same file, and that its voxels can be looked up.
+/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes if it is raw, that both
+/// ways of writing it give the same file, and that its voxels can be looked up.
 ///
 /// # Panics
 /// If the library is wrong.

@@ -51,8 +51,8 @@ pub(crate) fn points(file: &ShadowFile, count: usize, seed: u64) -> Vec<Point> {
         .collect()
 }
 
-/// Checks that each answer of a stream is that of the level that it says it is from. Returns how many answers each level
-/// gave.
+/// Checks that each answer of a stream is that of the level that it says it is from. Returns how many answers each
+/// level gave.
 pub(crate) fn compare(streamer: &Streamer, file: &ShadowFile, points: &[Point], filter: Filter) -> Vec<u32> {
     let levels: Vec<_> = (0..file.level_count()).map(|n| file.level(n).unwrap().sampler(filter)).collect();
     let mut counts = vec![0; levels.len()];

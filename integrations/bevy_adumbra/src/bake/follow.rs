@@ -90,6 +90,8 @@ pub(crate) fn follow_suns(
                         Ok(follower) => {
                             let (follower, meshes) = (Mutex::new(follower), Arc::clone(&now.keys));
                             bake.following = Some(Following { follower, meshes });
+                            // What failed before is tried again.
+                            progress.set_if_neq(BakeProgress::Waiting);
                         }
                         Err(error) => fail(light, &mut progress, error),
                     }
@@ -110,13 +112,13 @@ pub(crate) fn follow_suns(
             Followed::Waiting => sun_keys.turn(towards_sun),
             Followed::Moment(moment) => {
                 sun_keys.set(moment.keys, moment.towards_sun);
-                let is_new = !bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes));
+                let is_known = bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes));
                 // Until they are shown, what has moved casts through the cascades.
-                if is_new && sun_keys.is_settled() {
+                if !is_known && sun_keys.is_settled() {
                     bake.in_use = Some(Arc::clone(meshes));
                     info!("the shadow of light {light} follows the sun: its first key is baked");
                 }
-                if !matches!(*progress, BakeProgress::Failed(_)) || is_new {
+                if !matches!(*progress, BakeProgress::Failed(_)) {
                     let (is_baking, coarser) = (follower.is_baking(), moment.coarser as u32);
                     progress.set_if_neq(BakeProgress::Following { is_baking, coarser });
                 }

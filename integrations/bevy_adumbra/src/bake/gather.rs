@@ -104,8 +104,8 @@ impl SceneAssets<'_> {
     }
 }
 
-/// Copies the meshes with their materials. Returns `None` while some are being loaded. Meshes that do not come are left out, and
-/// materials and images that do not come count as opaque.
+/// Copies the meshes with their materials. Returns `None` while some are being loaded. Meshes that do not come are left
+/// out, and materials and images that do not come count as opaque.
 ///
 /// # Errors
 /// Returns what is wrong with the meshes.
@@ -168,8 +168,8 @@ pub(super) fn gather<'w>(
     Ok(Some(scene))
 }
 
-/// Copies a mesh, with the texture coordinates that its material has, which is the scene's material `index`. Returns `None` if it
-/// has no triangles.
+/// Copies a mesh, with the texture coordinates that its material has, which is the scene's material `index`. Returns
+/// `None` if it has no triangles.
 fn copy(
     mesh: &BevyMesh,
     name: String,

@@ -6,8 +6,8 @@
 //! cascades again until a new bake is done. It bakes what the change touches, and has the rest in memory: about as many bytes
 //! as the file.
 //!
-//! A light that is followed ([`BakedShadow::follow_sun`](crate::BakedShadow::follow_sun)) has keys baked ahead of it in place of
-//! a file.
+//! A light that is followed ([`BakedShadow::follow_sun`](crate::BakedShadow::follow_sun)) has keys baked ahead of it in
+//! place of a file.
 
 mod follow;
 mod gather;
@@ -49,8 +49,8 @@ pub(crate) use versions::{AssetVersions, count_changes};
 pub struct BakeSettings {
     /// Texels on the longest side of the world as the sun sees it, a power of two from 8 to 262,144.
     pub resolution: u32,
-    /// Resolution of the file that comes first. None comes first if it is not less than `resolution`. Not that of the first
-    /// key of a light that is followed, which is an eighth of `resolution`.
+    /// Resolution of the file that comes first. None comes first if it is not less than `resolution`. Not that of the
+    /// first key of a light that is followed, which is an eighth of `resolution`.
     pub first_resolution: u32,
     /// How far below an open surface its shadow may begin, world units. More makes smaller files.
     pub thickness_world: f32,
@@ -152,7 +152,8 @@ pub(crate) struct StaticKeys {
 
 /// Adds [`RuntimeBakeCommands::bake_shadow`] to `Commands`.
 pub trait RuntimeBakeCommands {
-    /// Bakes the shadow of a directional light while the app runs, with a [`RuntimeBake`]. One that is there gets the settings.
+    /// Bakes the shadow of a directional light while the app runs, with a [`RuntimeBake`]. One that is there gets the
+    /// settings.
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings);
 }
 
@@ -202,7 +203,11 @@ type Changes = (
 pub(crate) fn find_meshes(
     lights: Query<(), With<RuntimeBake>>,
     placed: Meshes,
-    (changed, in_bake): (Query<(), Changes>, Query<(), With<IncludedInBake>>),
+    (changed, disabled, in_bake): (
+        Query<(), Changes>,
+        Query<(), (With<IncludedInBake>, Added<Disabled>)>,
+        Query<(), With<IncludedInBake>>,
+    ),
     (mut removed, mut enabled, mut no_casters, mut no_meshes, mut no_materials): (
         RemovedComponents<IncludedInBake>,
         RemovedComponents<Disabled>,
@@ -217,6 +222,7 @@ pub(crate) fn find_meshes(
     let others = no_casters.read().chain(no_meshes.read()).chain(no_materials.read()).chain(enabled.read());
     let has_changes = removed.read().count() + others.filter(|e| in_bake.contains(*e)).count() > 0
         || !changed.is_empty()
+        || !disabled.is_empty()
         || keys.changes != versions.changes();
     if lights.is_empty() {
         // The next light sees what there is then.
@@ -236,11 +242,12 @@ pub(crate) fn find_meshes(
     }
 }
 
-/// Pauses the bakes of a light whose [`BakedShadow`] the app has removed. At once, so that the app can ask again in the same
-/// frame.
+/// Pauses the bakes of a light whose [`BakedShadow`] the app has removed. At once, so that the app can ask again in the
+/// same frame.
 pub(crate) fn pause_bakes(removed: On<Remove, BakedShadow>, mut lights: Query<&mut RuntimeBake>) {
     if let Ok(mut bake) = lights.get_mut(removed.entity) {
-        bake.bypass_change_detection().is_paused = true;
+        let bake = bake.bypass_change_detection();
+        (bake.is_paused, bake.seen, bake.job, bake.pending, bake.in_use) = (true, None, None, None, None);
     }
 }
 
@@ -261,13 +268,12 @@ pub(crate) fn bake_shadows(
         commands.entity(light).try_remove::<BakeProgress>();
     }
     for (light, transform, mut bake, mut progress, mut shadow) in &mut lights {
+        let bake = bake.bypass_change_detection();
+        bake.is_paused &= shadow.is_none();
         if shadow.as_ref().is_some_and(|shadow| shadow.follow) {
             continue;
         }
-        let bake = bake.bypass_change_detection();
-        bake.is_paused &= shadow.is_none();
         if bake.is_paused {
-            (bake.seen, bake.job, bake.pending, bake.in_use) = (None, None, None, None);
             progress.set_if_neq(BakeProgress::Waiting);
             continue;
         }

@@ -309,6 +309,7 @@ fn a_mesh_that_is_disabled_and_enabled_again_casts_until_it_is_baked() {
     stage.finish(true);
     stage.world.entity_mut(stage.mesh).insert(Disabled);
     stage.update();
+    assert!(stage.is_pending(), "its shadow is to go");
     *stage.world.get_mut::<GlobalTransform>(other).unwrap() = GlobalTransform::from_xyz(1.0, 0.0, 0.0);
     stage.update();
     // Without the mesh that is disabled.
@@ -467,9 +468,12 @@ fn what_is_taken_away_during_a_bake_stays_away_until_it_is_asked_for_again() {
 fn what_is_removed_and_asked_for_in_one_frame_is_baked() {
     let mut stage = Stage::baked();
     let light = stage.light;
+    // A bake with the settings of before is under way.
+    stage.world.get_mut::<RuntimeBake>(light).unwrap().job = Some(Job::of_test(channel().1));
     stage.world.entity_mut(light).remove::<BakedShadow>();
     stage.world.commands().bake_shadow(light, BakeSettings::default());
     stage.world.flush();
+    assert!(stage.world.get::<RuntimeBake>(light).unwrap().job.is_none());
     stage.update();
     assert!(stage.is_pending());
     // So is what is set up anew.

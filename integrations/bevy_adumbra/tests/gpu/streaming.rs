@@ -412,8 +412,8 @@ fn streamed_and_whole_files_are_in_use_side_by_side() {
     assert!(matches!(stage.status(), BakedShadowStatus::Unusable(BakedShadowError::NoFiles)));
 }
 
-/// Prints the median and the largest time of the system in the main world over 500 frames of a flight, and what is written
-/// in a frame. Another file: `ADUMBRA_STREAM_FILE`.
+/// Prints the median and the largest time of the system in the main world over 500 frames of a flight, and what is
+/// written in a frame. Another file: `ADUMBRA_STREAM_FILE`.
 #[test]
 #[ignore = "slow: draws many frames"]
 fn frames_of_a_flight_write_within_the_budget() {

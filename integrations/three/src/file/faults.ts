@@ -23,7 +23,7 @@ export function check(isGood: boolean, name: string, value: number | Vec3 | stri
 export function foreign(kind: string, start: string, magic: string, command: string): ShadowFileError {
   const isPage = /^\s*<(?:!doc|html)/i.test(start);
   const instead = isPage
-    ? 'it is a web page, such as a server sends in place of a file that it does not have; check the address'
+    ? 'it is a web page, as servers send for a file that they lack; check the address'
     : start === 'version '
       ? 'it is a Git LFS pointer to one; run `git lfs pull`'
       : `it begins with ${JSON.stringify(start)} instead of ${JSON.stringify(magic)}; give a file that \`${command}\` has written, and copy it as binary`;
@@ -42,7 +42,7 @@ export function checkBundle(isGood: boolean, section: string, found: string, exp
 
 /** Returns the error for a coded part that cannot be decoded. */
 export function notDecodable(section: string): ShadowFileError {
-  return new ShadowFileError('Coded', `the ${section} cannot be decoded; copy the file again, or bake it again`, { section });
+  return new ShadowFileError('Coded', `the ${section} cannot be decoded; copy it again, or bake it again`, { section });
 }
 
 /** Returns the error for a file that ends before a part of it does. */
@@ -66,7 +66,7 @@ export function checkChecksum(bytes: Uint8Array, stored: number, section?: strin
   const isHeader = section === undefined;
   throw new ShadowFileError(
     isHeader ? 'HeaderChecksum' : 'SectionChecksum',
-    `the ${isHeader ? 'header' : `section ${section}`} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy the file again, or bake it again`,
+    `the ${isHeader ? 'header' : `section ${section}`} is damaged: its checksum is ${hex(computed)} instead of ${hex(stored)}; copy it again, or bake it again`,
     { ...(isHeader ? {} : { section }), stored, computed },
   );
 }

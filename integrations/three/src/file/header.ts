@@ -124,7 +124,7 @@ function identify(bytes: Uint8Array, fields: Fields): void {
     if (version > LATEST_VERSION) {
       throw new ShadowFileError(
         'FutureVersion',
-        `format version ${version}, but this reader knows versions up to ${LATEST_VERSION}; update adumbra-three, or bake the scene again`,
+        `format version ${version}, but this reader knows up to ${LATEST_VERSION}; update adumbra-three, or bake again`,
         { version, supported: LATEST_VERSION },
       );
     }

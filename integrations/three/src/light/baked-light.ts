@@ -30,6 +30,8 @@ export interface BakedLight extends Part {
   setFiles(file: FileChoice): void;
   /** How the light and its files do, now. */
   status(): ShadowStatus;
+  /** Whether nothing is to be done for a while: three may draw another shadow of the light. */
+  setIdle(isIdle: boolean): void;
   /** Follows the light and the roots, before a renderer draws. Nothing after `dispose`. */
   update(renderer?: AnyRenderer | null): void;
   /** Warns once if a scene, or a static root, is moved and no file follows one. Cost: one comparison for each static root. */
@@ -43,7 +45,7 @@ export interface BakedLight extends Part {
 /** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
 const SAME_SUN = 1.5e-3;
 
-const ENCODING = new Matrix4();
+const IDENTITY = new Matrix4();
 
 /** Numbers in use. A number that is free is used again, so that shaders are too. */
 const inUse = new Set<number>();
@@ -68,7 +70,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     );
   };
   const towards = new Vector3();
-  let isDisposed = false;
+  let [isDisposed, isIdle] = [false, false];
   let number = 1;
   while (inUse.has(number)) number += 1;
   inUse.add(number);
@@ -77,7 +79,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
   /** The numbers of the files whose sun is in a direction. */
   const filesTowards = (direction: Vector3): number[] => distancesTo(direction).flatMap((each, i) => (each <= SAME_SUN ? i : []));
   const update = (renderer?: AnyRenderer | null): void => {
-    if (isDisposed) return;
+    if (isDisposed || isIdle) return;
     files.follow(renderer);
     align();
     files.textures.use(filesTowards(towardsLight(light, towards)));
@@ -108,15 +110,18 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       light.target?.updateWorldMatrix(true, false);
       const distances = distancesTo(towardsLight(light, new Vector3()));
       return {
-        filesInUse: isDisposed || !shines(light) ? 0 : distances.filter((each) => each <= SAME_SUN).length,
+        filesInUse: isDisposed || isIdle || !shines(light) ? 0 : distances.filter((each) => each <= SAME_SUN).length,
         missing: distances.filter((each) => each === Infinity).length,
         degrees: (Math.asin(Math.min(1, Math.min(...distances) / 2)) * 360) / Math.PI,
       };
     },
     update,
+    setIdle(value) {
+      isIdle = value;
+    },
     casters(scene) {
       const [resting, needed]: [Object3D[], Object3D[]] = [[], []];
-      if (isDisposed || !shines(light) || !isIn(light, scene)) return { resting, needed };
+      if (isDisposed || isIdle || !shines(light) || !isIn(light, scene)) return { resting, needed };
       const now = filesTowards(towards);
       (now.length > 0 ? resting : needed).push(...statics);
       files.roots.forEach((root, i) => root && (now.includes(i) ? resting : needed).push(root));
@@ -124,7 +129,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     },
     warnOfMoved(scene) {
       if (!files.roots.includes(undefined)) return;
-      const moved = [scene, ...statics].find((root) => !('geometry' in root) && !root.matrixWorld.equals(ENCODING));
+      const moved = [scene, ...statics].find((root) => !('geometry' in root) && !root.matrixWorld.equals(IDENTITY));
       if (!moved) return;
       const name = moved === scene ? 'the scene' : `'${moved.name || moved.type}' in statics`;
       warnOnce(`${name} is moved, turned or scaled; if its file was baked from what is below it, give { file, root }`, 'at rest');

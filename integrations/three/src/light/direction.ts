@@ -29,7 +29,7 @@ function isShown(object: Object3D | null): boolean {
 }
 
 /** Whether an object is another one, or below it. */
-export function isIn(object: Object3D | null | undefined, root: Object3D | null): boolean {
+export function isIn(object: Object3D | null | undefined, root: Object3D): boolean {
   return object != null && (object === root || isIn(object.parent, root));
 }
 
@@ -124,9 +124,10 @@ function alignLight(light: SunLike, sun: Vec3, distance: number): void {
   updateWorld(light);
 }
 
-/** Updates the matrices of a light, and of a target below it, though the app may have frozen them. */
+/** Updates the matrices of a light, and of what carries a target below it, though the app may have frozen them. */
 function updateWorld(light: SunLike): void {
-  const objects: Object3D[] = light.target ? [light, light.target] : [light];
+  const objects: Object3D[] = [light];
+  for (let each: Object3D | null = light.target ?? null; each; each = each.parent) objects.push(each);
   const settings = objects.map((each) => each.matrixWorldAutoUpdate);
   for (const each of objects) each.matrixWorldAutoUpdate = true;
   light.updateMatrixWorld(true);

@@ -22,7 +22,7 @@ export interface Part {
   /** The scene is drawn, with what was drawn from within. */
   end?(): void;
   /** The roots of what is in files in use, and of what is in the light's other files. None while the light does not shine in the scene. */
-  casters(scene: Object3D | null): { resting: readonly Object3D[]; needed: readonly Object3D[] };
+  casters(scene: Object3D): { resting: readonly Object3D[]; needed: readonly Object3D[] };
 }
 
 /** What is done around the drawings of one scene. */

@@ -45,7 +45,7 @@ export function viewOf(camera: Camera, rows: number, placement?: WorldFromFile):
   const up = new Vector3(m[1], m[5], m[9]).projectOnPlane(ahead);
   const size = (2 * (ahead.length() || m[15]!)) / (up.length() * rows);
   // Where the lines of sight meet. Those of a parallel projection do not.
-  const [x, y, z, w] = matrix.clone().invert().elements.slice(8) as [number, number, number, number];
+  const [x, y, z, w] = matrix.clone().invert().elements.slice(8, 12) as [number, number, number, number];
   return w === 0
     ? { position: [0, 0, 0], planes, pixel: size, pixelPerDistance: 0 }
     : { position: [x / w, y / w, z / w], planes, pixel: 0, pixelPerDistance: size };

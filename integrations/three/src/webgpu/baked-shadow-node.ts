@@ -62,9 +62,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
   /** Whether three is about to rebuild the light's shadow, which disposes the one that it has. */
   #isRenewing = false;
   #isDisposed = false;
-  /** Whether three has dropped it, and may draw another shadow of the light. */
-  #isDropped = false;
-  readonly #movers: Node | null;
+  #movers: Node | null;
   readonly #part: Part;
   /** How many times over the light tells its listeners of its end, at the moment. */
   #endings = 0;
@@ -92,7 +90,16 @@ export class BakedShadowNode extends Base implements BakedShadow {
     this.#sun = light;
     this.#baked = bakedLight(light, file, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
-    this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer), casters: (scene) => this.#baked.casters(this.#isDropped ? null : scene) };
+    this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer) };
+    // What was in use until now is dropped, and materials are built anew.
+    const before = light.shadow.shadowNode as unknown;
+    const earlier = nodes.get(light);
+    if (earlier) {
+      // It may have the same movers.
+      if (earlier.#movers === this.#movers) earlier.#movers = null;
+      earlier.dispose();
+    } else if (before === undefined || before !== movers) forgetShadow(light);
+    nodes.set(light, this);
     this.#events = wrap(light, 'dispatchEvent', (theirs) => (event) => {
       const isEnd = Number(event.type === 'dispose');
       this.#endings += isEnd;
@@ -102,12 +109,6 @@ export class BakedShadowNode extends Base implements BakedShadow {
         this.#endings -= isEnd;
       }
     });
-    // What was in use until now is dropped, and materials are built anew.
-    const before = light.shadow.shadowNode as unknown;
-    const earlier = nodes.get(light);
-    nodes.set(light, this);
-    if (earlier) earlier.dispose();
-    else if (before === undefined || before !== movers) forgetShadow(light);
     // Once it has given the light back.
     this.#baked.update();
   }
@@ -176,7 +177,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
   /** For three: takes part in the drawing of the scene. From then on its part is done around each drawing. */
   override updateBefore({ renderer, scene }: NodeFrame): undefined {
     if (this.#isDisposed) return;
-    this.#isDropped = false;
+    this.#baked.setIdle(false);
     this.#update(renderer);
     if (scene === this.#scene || scene === null) return;
     this.#leave?.();
@@ -199,7 +200,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
     if (this.#isRenewing) return;
     // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
     if (TSL.getCurrentStack() !== null) {
-      this.#isDropped = true;
+      this.#baked.setIdle(true);
       return;
     }
     // Three drops the shadow of a light that is disposed, and must not do so again within.

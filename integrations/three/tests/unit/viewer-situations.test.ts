@@ -70,7 +70,7 @@ describe('WebGPURenderer alone', () => {
       lightNode.disposeShadow();
       setCurrentStack(null);
     } else TSL.Fn(() => (lightNode.disposeShadow(), TSL.float(1)))();
-    expect(lightNode.shadowNode).toBe(null);
+    expect([lightNode.shadowNode, node.isActive, node.status.filesInUse]).toEqual([null, false, 0]);
     frame();
     // Three's own.
     delete (sun.shadow as { shadowNode?: unknown }).shadowNode;
@@ -120,13 +120,17 @@ describe('WebGPURenderer alone', () => {
     sun.castShadow = true;
     sun.position.set(5, 5, 0);
     scene.add(sun, sun.target);
-    const make = () => new BakedShadowNode(sun, { file });
+    const movers = Object.assign(TSL.float(1), { dispose: vi.fn() });
+    const make = () => new BakedShadowNode(sun, { file, movers: movers as never });
     make();
     const node = make();
+    // Both have the app's movers.
+    expect(movers.dispose).not.toHaveBeenCalled();
     sun.shadow.shadowNode = node;
     drawWithWebGPU(scene, { shadowMap: {}, initTexture: () => undefined }, node, sun);
     expect(node.isActive).toBe(true);
     node.dispose();
+    expect(movers.dispose).toHaveBeenCalledTimes(1);
     expect(sun.position.toArray()).toEqual([5, 5, 0]);
     expect(Object.hasOwn(sun, 'dispatchEvent')).toBe(false);
   });
@@ -194,6 +198,19 @@ describe.each(RENDERERS)('%s', (name, show) => {
     const make = (): BakedShadow => (option === 'statics' ? attach(scene, sun, file, { statics: gltf }) : attach(scene, sun, { file, root: gltf }));
     expect(make).toThrow(new RegExp(`${option} is .*gltf.scene`));
     expect([Object.hasOwn(scene, 'onBeforeRender'), Object.hasOwn(sun, 'dispatchEvent'), sun.position.toArray()]).toEqual([false, false, [0, 1, 0]]);
+  });
+
+  test('a frozen rig that carries the target of the sun', () => {
+    const [sun, arm] = [new DirectionalLight(), new Group()];
+    arm.position.set(0, -1, -1);
+    sun.add(arm.add(sun.target));
+    sun.updateMatrixWorld(true);
+    for (const each of [sun, arm, sun.target]) each.matrixAutoUpdate = each.matrixWorldAutoUpdate = false;
+    const shown = show({}, file, sun);
+    shown.frame();
+    const [from, to] = [sun, sun.target].map((each) => new Vector3().setFromMatrixPosition(each.matrixWorld)) as [Vector3, Vector3];
+    expect(from.sub(to).normalize().distanceTo(SUN)).toBeLessThan(1e-5);
+    expect([sun, arm, sun.target].map((each) => each.matrixWorldAutoUpdate)).toEqual([false, false, false]);
   });
 
   test('an editor saves the scene and opens it again', () => {

@@ -34,8 +34,8 @@ impl LeafMasks for Masks<'_> {
     }
 }
 
-/// Grids of which there is a coded vector too: one with several bundles, one with several levels, and one with all numbers of
-/// depths.
+/// Grids of which there is a coded vector too: one with several bundles, one with several levels, and one with all
+/// numbers of depths.
 const ALSO_CODED: [&str; 3] = ["many_pages", "levels", "many_depths"];
 
 /// Returns the vectors whose columns are lit and then shadowed, and those that only a quadtree can be made of.
@@ -48,8 +48,8 @@ pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>,
     raw.chain(coded).chain([Encoding::Raw, Encoding::Coded].map(repeated)).collect()
 }
 
-/// Returns a vector all of whose pages have the same words, which no writer that looks for equal shapes would store twice.
-/// Coded, its bundle ends with zeros.
+/// Returns a vector all of whose pages have the same words, which no writer that looks for equal shapes would store
+/// twice. Coded, its bundle ends with zeros.
 fn repeated(encoding: Encoding) -> Result<Vector, Box<dyn Error>> {
     let grid = grids::repeated();
     let [_, _, depth] = grid.grid.size;

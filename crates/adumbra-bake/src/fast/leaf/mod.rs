@@ -1,5 +1,5 @@
-//! The columns of one 8 × 8 block, from the surfaces near it. The result is that of `capture.rs` for a root block, but
-//! computed a block at a time in bit masks, and receivers are evaluated only if an answer depends on them.
+//! The columns of one 8 × 8 block, from the surfaces near it. The result is that of `capture.rs` for the block's
+//! texels, but computed a block at a time in bit masks, and receivers are evaluated only if an answer depends on them.
 //!
 //! A column needs to know whether a receiver is behind its base, and whether one samples it nearer than its exit. A
 //! surface that is sampled far behind a solid settles the first question at once. The remaining work concerns open

@@ -1,6 +1,7 @@
 //! Writes jobs that bake the parts of a plan and link them, for schedulers that exist.
 //!
-//! The templates are in `jobs/`. Each mark in them, such as `@PLAN@`, is replaced by a value in the scheduler's own quotes.
+//! The templates are in `jobs/`. Each mark in them, such as `@PLAN@`, is replaced by a value in the scheduler's own
+//! quotes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

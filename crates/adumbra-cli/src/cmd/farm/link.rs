@@ -1,4 +1,4 @@
-//! `adumbra link`: makes the file of a plan of its entries.
+//! `adumbra link`: makes a plan's file from its entries.
 
 use std::time::Instant;
 

@@ -85,7 +85,8 @@ pub(super) struct LevelInfo {
     bundle_bytes: u64,
     /// Bytes of common section and bundles once decoded.
     raw_bytes: u64,
-    /// Bytes that look-ups read, all pages resident: common section, pages, and the table of blocks at which they begin.
+    /// Bytes that look-ups read, all pages resident: common section, pages, and the table of blocks at which they
+    /// begin.
     resident_bytes: u64,
     /// Level of the blocks at which look-ups begin. A block is 2^level columns wide.
     root_level: u32,

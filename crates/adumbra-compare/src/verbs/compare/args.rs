@@ -99,9 +99,9 @@ impl Compare {
     /// Returns [`Failure::Usage`] for the first number that is out of its range.
     pub fn check(&self) -> Result<(), Failure> {
         if !(self.sun_degrees > 0.0 && self.sun_degrees <= 180.0) {
-            let angle = self.sun_degrees;
+            let degrees = self.sun_degrees;
             return Err(Failure::Usage(format!(
-                "--sun-degrees {angle}: give degrees above 0 and at most 180"
+                "--sun-degrees {degrees}: give degrees above 0 and at most 180"
             )));
         }
         if !(self.eye_height > 0.0 && self.eye_height.is_finite()) {

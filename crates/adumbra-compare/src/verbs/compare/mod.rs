@@ -40,7 +40,8 @@ pub fn run(args: &Compare, offer: Offer<'_>) -> Result<Code> {
     args.check()?;
     // A wrong sun is refused before the scene is loaded.
     args.sun.given_for(&args.scene, &args.load)?;
-    // A technique that takes the sun's angular diameter gets that of the disc that it is compared with, unless it names its own.
+    // A technique that takes the sun's angular diameter gets that of the disc that it is compared with, unless it names
+    // its own.
     let specs: Vec<TechniqueSpec> = parse(offer.techniques, &args.shadow)?
         .iter()
         .map(|spec| spec.with_sun_degrees(args.sun_degrees))

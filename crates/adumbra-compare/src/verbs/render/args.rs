@@ -132,10 +132,10 @@ pub enum LayerArg {
     /// The picture, coloured by the level of the hybrid map that answers: red is the finest, then orange, green, blue
     HrsmLevels,
     /// The picture, coloured by the size of the block of the baked file that answers: purple is a single voxel, then
-    /// blue, green, yellow and orange; a legend gives its edge
+    /// blue, green, yellow and orange; a legend gives its edge in world units
     VoxelSize,
-    /// The picture, coloured by the coarsest level of detail of the shadow file whose texels are not larger than a pixel:
-    /// red is the finest, then orange, green, blue
+    /// The picture, coloured by the coarsest level of detail of the shadow file whose texels are not larger than a
+    /// pixel: red is the finest, then orange, green, blue
     Level,
 }
 

@@ -77,8 +77,8 @@ fn hours_over_a_night_have_two_parts() {
     assert_eq!(hours.seconds(0), two.sun_seconds());
 }
 
-/// Keys find nearly every minute that all rays find, with a fraction of the rays. Where the step is long, every sun is a
-/// key.
+/// Keys find nearly every minute that all rays find, with a fraction of the rays. Where the step is long, every sun is
+/// a key.
 #[test]
 fn hours_from_keys_agree_with_every_ray() {
     let scene = generate(GeneratedKind::City, 7);
