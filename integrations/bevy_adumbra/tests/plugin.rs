@@ -59,20 +59,25 @@ fn count(in_bake: Query<(), With<IncludedInBake>>, mut marked: ResMut<Marked>) {
     marked.0.push(in_bake.iter().count());
 }
 
-#[test]
-fn systems_of_an_app_are_ordered_against_the_plugins() {
+/// Returns an app with what the plugin needs of a renderer's assets.
+fn with_assets() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default()))
         .init_asset::<Shader>()
         .init_asset::<Mesh>()
         .init_asset::<Image>()
         .init_asset::<StandardMaterial>()
-        .add_plugins(AdumbraPlugin)
-        .init_resource::<Marked>()
-        .add_systems(
-            PostUpdate,
-            (count.before(AdumbraSystems::MarkStatics), count.after(AdumbraSystems::MarkStatics)),
-        );
+        .add_plugins(AdumbraPlugin);
+    app
+}
+
+#[test]
+fn systems_of_an_app_are_ordered_against_the_plugins() {
+    let mut app = with_assets();
+    app.init_resource::<Marked>().add_systems(
+        PostUpdate,
+        (count.before(AdumbraSystems::MarkStatics), count.after(AdumbraSystems::MarkStatics)),
+    );
     app.finish();
     app.cleanup();
     app.world_mut().spawn((Mesh3d::default(), ShadowStatic));
@@ -82,13 +87,7 @@ fn systems_of_an_app_are_ordered_against_the_plugins() {
 
 #[test]
 fn a_mesh_that_is_said_to_be_static_later_is_marked_in_that_frame() {
-    let mut app = App::new();
-    app.add_plugins((MinimalPlugins, AssetPlugin::default()))
-        .init_asset::<Shader>()
-        .init_asset::<Mesh>()
-        .init_asset::<Image>()
-        .init_asset::<StandardMaterial>()
-        .add_plugins(AdumbraPlugin);
+    let mut app = with_assets();
     app.finish();
     app.cleanup();
     let [house, other] = [0, 1].map(|_| app.world_mut().spawn(Mesh3d::default()).id());

@@ -91,7 +91,9 @@ pub(crate) fn follow_suns(
                             let (follower, meshes) = (Mutex::new(follower), Arc::clone(&now.keys));
                             bake.following = Some(Following { follower, meshes });
                             // What failed before is tried again.
-                            progress.set_if_neq(BakeProgress::Waiting);
+                            if matches!(*progress, BakeProgress::Failed(_)) {
+                                *progress = BakeProgress::Waiting;
+                            }
                         }
                         Err(error) => fail(light, &mut progress, error),
                     }

@@ -361,9 +361,17 @@ fn a_mesh_casts_until_the_keys_that_hold_it_are_written() {
     *stage.world.get_mut::<GlobalTransform>(stage.mesh).unwrap() = GlobalTransform::from_xyz(5.0, 0.0, 0.0);
     follow_until_new_keys(&mut stage, &mut follow);
     assert!(stage.is_marked());
+    // A fault while keys are written is kept, until other keys are baked.
+    let failed = BakeProgress::Failed(BakeError::NoTriangles);
+    stage.world.entity_mut(stage.light).insert(failed.clone());
+    follow.run(&mut stage.world);
+    assert_eq!(stage.world.get(stage.light), Some(&failed));
     write_all_keys(&mut stage);
     follow.run(&mut stage.world);
-    assert!(!stage.is_marked());
+    assert!(!stage.is_marked() && stage.world.get(stage.light) == Some(&failed));
+    *stage.world.get_mut::<GlobalTransform>(stage.mesh).unwrap() = GlobalTransform::from_xyz(9.0, 0.0, 0.0);
+    follow_until_new_keys(&mut stage, &mut follow);
+    assert!(matches!(stage.world.get(stage.light), Some(BakeProgress::Following { .. })));
 }
 
 /// Follows the light until there are keys that are not written.

@@ -125,7 +125,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
   // is somewhere else.
   test.each([
     ['in statics', (world: Scene) => ({ statics: [world.getObjectByName('city'), world.getObjectByName('town')] }), () => file, /statics/],
-    ['as a root', () => ({}), (world: Scene) => ({ file, root: world.getObjectByName('town') }), /root/],
+    ['as a root', () => ({}), (world: Scene) => ({ file, root: world.getObjectByName('town') }), /root is undefined/],
   ] as const)('getObjectByName finds nothing: undefined %s', (_, options, files, said) => {
     const [scene, light] = [new Scene(), new DirectionalLight()];
     scene.add(light, light.target, Object.assign(new Group(), { name: 'city' }).add(caster()));

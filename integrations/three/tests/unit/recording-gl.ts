@@ -27,7 +27,7 @@ interface Location {
   readonly name: string;
 }
 
-/** Three looks this type up by its number. The other constants are told apart, and that is all. */
+/** Three looks this type up by its number. The other constants only have to differ. */
 const UNSIGNED_INT_SAMPLER_2D = 0x8dd2;
 
 /** Returns what numbers constants by their names, leaving room for those that three counts on from one, such as TEXTURE0. */
