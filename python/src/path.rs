@@ -63,7 +63,7 @@ impl Path {
         watched(py, None, |watch| {
             let suns = day.steps()?;
             let offset = suns.first().map_or(0, |sun| day.zone().offset_seconds(sun.unix_seconds));
-            let place = [day.place.latitude_degrees(), day.place.longitude_degrees()];
+            let location = [day.location.latitude_degrees(), day.location.longitude_degrees()];
             let steps: Vec<SunStep> = suns
                 .iter()
                 .map(|sun| SunStep { seconds: sun.unix_seconds, towards_sun: sun.position.towards() })
@@ -74,7 +74,7 @@ impl Path {
             let keys = pool(threads)?.install(bake)?.keys;
             let keys: Vec<_> = keys.into_iter().map(|key| (key.seconds, key.bytes)).collect();
             let mut bytes = Vec::new();
-            SunPath::write(&mut bytes, steps, &keys, offset, Some(place))
+            SunPath::write(&mut bytes, steps, &keys, offset, Some(location))
                 .map_err(adumbra_path::Error::Write)?;
             Self::decode(bytes, "the path")
         })

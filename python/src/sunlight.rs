@@ -1,6 +1,6 @@
 //! Hours of sun, the visible sky, and where the sun is.
 
-use adumbra_solar::{Atmosphere, Day, Place, position};
+use adumbra_solar::{Atmosphere, Day, Location, position};
 use adumbra_sunlight::points::Facing;
 use adumbra_sunlight::{DayOptions, Patches, Receiver, SunDay, sky_views};
 use adumbra_truth::trace::{TraceOptions, Tracer};
@@ -32,11 +32,11 @@ pub(crate) fn sun_positions<'py>(
 ) -> PyResult<(Numbers<'py>, Numbers<'py>, Bound<'py, PyArray2<f64>>)> {
     let times = times.as_slice()?;
     let (azimuths, elevations, towards) = watched(py, None, |_| {
-        let place = Place::new(place.0, place.1, place.2)?;
+        let location = Location::new(place.0, place.1, place.2)?;
         let air = refraction.then_some(Atmosphere::STANDARD);
         let (mut azimuths, mut elevations, mut towards) = (Vec::new(), Vec::new(), Vec::new());
         for &time in times {
-            let found = position(&place, time, air.as_ref())?;
+            let found = position(&location, time, air.as_ref())?;
             azimuths.push(found.azimuth_degrees);
             elevations.push(found.elevation_degrees);
             towards.extend(found.towards());

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use adumbra::{LightGrid, ShadowFile};
 use adumbra_scene::{Edits, Scene};
 
-use crate::bake::Written;
+use crate::bake::BakeSummary;
 use crate::cache::{BakeCache, CacheKey, MemoryCache};
 use crate::error::Result;
 use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory};
@@ -187,7 +187,7 @@ impl Baker {
     ///
     /// # Errors
     /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of [`link`].
-    pub fn write_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
+    pub fn write_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<BakeSummary> {
         let written = link(&self.plan, &self.cache, &self.options, watch, out)?;
         // What only earlier scenes needed was not read.
         self.cache.tidy();
@@ -198,7 +198,7 @@ impl Baker {
     ///
     /// # Errors
     /// Returns the errors of [`Baker::write_to`].
-    pub fn write_coarser_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<Written> {
+    pub fn write_coarser_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<BakeSummary> {
         let coarser = self.plan.without_finest();
         link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, &self.options, watch, out)
     }

@@ -6,7 +6,7 @@ use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 
 use crate::cache::{CacheKey, PartGrid};
-use crate::options::Builder;
+use crate::options::ColumnBuilder;
 use crate::plan::Plan;
 
 /// Version of the rules by which pages are made. `tests/cache.rs` notices if pages change.
@@ -39,7 +39,7 @@ impl SceneHashes {
     pub(crate) fn keys(
         &self,
         plan: &Plan<'_>,
-        builder: Builder,
+        builder: ColumnBuilder,
         parts: &PartGrid,
         numbers: &[usize],
     ) -> Vec<CacheKey> {
@@ -50,7 +50,7 @@ impl SceneHashes {
     pub(crate) fn root_block_keys(
         &self,
         plan: &Plan<'_>,
-        builder: Builder,
+        builder: ColumnBuilder,
         root_blocks: &[usize],
     ) -> Vec<CacheKey> {
         self.keys_of(plan, builder, root_blocks, std::iter::once)
@@ -60,7 +60,7 @@ impl SceneHashes {
     fn keys_of<I: Iterator<Item = usize>>(
         &self,
         plan: &Plan<'_>,
-        builder: Builder,
+        builder: ColumnBuilder,
         items: &[usize],
         root_blocks_of: impl Fn(usize) -> I + Sync,
     ) -> Vec<CacheKey> {
@@ -85,7 +85,7 @@ impl SceneHashes {
     }
 }
 
-fn common(plan: &Plan<'_>, builder: Builder) -> Hash {
+fn common(plan: &Plan<'_>, builder: ColumnBuilder) -> Hash {
     let LightGrid { sun, frame: _, voxel_size, corner, axes, edges, size } = plan.root_blocks.grid;
     let settings = &plan.settings;
     let Bias { constant_texels, slope_texels, normal_offset_texels } = settings.bias;
@@ -96,8 +96,8 @@ fn common(plan: &Plan<'_>, builder: Builder) -> Hash {
         Receivers::Static => 1,
     };
     let builder = match builder {
-        Builder::Fast => 0,
-        Builder::Plain => 1,
+        ColumnBuilder::Fast => 0,
+        ColumnBuilder::Plain => 1,
     };
     let flags = u32::from(settings.assume_ground)
         | u32::from(settings.closed_regions) << 1

@@ -1,5 +1,5 @@
 //! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in columns along the light,
-//! one root block at a time per core. The depth image is never whole in memory, and [`Builder::Fast`] never draws most
+//! one root block at a time per core. The depth image is never whole in memory, and [`ColumnBuilder::Fast`] never draws most
 //! of it.
 //!
 //! Sources: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for columns along the
@@ -111,7 +111,7 @@ mod texel_mask;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, Written, bake, bake_again, bake_to, bake_with_cache};
+pub use bake::{Bake, BakeSummary, bake, bake_again, bake_to, bake_with_cache};
 pub use baker::{Baker, BakerPage};
 pub use cache::{
     BakeCache, BestEffortCache, CacheKey, CacheReport, CacheUsage, DiskCache, ENTRY_MAGIC, Fetched,
@@ -122,7 +122,7 @@ pub use estimate::{Estimate, estimate};
 pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
 pub use ground::Ground;
 pub use options::{
-    AssumeGround, BakeOptions, Builder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS,
+    AssumeGround, BakeOptions, ColumnBuilder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS,
     LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
 };
 pub use progress::{Progress, Report, Watch};
@@ -131,7 +131,7 @@ pub use regions::{DEFAULT_REGION_TEXELS, RegionPlan};
 /// What is needed to build another structure than the quadtree from the same columns.
 #[doc(hidden)]
 pub mod structure {
-    pub use crate::bake::{Built, build};
+    pub use crate::bake::{BuiltStructure, build};
     pub use crate::columns::BlockColumns;
     pub use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
     pub use crate::pages::Pages;

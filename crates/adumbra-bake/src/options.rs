@@ -67,11 +67,11 @@ impl From<bool> for AssumeGround {
 /// differ in voxels that cannot be seen.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Builder {
+pub enum ColumnBuilder {
     /// Block descent: cost grows with the silhouettes.
     #[default]
     Fast,
-    /// Every texel is drawn: cost grows with the area. The reference for [`Builder::Fast`].
+    /// Every texel is drawn: cost grows with the area. The reference for [`ColumnBuilder::Fast`].
     Plain,
 }
 
@@ -121,7 +121,7 @@ pub struct BakeOptions {
     pub region: Option<Region>,
     /// The method that finds the columns.
     #[doc(hidden)]
-    pub builder: Builder,
+    pub builder: ColumnBuilder,
 }
 
 /// Levels of detail of a bake, unless another number is asked for.
@@ -151,7 +151,7 @@ impl BakeOptions {
             levels: DEFAULT_LEVELS,
             encoding: Encoding::default(),
             region: None,
-            builder: Builder::Fast,
+            builder: ColumnBuilder::Fast,
         }
     }
 

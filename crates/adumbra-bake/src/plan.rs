@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use crate::columns::capture;
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::error::{Error, Result};
-use crate::options::{AssumeGround, BakeOptions, Builder};
+use crate::options::{AssumeGround, BakeOptions, ColumnBuilder};
 use crate::pages::Spill;
 use crate::root_blocks::RootBlocks;
 use crate::sink::depths::top_bytes;
@@ -90,8 +90,8 @@ impl Placement {
         let side = resolution.max(across / LONG_GRID);
         let aim = side.ilog2().saturating_sub(TOP_GRID_LEVEL).max(MIN_ROOT_LEVEL);
         let root_level = match options.builder {
-            Builder::Fast => aim,
-            Builder::Plain => aim.min(MAX_PLAIN_ROOT_LEVEL),
+            ColumnBuilder::Fast => aim,
+            ColumnBuilder::Plain => aim.min(MAX_PLAIN_ROOT_LEVEL),
         };
         Ok(Self { grid, resolution, root_level })
     }
@@ -134,7 +134,7 @@ pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
     CasterOptions {
         closed_regions: options.closed_regions,
         ignore_alpha: options.ignore_alpha,
-        outlines: options.builder == Builder::Fast,
+        outlines: options.builder == ColumnBuilder::Fast,
         limit_bytes: options.max_memory_bytes,
     }
 }
@@ -197,8 +197,8 @@ impl<'s> Plan<'s> {
         let top_bytes = top_bytes(u64::from(top_dims[0]) * u64::from(top_dims[1]), root_level);
         let scene_bytes = scene.memory_bytes() + casters.memory_bytes() + top_bytes;
         let working_bytes = match options.builder {
-            Builder::Fast => crate::fast::descent::working_bytes(&casters, top_dims),
-            Builder::Plain => capture::working_bytes(1 << (2 * root_level)),
+            ColumnBuilder::Fast => crate::fast::descent::working_bytes(&casters, top_dims),
+            ColumnBuilder::Plain => capture::working_bytes(1 << (2 * root_level)),
         };
         let worker_bytes = working_bytes + crate::sink::building_bytes(root_level);
         let mut plan = Self {

@@ -8,7 +8,7 @@ use crate::choose;
 use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, capture};
 use crate::error::Result;
-use crate::options::{BakeOptions, Builder};
+use crate::options::{BakeOptions, ColumnBuilder};
 use crate::progress::{Report, Watch};
 use crate::root_blocks::RootBlocks;
 use crate::sink::depths::DepthsSink;
@@ -29,7 +29,7 @@ pub(crate) fn for_each_column(
     options: &BakeOptions,
     visit: impl FnMut(u32, u32, [u32; 2]),
 ) -> Result<()> {
-    let plan = choose::plan(scene, &BakeOptions { builder: Builder::Plain, ..options.clone() })?;
+    let plan = choose::plan(scene, &BakeOptions { builder: ColumnBuilder::Plain, ..options.clone() })?;
     for_each_column_of(&plan.root_blocks, visit);
     Ok(())
 }

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use adumbra::{Bias, Bounds, Encoding, Receivers, Sun};
 use adumbra_bake::{
-    AssumeGround, BakeCache, BakeOptions, Builder, CacheKey, DiskCache, Fetched, FrameChoice, Report, Size,
-    Watch, bake_to, bake_with_cache,
+    AssumeGround, BakeCache, BakeOptions, CacheKey, ColumnBuilder, DiskCache, Fetched, FrameChoice, Report,
+    Size, Watch, bake_to, bake_with_cache,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{
@@ -181,7 +181,7 @@ fn every_relevant_option_changes_the_keys() {
     };
     let Bias { constant_texels: c, slope_texels: s, normal_offset_texels: n } = plain.bias;
     let cases = [
-        BakeOptions { builder: Builder::Plain, ..plain.clone() },
+        BakeOptions { builder: ColumnBuilder::Plain, ..plain.clone() },
         BakeOptions { sun: Sun::from_direction([0.5, 0.8, 0.36]).unwrap(), ..plain.clone() },
         BakeOptions { frame: FrameChoice::ObliqueAt(0.1), ..plain.clone() },
         BakeOptions { frame: FrameChoice::Light, ..plain.clone() },

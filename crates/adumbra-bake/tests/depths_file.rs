@@ -1,6 +1,6 @@
 //! Files of bakes: written, read back, and refused if damaged.
 
-use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::code::ColumnNode;
 use adumbra::{Encoding, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_files::replace_file;
@@ -102,7 +102,7 @@ fn damaged_shapes_of_a_bake_are_refused_or_give_one_answer_in_every_way() {
             let value = damaged.value(i, j);
             for k in [value.wrapping_sub(1), value, below(size[2] as usize) as u32] {
                 let k = k.min(size[2] - 1);
-                if let Place::Leaf { at, base } = damaged.place(i, j).0 {
+                if let ColumnNode::Leaf { at, base } = damaged.place(i, j).0 {
                     let mask = damaged.shapes().leaf(at, base).leaf_mask(k);
                     let lit = mask >> ((j & 7) * 8 + (i & 7)) & 1 == 1;
                     assert_eq!(lit, k < value, "({i}, {j}, {k}): {value}");

@@ -1,6 +1,6 @@
 //! Leaves of the quadtree: columns' depths and leaf masks agree, and follow the specification.
 
-use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::code::ColumnNode;
 use adumbra::layout::depths::{DepthTree, DepthsError, Part};
 use adumbra_scene::random::Random;
 use adumbra_testing::{Leaf, TreeParts, every_gradient, from_leaves};
@@ -19,9 +19,9 @@ fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layer
         let expected =
             depths.iter().enumerate().fold(0, |mask, (at, &depth)| mask | u64::from(k < depth) << at);
         let mask = match found.place(i, j).0 {
-            Place::Uniform(depth) if k < depth => u64::MAX,
-            Place::Uniform(_) => 0,
-            Place::Leaf { at, base } => found.shapes().leaf(at, base).leaf_mask(k),
+            ColumnNode::Uniform(depth) if k < depth => u64::MAX,
+            ColumnNode::Uniform(_) => 0,
+            ColumnNode::Leaf { at, base } => found.shapes().leaf(at, base).leaf_mask(k),
         };
         assert_eq!(mask, expected, "{leaf:?} of {base} at {k}");
     }

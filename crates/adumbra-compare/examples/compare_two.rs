@@ -12,7 +12,7 @@ use adumbra_bake::{BakeOptions, Size, Watch, bake};
 use adumbra_compare::compare::{Contender, Reference, compare, truth_for};
 use adumbra_compare::report::{figure, percent};
 use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
-use adumbra_render::{Baked, Gpu, GpuOptions, Renderer, SceneOptions, TechniqueSpec, build};
+use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions, TechniqueFiles, TechniqueSpec, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
 
 /// Techniques compared by default.
@@ -36,7 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut contenders = Vec::new();
     for name in &names {
         let spec: TechniqueSpec = name.parse()?;
-        let technique = build(renderer.gpu(), &spec, Baked::of(&file))?;
+        let technique = build(renderer.gpu(), &spec, TechniqueFiles::of(&file))?;
         let prepared = Some(renderer.prepare(technique)?);
         contenders.push(Contender { prepared, truth: truth_for(&spec), spec });
     }

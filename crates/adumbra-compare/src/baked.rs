@@ -11,7 +11,7 @@ use adumbra_program::memory::MemoryLimit;
 use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, sun_path};
 use adumbra_program::output::note_input;
 use adumbra_render::voxel::LightFile;
-use adumbra_render::{Baked, Reads, RenderError, TechniqueSpec};
+use adumbra_render::{Reads, RenderError, TechniqueFiles, TechniqueSpec};
 use adumbra_scene::{LoadedAs, Scene};
 
 use crate::Result;
@@ -249,8 +249,8 @@ impl BakedFiles {
     }
 
     /// Returns the files in the form that techniques take.
-    pub fn baked(&self) -> Baked<'_> {
-        Baked {
+    pub fn baked(&self) -> TechniqueFiles<'_> {
+        TechniqueFiles {
             light: match (&self.light, &self.between) {
                 (Some(file), _) => Some(LightFile::Whole(file)),
                 (None, Some(PathMoment { sun, keys })) => {

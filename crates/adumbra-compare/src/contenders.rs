@@ -1,7 +1,7 @@
 //! The techniques of a comparison, and the truth that each is compared with.
 
 use adumbra_program::exit::Failure;
-use adumbra_render::{Baked, Renderer, TechniqueSpec, Techniques, build};
+use adumbra_render::{Renderer, TechniqueFiles, TechniqueSpec, Techniques, build};
 
 use crate::Result;
 use crate::args::ReferenceArg;
@@ -31,7 +31,7 @@ pub fn parse(techniques: Techniques, names: &[String]) -> Result<Vec<TechniqueSp
 pub fn contenders(
     renderer: &Renderer,
     specs: &[TechniqueSpec],
-    baked: Baked<'_>,
+    baked: TechniqueFiles<'_>,
     reference: ReferenceArg,
 ) -> Result<Vec<Contender>> {
     let contender = |spec: &TechniqueSpec| {

@@ -13,7 +13,7 @@ use adumbra_program::memory::MemoryLimit;
 use adumbra_program::moment::{shown, span, sun_path, suns_of_day};
 use adumbra_program::output::note_input;
 use adumbra_render::voxel::{LightFile, MovingLight};
-use adumbra_render::{Baked, Reads, TechniqueSpec};
+use adumbra_render::{Reads, TechniqueFiles, TechniqueSpec};
 use adumbra_scene::LoadedAs;
 use adumbra_solar::{Day, position};
 
@@ -61,7 +61,7 @@ impl SweptSun {
     pub fn of_day(day: &Day, steps: u32) -> Result<Self> {
         let ends = of_option(day.ends())?.map(|seconds| seconds as f64);
         let moment = |seconds: f64| {
-            let sun = of_option(position(&day.place, seconds, day.atmosphere.as_ref()))?;
+            let sun = of_option(position(&day.location, seconds, day.atmosphere.as_ref()))?;
             let towards_sun = Some(sun.towards()).filter(|towards| towards[1] > 0.0);
             Ok(SunMoment { seconds, towards_sun })
         };
@@ -153,8 +153,8 @@ impl SweptSun {
         let keys: Vec<(f64, Vec<u8>)> =
             keys.into_iter().map(|BakedKey { seconds, bytes, .. }| (seconds, bytes)).collect();
         let mut bytes = Vec::new();
-        let place = [day.place.latitude_degrees(), day.place.longitude_degrees()];
-        SunPath::write(&mut bytes, steps, &keys, utc_offset_seconds, Some(place))
+        let location = [day.location.latitude_degrees(), day.location.longitude_degrees()];
+        SunPath::write(&mut bytes, steps, &keys, utc_offset_seconds, Some(location))
             .map_err(adumbra_path::Error::from)?;
         self.set_path(SunPath::open(Arc::new(BytesSource(bytes)), "the sun path")?)
     }
@@ -182,8 +182,8 @@ impl SweptSun {
     }
 
     /// Returns the files in the form that techniques take: the path, at the moment that is set.
-    pub fn baked(&self) -> Baked<'_> {
-        Baked { light: self.keys.as_ref().map(|keys| LightFile::Moving(&keys.light)), other: None }
+    pub fn baked(&self) -> TechniqueFiles<'_> {
+        TechniqueFiles { light: self.keys.as_ref().map(|keys| LightFile::Moving(&keys.light)), other: None }
     }
 
     /// Returns how the scene of the keys was loaded, if there are keys.

@@ -7,7 +7,7 @@ use adumbra_compare::Result;
 use adumbra_papers::dag::build::{DagOptions, bake as bake_graph};
 use adumbra_papers::dag::{DagFile, DagLayout, DagQuery};
 use adumbra_papers::techniques::PaperFiles;
-use adumbra_render::Baked;
+use adumbra_render::TechniqueFiles;
 use adumbra_scene::Scene;
 use adumbra_truth::verify::LightAnswers;
 
@@ -74,10 +74,10 @@ impl LightFile {
     }
 
     /// Returns the files in the form that techniques take.
-    pub(crate) fn baked(&self) -> Baked<'_> {
+    pub(crate) fn baked(&self) -> TechniqueFiles<'_> {
         match self {
             Self::Graph { files, .. } => files.baked(),
-            Self::Quadtree(file) => Baked::of(file),
+            Self::Quadtree(file) => TechniqueFiles::of(file),
         }
     }
 

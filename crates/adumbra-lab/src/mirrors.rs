@@ -18,7 +18,7 @@ pub(crate) enum DagLayout {
 /// How a tree is built.
 #[derive(JsonSchema)]
 #[schemars(rename_all = "lowercase")]
-pub(crate) enum Builder {
+pub(crate) enum TreeBuilder {
     /// A recursive function.
     Recursive,
     /// An explicit stack, one heap frame per push.

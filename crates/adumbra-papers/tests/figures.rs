@@ -5,7 +5,7 @@ use std::time::Instant;
 use adumbra::layout::depths::DepthTree;
 use adumbra::query::{FixedReceiver, Receiver};
 use adumbra::{Bias, Filter, ShadowFile, Sun};
-use adumbra_bake::structure::{Built, DepthsSink, build};
+use adumbra_bake::structure::{BuiltStructure, DepthsSink, build};
 use adumbra_bake::{BakeOptions, Size, Watch};
 use adumbra_papers::dag::DagQuery;
 use adumbra_papers::dag::build::GraphSink;
@@ -29,7 +29,7 @@ fn shared_depths_figures() {
         let sun = Sun::from_direction(towards).expect("above the horizon");
         let options =
             BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
-        let Built { grid, settings, made: dag, .. } =
+        let BuiltStructure { grid, settings, made: dag, .. } =
             build(&scene, &options, Watch::none(), GraphSink::new).expect("a good bake");
         let graph_bytes = 4 * (dag.top.len() + dag.nodes.len()) + 8 * dag.leaf_masks.len();
         let [plain, merged] = [false, true].map(|merged| {

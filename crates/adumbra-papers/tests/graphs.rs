@@ -2,8 +2,8 @@
 
 use adumbra::layout::depths::DepthTree;
 use adumbra::{Receivers, Sun};
-use adumbra_bake::structure::{BlockColumns, BlockSink, Built, Structure, build};
-use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size, Watch};
+use adumbra_bake::structure::{BlockColumns, BlockSink, BuiltStructure, Structure, build};
+use adumbra_bake::{BakeOptions, ColumnBuilder, FrameChoice, Size, Watch};
 use adumbra_papers::dag::build::convert::{body_in, graph_of, graph_of_depths};
 use adumbra_papers::dag::build::{DagOptions, GraphSink, bake};
 use adumbra_papers::dag::plain::Dag;
@@ -46,7 +46,7 @@ impl BlockSink for Recorder {
 }
 
 impl Structure for Recorder {
-    type Made = Columns;
+    type Output = Columns;
     const SO_FAR: &'static str = "the columns so far";
     const FINISHING: &'static str = "sorting the columns";
 
@@ -79,16 +79,16 @@ impl Structure for Recorder {
 }
 
 /// Everything that is made of one scene.
-struct Made {
+struct Structures {
     columns: Columns,
     dag: Dag,
     packed: DagFile,
     depths: DepthTree,
 }
 
-impl Made {
+impl Structures {
     fn of(scene: &Scene, options: &BakeOptions) -> Self {
-        let Built { grid, settings, made: columns, .. } =
+        let BuiltStructure { grid, settings, made: columns, .. } =
             build(scene, options, Watch::none(), |size, level| Recorder { size, level }).unwrap();
         let dag = build(scene, options, Watch::none(), GraphSink::new).unwrap().made;
         let in_layout = |layout| {
@@ -164,7 +164,7 @@ fn graphs_and_quadtrees_hold_to_the_same_columns() {
         let sun = Sun::from_direction([any(-1.0, 1.0), any(0.2, 1.0), any(-1.0, 1.0)]).unwrap();
         let options = BakeOptions {
             frame: [FrameChoice::Light, FrameChoice::Oblique, FrameChoice::Auto][case as usize % 3],
-            builder: if case % 4 == 3 { Builder::Plain } else { Builder::Fast },
+            builder: if case % 4 == 3 { ColumnBuilder::Plain } else { ColumnBuilder::Fast },
             thickness_world: if case % 2 == 0 { 0.0 } else { any(0.0, 0.5) },
             assume_ground: (case % 5 != 0).into(),
             closed_regions: case % 7 != 0,
@@ -172,7 +172,7 @@ fn graphs_and_quadtrees_hold_to_the_same_columns() {
             switch_within_voxels: if case % 6 == 0 { 4 } else { 0 },
             ..BakeOptions::new(sun, Size::Resolution(128))
         };
-        ends += Made::of(&scene, &options).check(&mut random);
+        ends += Structures::of(&scene, &options).check(&mut random);
     }
     assert!(ends > 5_000, "{ends} columns have an end");
 }
@@ -184,7 +184,7 @@ fn graphs_and_quadtrees_of_masked_trees_hold_to_the_same_columns() {
     scene.instances.truncate(6);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(128)) };
-    Made::of(&scene, &options).check(&mut Random::for_batch(4, 0));
+    Structures::of(&scene, &options).check(&mut Random::for_batch(4, 0));
 }
 
 #[test]
@@ -193,5 +193,5 @@ fn graphs_and_quadtrees_of_masked_cards_hold_to_the_same_columns() {
     let scene = generate(GeneratedKind::Forest, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(256)) };
-    Made::of(&scene, &options).check(&mut Random::for_batch(4, 0));
+    Structures::of(&scene, &options).check(&mut Random::for_batch(4, 0));
 }

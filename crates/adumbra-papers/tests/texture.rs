@@ -6,7 +6,7 @@ use std::io::Cursor;
 use adumbra::IoError;
 use adumbra_papers::tree::texture::{Layout, Page, decode, encode, page_path};
 use adumbra_papers::tree::{
-    Builder, Classify, Error, State, TextureError, TreeBody, TreeFile, VoxelTree, texture,
+    Classify, Error, State, TextureError, TreeBody, TreeBuilder, TreeFile, VoxelTree, texture,
 };
 use image::{DynamicImage, ImageFormat, RgbaImage};
 use proptest::prelude::*;
@@ -390,7 +390,7 @@ impl Classify for Noise {
 #[ignore = "slow: takes over eight seconds"]
 fn texture_round_trip_of_a_tree_of_a_hundred_megabytes() {
     let depth = 10;
-    let tree = Builder::Pooled.tree(&Noise { height: 176 }, depth, true).unwrap().number(depth);
+    let tree = TreeBuilder::Pooled.tree(&Noise { height: 176 }, depth, true).unwrap().number(depth);
     let words = tree.into_words();
     assert!(words.len() >= 25_000_000, "{} words", words.len());
     let tree = VoxelTree::from_words(depth, words).unwrap();

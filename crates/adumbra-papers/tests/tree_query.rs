@@ -2,7 +2,7 @@
 
 use adumbra::{Bias, Sun};
 use adumbra_papers::tree::query::{TreeQuery, Weights};
-use adumbra_papers::tree::{Builder, Classify, Regions, State, TreeSpace, VoxelTree};
+use adumbra_papers::tree::{Classify, Regions, State, TreeBuilder, TreeSpace, VoxelTree};
 
 const DEPTH: u32 = 4;
 const SIDE: i64 = 16;
@@ -21,7 +21,7 @@ impl<F: Fn([u32; 3]) -> bool> Classify for Space<F> {
 }
 
 fn tree(lit: impl Fn([u32; 3]) -> bool) -> VoxelTree {
-    Builder::Pooled.tree(&Space(lit), DEPTH, false).unwrap().number(DEPTH)
+    TreeBuilder::Pooled.tree(&Space(lit), DEPTH, false).unwrap().number(DEPTH)
 }
 
 fn space() -> TreeSpace {

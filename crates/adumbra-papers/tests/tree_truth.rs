@@ -10,7 +10,7 @@ use adumbra::Sun;
 use adumbra_bake::{Size, Watch};
 use adumbra_papers::tree::query::{TreeQuery, Weights};
 use adumbra_papers::tree::{
-    BakedTree, Builder, PreparedTree, Reduction, TreeAnswers, TreeOptions, bake_tree, volume_of,
+    BakedTree, PreparedTree, Reduction, TreeAnswers, TreeBuilder, TreeOptions, bake_tree, volume_of,
 };
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
 use adumbra_testing::{full, shared};
@@ -101,12 +101,12 @@ fn shared_tree_builders_and_reductions_agree_on_every_scene() {
             let options = TreeOptions { builder, reduction, prune, ..base.clone() };
             prepared.build(&options, Watch::none()).unwrap().tree
         };
-        let first = build(Builder::Recursive, Reduction::Hash, false);
+        let first = build(TreeBuilder::Recursive, Reduction::Hash, false);
         for (builder, reduction, prune) in [
-            (Builder::Iterative, Reduction::Hash, false),
-            (Builder::Pooled, Reduction::Sort, false),
-            (Builder::Recursive, Reduction::Sort, true),
-            (Builder::Pooled, Reduction::TreeHash, true),
+            (TreeBuilder::Iterative, Reduction::Hash, false),
+            (TreeBuilder::Pooled, Reduction::Sort, false),
+            (TreeBuilder::Recursive, Reduction::Sort, true),
+            (TreeBuilder::Pooled, Reduction::TreeHash, true),
         ] {
             let other = build(builder, reduction, prune);
             assert!(other == first, "{}: {builder:?} {reduction:?} {prune}", path.display());

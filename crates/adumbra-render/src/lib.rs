@@ -64,6 +64,8 @@ pub use gpu::{Gpu, GpuOptions};
 pub use renderer::{Prepared, Renderer, Shot, SurfaceImage, SurfacePoint};
 pub use scene::SceneOptions;
 pub use technique::{Answer, Given, SpecText};
-pub use techniques::{Baked, Reads, TECHNIQUES, TechniqueEntry, TechniqueSpec, Techniques, Truth, build};
+pub use techniques::{
+    Reads, TECHNIQUES, TechniqueEntry, TechniqueFiles, TechniqueSpec, Techniques, Truth, build,
+};
 pub use timing::{FrameTimes, Stage};
 pub use wgpu::Features;

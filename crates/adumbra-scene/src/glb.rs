@@ -42,10 +42,10 @@ pub fn write_glb(scene: &Scene, path: &Path) -> Result<()> {
 /// Encodes `scene` as a GLB file. Meshes without triangles are skipped, with their instances. The format's lengths are
 /// 32-bit, so more than 4 GiB do not fit; [`write_glb`] refuses such scenes.
 pub fn to_glb(scene: &Scene) -> Vec<u8> {
-    let mut document = Document {
+    let mut document = GltfJson {
         asset: Asset { version: "2.0", generator: "adumbra" },
         materials: scene.materials.iter().map(material_json).collect(),
-        ..Document::default()
+        ..GltfJson::default()
     };
     let mut bin = Vec::new();
     images::push_textures(scene, &mut document, &mut bin);
@@ -138,7 +138,7 @@ fn node_json(instance: &Instance, mesh: usize) -> Node<'_> {
 fn mesh_json<'a>(
     mesh: &'a Mesh,
     materials: usize,
-    document: &mut Document<'_>,
+    document: &mut GltfJson<'_>,
     bin: &mut Vec<u8>,
 ) -> MeshJson<'a> {
     let mut used = vec![false; materials];
@@ -174,7 +174,7 @@ fn mesh_json<'a>(
     MeshJson { name: &mesh.name, primitives }
 }
 
-fn push_positions(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bin: &mut Vec<u8>) -> usize {
+fn push_positions(mesh: &Mesh, vertices: &[u32], document: &mut GltfJson<'_>, bin: &mut Vec<u8>) -> usize {
     let (mut min, mut max) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     let start = bin.len();
     for &v in vertices {
@@ -195,7 +195,7 @@ fn push_positions(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bi
     })
 }
 
-fn push_uvs(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bin: &mut Vec<u8>) -> usize {
+fn push_uvs(mesh: &Mesh, vertices: &[u32], document: &mut GltfJson<'_>, bin: &mut Vec<u8>) -> usize {
     let start = bin.len();
     for &v in vertices {
         bin.extend(mesh.uvs[v as usize].into_iter().flat_map(f32::to_le_bytes));
@@ -211,7 +211,7 @@ fn push_uvs(mesh: &Mesh, vertices: &[u32], document: &mut Document<'_>, bin: &mu
     })
 }
 
-fn push_indices(indices: &[u32], vertices: usize, document: &mut Document<'_>, bin: &mut Vec<u8>) -> usize {
+fn push_indices(indices: &[u32], vertices: usize, document: &mut GltfJson<'_>, bin: &mut Vec<u8>) -> usize {
     let start = bin.len();
     // Index 65535 is not used: it is the primitive restart value.
     let short = vertices <= usize::from(u16::MAX);
@@ -235,7 +235,7 @@ fn push_indices(indices: &[u32], vertices: usize, document: &mut Document<'_>, b
 
 #[derive(Default, Serialize)]
 #[serde(rename_all = "camelCase")]
-struct Document<'a> {
+struct GltfJson<'a> {
     asset: Asset,
     #[serde(skip_serializing_if = "Option::is_none")]
     scene: Option<u32>,
@@ -261,7 +261,7 @@ struct Document<'a> {
     buffers: Vec<Buffer>,
 }
 
-impl Document<'_> {
+impl GltfJson<'_> {
     /// Ends the buffer view that began at `start`, and pads the buffer to a multiple of 4 bytes.
     fn view(&mut self, start: usize, bin: &mut Vec<u8>, target: Option<u32>) -> usize {
         let byte_length = bin.len() - start;

@@ -21,9 +21,9 @@ mod meshopt;
 mod morphs;
 mod nodes;
 mod numbers;
-mod places;
 mod shadow_name;
 mod skin;
+mod transforms;
 mod uris;
 
 pub use files::files_of_gltf;
@@ -45,11 +45,11 @@ use crate::{Error, Instance, LoadNotes, LoadOptions, Mesh, Result, Scene, affine
 use animations::Animations;
 use casting::Casting;
 use container::Buffers;
-use document::Document;
+use document::GltfDocument;
 use draco::Streams;
 use extents::{Extents, MeshBox};
 use faults::bad;
-use meshes::{Builder, Pose, has_triangles, material_of};
+use meshes::{MeshBuilder, Pose, has_triangles, material_of};
 use morphs::Weights;
 use nodes::Nodes;
 use skin::Skins;
@@ -109,9 +109,9 @@ struct Variant {
 pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let sources = Sources::new(path, "glTF", options);
     let bytes = sources.read_scene()?;
-    let container::Parts { json, bin, .. } = container::split(path, &bytes)?;
-    let Document { root, places, lights, other_targets, other_channels, faults, warnings } =
-        Document::parse(path, json, &sources.budget)?;
+    let container::Container { json, bin, .. } = container::split(path, &bytes)?;
+    let GltfDocument { root, transforms, lights, other_targets, other_channels, faults, warnings } =
+        GltfDocument::parse(path, json, &sources.budget)?;
     let mut scene = Scene::default();
     scene.notes.warnings = warnings;
     if let Some(extension) = root.extensions_required.iter().find(|e| !is_known(e)) {
@@ -122,7 +122,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     scene.notes.omit(animations::OTHER_CHANNELS, other_channels);
     note_named(&sources, &root)?;
     let mut casting = Casting::default();
-    let nodes = Nodes::load(path, &root, places, &lights, &faults, &mut casting)?;
+    let nodes = Nodes::load(path, &root, transforms, &lights, &faults, &mut casting)?;
     scene.suns = nodes.suns(&root);
     scene.notes.omit("nodes with meshes outside the default scene", nodes.unreached);
     let mut sieve = Sieve::default();
@@ -149,7 +149,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
         let primitives = selection.kept.iter().copied().zip(selection.primitives(&root));
         streams.decode(path, &root, &buffers, &mesh_name(&root, selection.mesh), primitives)?;
     }
-    let builder = Builder::new(path, &root, &buffers, &materials, &streams, options.color_textures);
+    let builder = MeshBuilder::new(path, &root, &buffers, &materials, &streams, options.color_textures);
     // Memory for everything is counted before anything is built: a few bytes for a skinned node become a mesh of its
     // own.
     for ((selection, is_skinned), copies) in plan.copies() {

@@ -25,7 +25,7 @@ use crate::sources::Sources;
 use crate::validate::finish;
 use crate::{EmptyReason, Error, Instance, LoadOptions, Result, Scene};
 
-use faces::Built;
+use faces::ObjMeshes;
 use files::Files;
 use masks::Textures;
 use materials::Library;
@@ -71,7 +71,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
 }
 
 /// Records what was read of the faces, and how.
-fn report(built: &Built, scene: &mut Scene) {
+fn report(built: &ObjMeshes, scene: &mut Scene) {
     let notes = &mut scene.notes;
     notes.read = built.read;
     notes.untriangulated_polygons = built.untriangulated;

@@ -102,7 +102,7 @@ pub fn analyse(mesh: &Mesh, materials: &[Material]) -> Topology {
         })
         .map(|c| c as u32)
         .collect();
-    let parts = inside::Parts { mesh, starts: &starts, members: &members, boxes: &boxes };
+    let parts = inside::Components { mesh, starts: &starts, members: &members, boxes: &boxes };
     for cavity in inside::shells_inside_solids(&parts, &topology.components, &shells) {
         topology.components[cavity as usize].solid = true;
     }

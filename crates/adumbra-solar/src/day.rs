@@ -4,7 +4,7 @@ use adumbra::Sun;
 
 use crate::clock::{Clock, DAY_SECONDS, Date};
 use crate::error::{Error, Result};
-use crate::place::Place;
+use crate::location::Location;
 use crate::position::{Atmosphere, Position, position};
 use crate::zone::Zone;
 
@@ -15,7 +15,7 @@ use crate::zone::Zone;
 #[derive(Clone, Debug, PartialEq)]
 pub struct Day {
     /// The place.
-    pub place: Place,
+    pub location: Location,
     /// The date on which the span begins.
     pub date: Date,
     /// Start by the local clock, before 24:00. Of a time that the clock shows twice, it is the first.
@@ -54,9 +54,9 @@ impl Day {
     pub const DEFAULT_STEP_SECONDS: u32 = 60;
 
     /// Creates a span in steps of a minute, in the nautical zone, under the standard atmosphere.
-    pub fn new(place: Place, date: Date, from: Clock, to: Clock) -> Self {
+    pub fn new(location: Location, date: Date, from: Clock, to: Clock) -> Self {
         Self {
-            place,
+            location,
             date,
             from,
             to,
@@ -68,7 +68,7 @@ impl Day {
 
     /// The zone of the clock: the one that was given, or the nautical one.
     pub fn zone(&self) -> Zone {
-        self.zone.clone().unwrap_or_else(|| Zone::nautical(&self.place))
+        self.zone.clone().unwrap_or_else(|| Zone::nautical(&self.location))
     }
 
     /// Returns the first and the last instant, seconds after 1970. A time that the clock skips is read as if the clock had
@@ -110,7 +110,7 @@ impl Day {
         let times = (from..to).step_by(self.step_seconds as usize).chain([to]);
         let step = |time: i64| {
             let seconds = time as f64;
-            Ok(SunStep::new(seconds, position(&self.place, seconds, self.atmosphere.as_ref())?))
+            Ok(SunStep::new(seconds, position(&self.location, seconds, self.atmosphere.as_ref())?))
         };
         times.map(step).collect()
     }

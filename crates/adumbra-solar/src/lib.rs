@@ -24,8 +24,8 @@ mod clock;
 mod day;
 mod error;
 mod list;
+mod location;
 mod parse;
-mod place;
 mod position;
 mod zone;
 
@@ -33,6 +33,6 @@ pub use clock::{Clock, Date};
 pub use day::{Day, SunStep};
 pub use error::{Error, Result};
 pub use list::read_suns;
-pub use place::Place;
+pub use location::Location;
 pub use position::{Atmosphere, Position, position};
 pub use zone::Zone;

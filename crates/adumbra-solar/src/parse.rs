@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use crate::day::Day;
 use crate::error::{Error, Result};
-use crate::place::Place;
+use crate::location::Location;
 
 /// The keys, in the order in which missing ones are named.
 const KEYS: [&str; 9] = ["lat", "lon", "date", "from", "to", "tz", "step", "height", "refraction"];
@@ -30,9 +30,9 @@ impl FromStr for Day {
             |key: &'static str, value: Option<&str>| value.map(str::to_owned).ok_or_else(|| missing(key));
         let degrees = |key, value| number(key, &needed(key, value)?, "degrees, such as 48.14");
         let metres = height.map_or(Ok(0.0), |value| number("height", value, "metres, such as 520"))?;
-        let place = Place::new(degrees("lat", lat)?, degrees("lon", lon)?, metres)?;
+        let location = Location::new(degrees("lat", lat)?, degrees("lon", lon)?, metres)?;
         let date = needed("date", date)?.parse()?;
-        let mut day = Self::new(place, date, needed("from", from)?.parse()?, needed("to", to)?.parse()?);
+        let mut day = Self::new(location, date, needed("from", from)?.parse()?, needed("to", to)?.parse()?);
         day.zone = zone.map(str::parse).transpose()?;
         if let Some(value) = step {
             day.step_seconds =
@@ -65,7 +65,7 @@ mod tests {
     fn day_is_read_in_any_order() {
         let all =
             format!("{WHOLE},tz=Europe/Berlin,step=30,height=520,refraction=off").parse::<Day>().unwrap();
-        assert_eq!((all.step_seconds, all.atmosphere, all.place.height_m()), (30, None, 520.0));
+        assert_eq!((all.step_seconds, all.atmosphere, all.location.height_m()), (30, None, 520.0));
         assert_eq!(all.zone.unwrap().name(), "Europe/Berlin");
         let turned = "to=19, from=7, date=2026-06-21, lon=11, lat=48".parse::<Day>().unwrap();
         assert_eq!(turned, WHOLE.parse().unwrap());

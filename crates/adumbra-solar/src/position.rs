@@ -3,10 +3,10 @@
 use adumbra::Sun;
 use jiff::{Timestamp, tz::Offset};
 use solar_positioning::time::JulianDate;
-use solar_positioning::{Location, RefractionCorrection, SolarPositions, delta_t};
+use solar_positioning::{RefractionCorrection, SolarPositions, delta_t};
 
 use crate::error::{Error, Result, check};
-use crate::place::Place;
+use crate::location::Location;
 
 /// Air that bends light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -68,7 +68,7 @@ const DAY_SECONDS: f64 = 86_400.0;
 ///
 /// # Errors
 /// Returns [`Error::DateRange`] outside the years 1 to 2999, and [`Error::Range`] for an atmosphere out of range.
-pub fn position(place: &Place, unix_seconds: f64, atmosphere: Option<&Atmosphere>) -> Result<Position> {
+pub fn position(location: &Location, unix_seconds: f64, atmosphere: Option<&Atmosphere>) -> Result<Position> {
     let out_of_range = || Error::DateRange { date: format!("{unix_seconds} s after 1970") };
     let whole = Timestamp::from_second(unix_seconds.floor() as i64).map_err(|_| out_of_range())?;
     let date = Offset::UTC.to_datetime(whole).date();
@@ -81,9 +81,12 @@ pub fn position(place: &Place, unix_seconds: f64, atmosphere: Option<&Atmosphere
             .map_err(|_| out_of_range())?;
     let julian = JulianDate::new(JULIAN_1970 + unix_seconds / DAY_SECONDS, delta_seconds)
         .map_err(|_| out_of_range())?;
-    let location = Location { latitude: place.latitude_degrees(), longitude: place.longitude_degrees() };
+    let on_map = solar_positioning::Location {
+        latitude: location.latitude_degrees(),
+        longitude: location.longitude_degrees(),
+    };
     let found = SolarPositions::new()
-        .at_from_julian(julian, location, place.height_m(), correction)
+        .at_from_julian(julian, on_map, location.height_m(), correction)
         .map_err(|_| out_of_range())?;
     Ok(Position { azimuth_degrees: found.azimuth(), elevation_degrees: found.elevation_angle() })
 }

@@ -7,7 +7,7 @@ use jiff::civil::DateTime;
 use jiff::tz::{Offset, TimeZone};
 
 use crate::error::{Error, Result};
-use crate::place::Place;
+use crate::location::Location;
 
 /// A time zone, from the IANA database that is bundled with this crate.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,8 +22,8 @@ const MOST_OFFSET_SECONDS: i32 = 18 * 3600;
 impl Zone {
     /// The zone that ships keep at sea: whole hours, the nearest to the place's longitude divided by 15. No clock is moved
     /// in summer.
-    pub fn nautical(place: &Place) -> Self {
-        Self::from_offset((place.longitude_degrees() / 15.0).round() as i32 * 3600)
+    pub fn nautical(location: &Location) -> Self {
+        Self::from_offset((location.longitude_degrees() / 15.0).round() as i32 * 3600)
     }
 
     /// The name as it was given, or the offset.
@@ -128,7 +128,7 @@ mod tests {
 
     #[test]
     fn zones_at_sea_are_whole_hours() {
-        let name = |longitude| Zone::nautical(&Place::new(0.0, longitude, 0.0).unwrap()).name().to_owned();
+        let name = |longitude| Zone::nautical(&Location::new(0.0, longitude, 0.0).unwrap()).name().to_owned();
         assert_eq!(
             [0.0, 7.4, 7.6, -7.6, 180.0, -180.0].map(name),
             ["+00:00", "+00:00", "+01:00", "-01:00", "+12:00", "-12:00"]

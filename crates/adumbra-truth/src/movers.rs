@@ -197,7 +197,7 @@ struct Finder<'a> {
 
 /// A position of the ball resting on the ground.
 #[derive(Clone, Copy)]
-struct Place {
+struct BallPosition {
     center: [f64; 3],
     lit: bool,
     /// Whether the ball is fully in the wide shadow of casters at least [`NEAREST_CASTER`] radii away.
@@ -215,7 +215,7 @@ impl Finder<'_> {
             let z = b.min[2] + (f64::from(j) + 0.5) * step[1];
             self.place(x, z)
         };
-        let places: Vec<Option<Place>> =
+        let places: Vec<Option<BallPosition>> =
             (0..COLUMNS).flat_map(|j| (0..COLUMNS).map(move |i| (i, j))).map(|(i, j)| at(i, j)).collect();
         let reach = step.map(|s| (LENGTHS[2] * self.radius / s.max(1e-9)).min(f64::from(COLUMNS)) as i64);
         let height = (b.max[1] - b.min[1]).max(1e-9);
@@ -244,7 +244,7 @@ impl Finder<'_> {
 
     /// Places the ball on the highest surface at (x, z), if there is one, it is nearly level and the ball has room
     /// there.
-    fn place(&self, x: f64, z: f64) -> Option<Place> {
+    fn place(&self, x: f64, z: f64) -> Option<BallPosition> {
         let ground = self.ground(x, z)?;
         let center = [x, ground + self.radius, z];
         let r = 0.95 * self.radius;
@@ -267,7 +267,7 @@ impl Finder<'_> {
             let direction = d.map(|c| 1.5 * c);
             d[1] != 0.0 || !self.still.occluded(&Ray { origin: center, direction, t_min: 0.0, t_max: 1.0 })
         });
-        free.then_some(Place { center, lit, shadowed })
+        free.then_some(BallPosition { center, lit, shadowed })
     }
 
     /// Returns the height of the highest surface at (x, z), if it is nearly level.

@@ -3,7 +3,7 @@
 
 use adumbra::Sun;
 use adumbra_scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate, icosphere};
-use adumbra_truth::glance::{Glance, Seen, shadowed_share};
+use adumbra_truth::glance::{Glance, LitPoint, shadowed_share};
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 fn sun(elevation_degrees: f64) -> [f64; 3] {
@@ -121,10 +121,10 @@ fn skies_that_are_part_of_a_mesh_are_named_by_their_material() {
     scene.materials[1].casts = false;
     assert!(names(&scene).is_empty());
     let [with, without] = [&scene, &city].map(|scene| look(scene, sun(50.0)));
-    let within = |seen: &&Seen| seen.p_world[0].abs() < 190.0 && seen.p_world[2].abs() < 190.0;
+    let within = |seen: &&LitPoint| seen.p_world[0].abs() < 190.0 && seen.p_world[2].abs() < 190.0;
     for [with, without] in [[&with.ground, &without.ground], [&with.standing, &without.standing]] {
-        let share = |all: &[Seen]| {
-            let all: Vec<Seen> = all.iter().filter(within).copied().collect();
+        let share = |all: &[LitPoint]| {
+            let all: Vec<LitPoint> = all.iter().filter(within).copied().collect();
             (all.len() as f64, shadowed_share(&all).unwrap())
         };
         let ((count, dark), (expected, dark_expected)) = (share(with), share(without));
@@ -144,7 +144,7 @@ fn shares_of_shadow_are_those_of_rays() {
         let tracer = Tracer::build(&scene, TraceOptions::default());
         for elevation in [15.0, 60.0] {
             let (towards, glance) = (sun(elevation), look(&scene, sun(elevation)));
-            let is_right = |seen: &&Seen| {
+            let is_right = |seen: &&LitPoint| {
                 let ray = Ray { origin: seen.p_world, direction: towards, t_min: 0.0, t_max: f64::INFINITY };
                 seen.is_lit != tracer.occluded(&ray)
             };

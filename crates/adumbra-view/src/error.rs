@@ -44,7 +44,7 @@ pub enum ViewError {
     },
     /// A step of a script failed or was not completed.
     #[error("{}: step {step} ({text}): {what}", path.display())]
-    Step {
+    ScriptStep {
         /// The script.
         path: PathBuf,
         /// Number of the step, from 1.

@@ -73,6 +73,6 @@ pub use day::DayOptions;
 pub use error::{OptionField, Result, ViewError};
 pub use messages::Say;
 pub use options::ViewOptions;
-pub use script::{Script, Step, Until};
+pub use script::{Script, ScriptStep, Until};
 pub use settings::{Settings, Shown};
 pub use window::run;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::command::Command;
 use crate::error::{Result, ViewError};
-use crate::script::{Script, Step, TIMEOUT, Until};
+use crate::script::{Script, ScriptStep, TIMEOUT, Until};
 
 /// The state of the view that scripts can wait for.
 pub(crate) struct Progress<'a> {
@@ -42,12 +42,12 @@ impl Player {
     /// Returns the command to execute now; `None` if a wait is in progress or no step is left.
     ///
     /// # Errors
-    /// Returns [`ViewError::Step`] if a wait took too long or can no longer succeed.
+    /// Returns [`ViewError::ScriptStep`] if a wait took too long or can no longer succeed.
     pub(crate) fn next(&mut self, progress: &Progress<'_>) -> Result<Option<Command>> {
         while let Some(step) = self.script.next() {
             let until = match step {
-                Step::Do(command) => return Ok(Some(command.clone())),
-                Step::Wait { wait } => wait,
+                ScriptStep::Do(command) => return Ok(Some(command.clone())),
+                ScriptStep::Wait { wait } => wait,
             };
             if *until == Until::Baked
                 && let Some(fault) = progress.bake_fault
@@ -102,7 +102,7 @@ impl Player {
     /// Checks how long the next step has been waiting.
     ///
     /// # Errors
-    /// Returns [`ViewError::Step`] if it has been too long.
+    /// Returns [`ViewError::ScriptStep`] if it has been too long.
     pub(crate) fn check_patience(&self) -> Result<()> {
         if self.since.elapsed() > TIMEOUT {
             return Err(self.fault(format!("timed out after {} s", TIMEOUT.as_secs())));
@@ -123,7 +123,7 @@ impl Player {
     }
 
     pub(crate) fn waits_for_frames(&self) -> bool {
-        matches!(self.script.next(), Some(Step::Wait { wait: Until::Frames(_) }))
+        matches!(self.script.next(), Some(ScriptStep::Wait { wait: Until::Frames(_) }))
     }
 
     pub(crate) fn is_done(&self) -> bool {

@@ -50,7 +50,7 @@ pub enum Until {
 /// A step of a script.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
-pub enum Step {
+pub enum ScriptStep {
     /// Waits for a condition.
     Wait {
         /// The condition.
@@ -64,7 +64,7 @@ pub enum Step {
 #[derive(Clone, Debug)]
 pub struct Script {
     path: PathBuf,
-    steps: VecDeque<Step>,
+    steps: VecDeque<ScriptStep>,
     done: usize,
 }
 
@@ -86,15 +86,17 @@ impl Script {
         let step = |(number, value): (usize, serde_json::Value)| {
             // Selected by its key, so that the error is about the step itself.
             let read = match value.get("wait") {
-                Some(until) => serde_json::from_value(until.clone()).map(|wait| Step::Wait { wait }),
-                None => serde_json::from_value(value.clone()).map(Step::Do),
+                Some(until) => serde_json::from_value(until.clone()).map(|wait| ScriptStep::Wait { wait }),
+                None => serde_json::from_value(value.clone()).map(ScriptStep::Do),
             };
             read.map_err(|e| wrong(format!("step {}, {value}: {e}", number + 1)))
         };
-        let steps: VecDeque<Step> = values.into_iter().enumerate().map(step).collect::<Result<_>>()?;
+        let steps: VecDeque<ScriptStep> = values.into_iter().enumerate().map(step).collect::<Result<_>>()?;
         let most = TIMEOUT.as_secs();
-        let is_too_long = |step: &Step| match step {
-            Step::Wait { wait: Until::Seconds(seconds) } => !(0.0..=TIMEOUT.as_secs_f64()).contains(seconds),
+        let is_too_long = |step: &ScriptStep| match step {
+            ScriptStep::Wait { wait: Until::Seconds(seconds) } => {
+                !(0.0..=TIMEOUT.as_secs_f64()).contains(seconds)
+            }
             _ => false,
         };
         if let Some(at) = steps.iter().position(is_too_long) {
@@ -104,7 +106,7 @@ impl Script {
     }
 
     /// Returns the next step.
-    pub(crate) fn next(&self) -> Option<&Step> {
+    pub(crate) fn next(&self) -> Option<&ScriptStep> {
         self.steps.front()
     }
 
@@ -117,7 +119,7 @@ impl Script {
     /// Returns an error for the next step.
     pub(crate) fn fault(&self, what: String) -> ViewError {
         let text = self.next().and_then(|s| serde_json::to_string(s).ok()).unwrap_or_default();
-        ViewError::Step { path: self.path.clone(), step: self.done + 1, text, what }
+        ViewError::ScriptStep { path: self.path.clone(), step: self.done + 1, text, what }
     }
 }
 
@@ -135,12 +137,12 @@ mod tests {
         let text = r#"[{"wait":"baked"},{"wait":{"frames":2}},{"wait":{"message":"no"}},{"layer":"shadow"},
             {"shadow":{"side":"second","technique":"csm"}},{"split":0.25},{"resize":[640,480]},"quit"]"#;
         let script = parse(text).unwrap();
-        let commands: Vec<&Step> = script.steps.iter().collect();
+        let commands: Vec<&ScriptStep> = script.steps.iter().collect();
         assert_eq!(commands.len(), 8);
-        assert_eq!(*commands[1], Step::Wait { wait: Until::Frames(2) });
+        assert_eq!(*commands[1], ScriptStep::Wait { wait: Until::Frames(2) });
         let csm = Command::Shadow { side: Side::Second, technique: "csm".to_owned() };
-        assert_eq!(*commands[4], Step::Do(csm));
-        assert_eq!(*commands[7], Step::Do(Command::Quit));
+        assert_eq!(*commands[4], ScriptStep::Do(csm));
+        assert_eq!(*commands[7], ScriptStep::Do(Command::Quit));
         let again = serde_json::to_string(&script.steps).unwrap();
         assert_eq!(parse(&again).unwrap().steps, script.steps);
     }

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use adumbra::stream::{FileSource, StreamOptions, Streamer};
 use adumbra::{FileSettings, LightGrid, ShadowFile, Sun};
-use adumbra_render::Baked;
+use adumbra_render::TechniqueFiles;
 use adumbra_render::voxel::{LightFile, MovingLight, StreamedFile};
 
 use crate::error::Result;
@@ -84,13 +84,13 @@ impl ShownFile {
     }
 
     /// Returns the file for techniques.
-    pub(crate) fn baked(&self) -> Baked<'_> {
+    pub(crate) fn baked(&self) -> TechniqueFiles<'_> {
         let light = match self {
             Self::Whole(file) => LightFile::Whole(file),
             Self::Streamed(file) => LightFile::Streamed(file),
             Self::Moving(light) => LightFile::Moving(light),
         };
-        Baked { light: Some(light), other: None }
+        TechniqueFiles { light: Some(light), other: None }
     }
 
     /// Whether the file fits the settings: it was baked for their sun, or follows it.

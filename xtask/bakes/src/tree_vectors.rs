@@ -260,7 +260,7 @@ enum Child {
 }
 
 /// Merges equal blocks while it builds.
-struct Builder<'a> {
+struct BlockMerger<'a> {
     cubes: &'a Cubes,
     blocks: Vec<[Child; 8]>,
     ids: HashMap<[Child; 8], usize>,
@@ -268,17 +268,17 @@ struct Builder<'a> {
 }
 
 /// The tree, and its leaf voxels in traversal order.
-type Built = (VoxelTree, Vec<([u32; 3], u32)>);
+type MergedTree = (VoxelTree, Vec<([u32; 3], u32)>);
 
-fn build(depth: u32, cubes: &Cubes) -> Result<Built, Box<dyn Error>> {
-    let mut builder = Builder { cubes, blocks: Vec::new(), ids: HashMap::new(), leaf_voxels: Vec::new() };
+fn build(depth: u32, cubes: &Cubes) -> Result<MergedTree, Box<dyn Error>> {
+    let mut builder = BlockMerger { cubes, blocks: Vec::new(), ids: HashMap::new(), leaf_voxels: Vec::new() };
     let root = builder.node([0; 3], depth);
     let mut words = vec![0];
     words[0] = builder.place(root, &mut HashMap::new(), &mut words);
     Ok((VoxelTree::from_words(depth, words)?, builder.leaf_voxels))
 }
 
-impl Builder<'_> {
+impl BlockMerger<'_> {
     fn node(&mut self, at: [u32; 3], level: u32) -> Child {
         if let Some(lit) = (self.cubes)(at, level) {
             return Child::Uniform(lit);

@@ -6,13 +6,13 @@ use std::fs;
 use std::path::{Component, Path, PathBuf};
 
 use super::check::{is_one_colour, picture};
-use super::markdown::{Document, Link};
+use super::markdown::{Link, MarkdownFile};
 
 /// Maximum size of a picture in bytes.
 const MAX_BYTES: u64 = 2_000_000;
 
 /// Returns every broken link of the documents, which are given by their paths below `root`.
-pub(crate) fn faults(root: &Path, documents: &HashMap<PathBuf, Document>) -> Vec<String> {
+pub(crate) fn faults(root: &Path, documents: &HashMap<PathBuf, MarkdownFile>) -> Vec<String> {
     let mut faults = Vec::new();
     for (path, document) in documents {
         for link in &document.links {
@@ -29,7 +29,7 @@ fn follow(
     root: &Path,
     from: &Path,
     link: &Link,
-    documents: &HashMap<PathBuf, Document>,
+    documents: &HashMap<PathBuf, MarkdownFile>,
 ) -> Result<(), String> {
     let target = link.target.as_str();
     if target.contains("://") || target.starts_with("mailto:") {
@@ -52,7 +52,8 @@ fn follow(
     let anchors = match documents.get(&to) {
         Some(document) => document.anchors.clone(),
         None => {
-            Document::read(&fs::read_to_string(root.join(&to)).map_err(|e| format!("{target}: {e}"))?).anchors
+            MarkdownFile::read(&fs::read_to_string(root.join(&to)).map_err(|e| format!("{target}: {e}"))?)
+                .anchors
         }
     };
     if anchors.iter().any(|a| a == anchor) { Ok(()) } else { Err(format!("{target}: no such heading")) }
@@ -86,7 +87,7 @@ mod tests {
         let text = "# Here\n[a](../a.md) [b](../a.md#one-two) [c](#here) [d](https://e.org/x#y)\n\
             [1](a.md) [2](../a.md#two) [3](#there) [4](../../a.md) ![5](../black.png) [6](/a.md)";
         fs::write(root.path().join("docs/d.md"), text).unwrap();
-        let documents = HashMap::from([(PathBuf::from("docs/d.md"), Document::read(text))]);
+        let documents = HashMap::from([(PathBuf::from("docs/d.md"), MarkdownFile::read(text))]);
         let found = faults(root.path(), &documents);
         assert_eq!(found.len(), 6, "{found:#?}");
         assert!(found.iter().all(|f| f.starts_with("docs/d.md:3: ")), "{found:#?}");

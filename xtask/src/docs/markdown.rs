@@ -3,7 +3,7 @@
 
 /// The contents of a document.
 #[derive(Debug, Default)]
-pub(crate) struct Document {
+pub(crate) struct MarkdownFile {
     /// The `sh` blocks, in order.
     pub(crate) blocks: Vec<Block>,
     /// Code spans outside blocks, with their line numbers.
@@ -35,7 +35,7 @@ pub(crate) struct Link {
     pub(crate) picture: bool,
 }
 
-impl Document {
+impl MarkdownFile {
     pub(crate) fn read(text: &str) -> Self {
         let lines: Vec<&str> = text.lines().collect();
         let mut document = Self::default();
@@ -151,7 +151,7 @@ mod tests {
 
     #[test]
     fn markdown_blocks_have_their_checks_and_what_they_show() {
-        let document = Document::read(TEXT);
+        let document = MarkdownFile::read(TEXT);
         let [first, second] = &document.blocks[..] else { panic!("{document:?}") };
         assert_eq!(first.line, 5);
         assert_eq!(first.commands, ["first --a   # why", "second --b"]);
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn markdown_links_are_those_outside_of_code() {
-        let document = Document::read(TEXT);
+        let document = MarkdownFile::read(TEXT);
         let links: Vec<(&str, bool)> =
             document.links.iter().map(|l| (l.target.as_str(), l.picture)).collect();
         assert_eq!(links, [("a.md#b", false), ("p.png", true)]);
@@ -172,14 +172,14 @@ mod tests {
 
     #[test]
     fn markdown_anchors_are_a_code_hosts() {
-        assert_eq!(Document::read(TEXT).anchors, ["a-title-with-code", "b", "b-1"]);
+        assert_eq!(MarkdownFile::read(TEXT).anchors, ["a-title-with-code", "b", "b-1"]);
         assert_eq!(anchor(" The paper's tree, section by section"), "the-papers-tree-section-by-section");
         assert_eq!(anchor("What `a_b` is (2)"), "what-a_b-is-2");
     }
 
     #[test]
     fn markdown_that_is_not_closed_is_read_to_its_end() {
-        let document = Document::read("a ` b [c](d)\n```sh\nx \\\n");
+        let document = MarkdownFile::read("a ` b [c](d)\n```sh\nx \\\n");
         assert_eq!((document.links.len(), document.spans.len()), (1, 0));
         assert_eq!(document.blocks[0].commands, ["x"]);
     }

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 
 use check::{Check, Printed};
 use limit::{Interrupt, Limit};
-use markdown::{Block, Document};
+use markdown::{Block, MarkdownFile};
 use shell::Clone;
 
 use crate::steps::{Cargo, PROFILE, target_folder};
@@ -105,7 +105,7 @@ pub(crate) fn run(root: &Path, words: &[&str]) -> Result<(), Box<dyn Error>> {
 }
 
 /// Reads the named documents, or all if none is named, by their paths below the root.
-fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<dyn Error>> {
+fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, MarkdownFile>, Box<dyn Error>> {
     let mut paths: Vec<PathBuf> = named.iter().map(PathBuf::from).collect();
     if named.is_empty() {
         for folder in FOLDERS {
@@ -118,7 +118,7 @@ fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, Document>, Box<d
         }
     }
     let document = |path: PathBuf| match fs::read_to_string(root.join(&path)) {
-        Ok(text) => Ok((path, Document::read(&text))),
+        Ok(text) => Ok((path, MarkdownFile::read(&text))),
         Err(e) => Err(format!("{}: {e}", path.display()).into()),
     };
     paths.into_iter().map(document).collect()
@@ -132,7 +132,7 @@ pub(crate) const BUILD: [&str; 6] = ["test", "--no-run", "--quiet", "--profile",
 fn run_document(
     root: &Path,
     path: &Path,
-    document: &Document,
+    document: &MarkdownFile,
     depth: Depth,
     interrupt: &Interrupt,
 ) -> std::io::Result<Vec<String>> {
@@ -234,7 +234,7 @@ struct Program {
 impl Program {
     /// Returns the verbs and options that the documents name but the program does not have. If `all` documents were
     /// read, also the verbs that the README does not list.
-    fn faults(mut self, documents: &HashMap<PathBuf, Document>, all: bool) -> Vec<String> {
+    fn faults(mut self, documents: &HashMap<PathBuf, MarkdownFile>, all: bool) -> Vec<String> {
         let mut faults = BTreeSet::new();
         for (path, document) in documents {
             for (line, span) in &document.spans {

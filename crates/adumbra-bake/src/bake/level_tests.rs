@@ -8,7 +8,7 @@ use adumbra::{Bounds, Encoding, Filter, ShadowFile, Sun};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
-use super::{Bake, Written, bake, bake_to};
+use super::{Bake, BakeSummary, bake, bake_to};
 use crate::error::Error;
 use crate::options::{BakeOptions, FrameChoice, Size};
 use crate::progress::Watch;
@@ -105,7 +105,7 @@ fn has_pages(tree: &DepthTree) -> bool {
 }
 
 /// Bakes to memory, behind some other bytes.
-fn written(scene: &Scene, options: &BakeOptions, threads: usize) -> (Written, Vec<u8>) {
+fn written(scene: &Scene, options: &BakeOptions, threads: usize) -> (BakeSummary, Vec<u8>) {
     let before = b"other bytes";
     let mut out = Cursor::new(Vec::new());
     out.write_all(before).unwrap();

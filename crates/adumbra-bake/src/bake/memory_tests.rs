@@ -10,7 +10,7 @@ use adumbra_testing::full;
 
 use crate::choose;
 use crate::error::{Error, Result};
-use crate::options::{BakeOptions, Builder, FrameChoice, Size};
+use crate::options::{BakeOptions, ColumnBuilder, FrameChoice, Size};
 use crate::pages::PageStore;
 use crate::progress::Report;
 use crate::test_bakes::bake_depths;
@@ -66,14 +66,18 @@ fn city() -> Scene {
 #[ignore = "slow: bakes again and again"]
 fn limited_bake_gives_the_depths_of_a_free_one() {
     let (fast, steps) = if full() { (8192, 8) } else { (4096, 5) };
-    let cases = [(Builder::Fast, fast, true), (Builder::Fast, fast, false), (Builder::Plain, 512, true)];
+    let cases = [
+        (ColumnBuilder::Fast, fast, true),
+        (ColumnBuilder::Fast, fast, false),
+        (ColumnBuilder::Plain, 512, true),
+    ];
     limited_bakes_give_the_depths_of_free_ones(&city(), &cases, &[1, 2], steps);
 }
 
 #[test]
 fn limited_bake_of_few_pages_gives_the_depths_of_a_free_one() {
     let scene = generate(GeneratedKind::Primitives, 1);
-    let cases = [(Builder::Fast, 1024, true), (Builder::Plain, 128, true)];
+    let cases = [(ColumnBuilder::Fast, 1024, true), (ColumnBuilder::Plain, 128, true)];
     // In so many steps the last limits are apart by less than a page. Another thread would take more than all pages.
     limited_bakes_give_the_depths_of_free_ones(&scene, &cases, &[1], 10);
 }
@@ -99,7 +103,7 @@ fn what_finishing_needs_stays_free_while_pages_are_added() {
 /// Bakes with each builder and resolution, with equal shapes stored once or not.
 fn limited_bakes_give_the_depths_of_free_ones(
     scene: &Scene,
-    cases: &[(Builder, u64, bool)],
+    cases: &[(ColumnBuilder, u64, bool)],
     threads: &[usize],
     steps: usize,
 ) {
@@ -107,7 +111,7 @@ fn limited_bakes_give_the_depths_of_free_ones(
         let options = BakeOptions { builder, ..options(resolution) };
         let spilled = squeeze(&options, threads, steps, |o| bake_depths(scene, o, merged));
         // The plain builder's columns take more memory than its depths.
-        assert!(spilled > 0 || builder == Builder::Plain, "{builder:?}, {merged}");
+        assert!(spilled > 0 || builder == ColumnBuilder::Plain, "{builder:?}, {merged}");
     }
 }
 

@@ -41,7 +41,7 @@ pub struct Bake {
 
 /// A finished bake whose file has been written.
 #[derive(Clone, Debug)]
-pub struct Written {
+pub struct BakeSummary {
     /// Placement of the finest level's voxels in the world.
     pub grid: LightGrid,
     /// Settings of the bake, as the file has them.
@@ -118,7 +118,7 @@ pub fn bake_to(
     options: &BakeOptions,
     watch: Watch<'_>,
     out: impl Write + Seek,
-) -> Result<Written> {
+) -> Result<BakeSummary> {
     bake_file(scene, options, None, watch, out)
 }
 
@@ -134,7 +134,7 @@ pub fn bake_with_cache(
     cache: &Arc<dyn BakeCache>,
     watch: Watch<'_>,
     out: impl Write + Seek,
-) -> Result<Written> {
+) -> Result<BakeSummary> {
     bake_file(scene, options, Some(cache), watch, out)
 }
 
@@ -144,7 +144,7 @@ fn bake_file(
     cache: Option<&Arc<dyn BakeCache>>,
     watch: Watch<'_>,
     out: impl Write + Seek,
-) -> Result<Written> {
+) -> Result<BakeSummary> {
     let choice = Choice::new(scene, options, watch.cancel)?;
     let plan_of = |level: usize| choice.plan(scene, level);
     let plan = plan_of(choice.levels.len() - 1)?;
@@ -165,7 +165,7 @@ fn bake_file(
         write_level(&mut writer, built.made, grids[level].size, options.encoding, watch.cancel)?;
     }
     let bytes = writer.finish().map_err(Error::Output)?;
-    Ok(Written { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
+    Ok(BakeSummary { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
 }
 
 /// Returns a level's grid as the file has it: that of a region is relative to the region's origin.
@@ -223,7 +223,7 @@ fn build_level(
     level: usize,
     cache: Option<(&Arc<dyn BakeCache>, &SceneHashes)>,
     watch: Watch<'_>,
-) -> Result<Built<Pages>> {
+) -> Result<BuiltStructure<Pages>> {
     let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
     let before: usize = choice.levels[level + 1..].iter().map(blocks).sum();
     let total: usize = choice.levels.iter().map(blocks).sum();
@@ -247,7 +247,7 @@ fn build_level(
 
 /// What was built from a scene.
 #[derive(Debug)]
-pub struct Built<T> {
+pub struct BuiltStructure<T> {
     /// Placement of the voxels in the world.
     pub grid: LightGrid,
     /// Settings of the bake.
@@ -268,7 +268,7 @@ pub fn build<S: Structure>(
     options: &BakeOptions,
     watch: Watch<'_>,
     sink: impl FnOnce([u32; 3], u32) -> S,
-) -> Result<Built<S::Made>> {
+) -> Result<BuiltStructure<S::Output>> {
     let plan = choose::plan(scene, options)?;
     build_planned(&plan, options, watch, |plan| sink(plan.root_blocks.grid.size, plan.root_blocks.root_level))
 }
@@ -279,7 +279,7 @@ pub(crate) fn build_planned<S: Structure>(
     options: &BakeOptions,
     watch: Watch<'_>,
     sink: impl FnOnce(&Plan<'_>) -> S,
-) -> Result<Built<S::Made>> {
+) -> Result<BuiltStructure<S::Output>> {
     let start = Instant::now();
     let root_blocks: Vec<usize> = (0..plan.root_blocks.count()).collect();
     let tally = Tally::new(plan, root_blocks.len(), start, watch.progress);
@@ -303,5 +303,5 @@ pub(crate) fn build_planned<S: Structure>(
     tally.check_end(S::FINISHING, held_bytes)?;
     let made = sink.finish(blocks);
     plan.paged_bytes()?;
-    Ok(Built { grid: plan.root_blocks.grid, settings: plan.settings, made, report: tally.report() })
+    Ok(BuiltStructure { grid: plan.root_blocks.grid, settings: plan.settings, made, report: tally.report() })
 }

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::error::{Error, Result};
 use crate::fast::descent::{self, DescentBuffers};
-use crate::options::Builder;
+use crate::options::ColumnBuilder;
 use crate::plain::{self, PlainBuffers};
 use crate::plan::Plan;
 use crate::sink::BlockSink;
@@ -25,14 +25,14 @@ impl Run<'_, '_> {
     /// Builds each root block into `sink`; blocks are returned in order.
     pub(crate) fn each_block<S: BlockSink>(
         &self,
-        builder: Builder,
+        builder: ColumnBuilder,
         sink: &S,
         tally: &Tally<'_, '_>,
     ) -> Result<Vec<S::Block>> {
         let root_blocks = &self.plan.root_blocks;
         let limit = self.plan.switch_limit();
         match builder {
-            Builder::Fast => {
+            ColumnBuilder::Fast => {
                 let sink = LimitSink { limit, sink };
                 self.each_root_block(|worker: &mut DescentBuffers, root_block| {
                     if let Some(known) = sink.sink.known(root_block) {
@@ -44,7 +44,7 @@ impl Run<'_, '_> {
                     Ok(sink.taken(root_block, block))
                 })
             }
-            Builder::Plain => self.each_root_block(|worker: &mut PlainBuffers, root_block| {
+            ColumnBuilder::Plain => self.each_root_block(|worker: &mut PlainBuffers, root_block| {
                 if let Some(known) = sink.known(root_block) {
                     return Ok(known);
                 }

@@ -8,7 +8,7 @@ use adumbra::layout::depths::DepthTree;
 use adumbra::{LightGrid, ShadowFile};
 
 use super::plan::{BakePlan, PlannedLevel, PlannedPart};
-use crate::bake::{Written, file_writer, stored_grid, write_level};
+use crate::bake::{BakeSummary, file_writer, stored_grid, write_level};
 use crate::cache::{BakeCache, PartCache};
 use crate::error::{Error, Result};
 use crate::options::BakeOptions;
@@ -29,7 +29,7 @@ pub fn link(
     limits: &BakeOptions,
     watch: Watch<'_>,
     out: impl Write + Seek,
-) -> Result<Written> {
+) -> Result<BakeSummary> {
     let start = Instant::now();
     let grids = plan.grids();
     let mut writer = file_writer(out, plan.settings, &grids, plan.encoding)?;
@@ -52,7 +52,7 @@ pub fn link(
     }
     let bytes = writer.finish().map_err(Error::Output)?;
     report.seconds = start.elapsed().as_secs_f64();
-    Ok(Written { grid: grids[0], settings: plan.settings, levels: grids.len() as u32, bytes, report })
+    Ok(BakeSummary { grid: grids[0], settings: plan.settings, levels: grids.len() as u32, bytes, report })
 }
 
 /// Links the entries of a plan's parts to a file in memory. See [`link`].

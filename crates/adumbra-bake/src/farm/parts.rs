@@ -12,7 +12,7 @@ use crate::bake::run::Run;
 use crate::cache::{BakeCache, CacheKey, PartCache};
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
-use crate::options::{BakeOptions, Builder};
+use crate::options::{BakeOptions, ColumnBuilder};
 use crate::plan::{Plan, caster_options};
 use crate::progress::{Progress, Report, Watch};
 use crate::sink::Structure;
@@ -137,7 +137,7 @@ impl<'s> PartBaker<'s> {
         let plan = self.level(level)?;
         let parts = self.plan.levels[level].parts();
         let numbers: Vec<usize> = planned.iter().map(|(number, _)| *number).collect();
-        let keys = self.hashes.keys(&plan, Builder::Fast, &parts, &numbers);
+        let keys = self.hashes.keys(&plan, ColumnBuilder::Fast, &parts, &numbers);
         if planned.iter().zip(&keys).any(|((_, planned), key)| planned != key) {
             return Err(Error::SceneChanged("the plan was made by another version of this program"));
         }
@@ -150,7 +150,7 @@ impl<'s> PartBaker<'s> {
         let missing: Vec<usize> = numbers.iter().copied().filter(|&part| !sink.has_part(part)).collect();
         let root_blocks: Vec<usize> = missing.iter().flat_map(|&part| parts.root_blocks(part)).collect();
         if let Some(recent) = self.recent.as_ref().filter(|_| plan.root_blocks.root_level < PAGE_LEVEL) {
-            let keys = self.hashes.root_block_keys(&plan, Builder::Fast, &root_blocks);
+            let keys = self.hashes.root_block_keys(&plan, ColumnBuilder::Fast, &root_blocks);
             let keys = root_blocks.iter().copied().zip(keys).collect();
             sink = sink.with_recent(RecentOfLevel { all: Arc::clone(recent), level, keys });
         }

@@ -11,7 +11,7 @@ use crate::cache::{CacheKey, PartGrid};
 use crate::choose::Choice;
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
-use crate::options::{BakeOptions, Builder, FrameChoice, Size};
+use crate::options::{BakeOptions, ColumnBuilder, FrameChoice, Size};
 use crate::plan::{Placement, Plan};
 use crate::progress::NEVER;
 use crate::triangles::casters::{Bins, SceneClusters};
@@ -96,7 +96,7 @@ impl BakePlan {
 
     /// Plans the bake of `scene`, and returns what baking its parts needs too.
     pub(crate) fn prepared(scene: &Scene, options: &BakeOptions) -> Result<(Self, Prepared)> {
-        let options = BakeOptions { builder: Builder::Fast, ..options.clone() };
+        let options = BakeOptions { builder: ColumnBuilder::Fast, ..options.clone() };
         let choice = Choice::new(scene, &options, &NEVER)?;
         let hashes = SceneHashes::new(scene);
         let mut parts = Vec::new();

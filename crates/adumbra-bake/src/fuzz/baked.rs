@@ -3,18 +3,18 @@
 
 use crate::fuzz::dice::Dice;
 use crate::fuzz::totals::Totals;
-use crate::options::{BakeOptions, Builder};
+use crate::options::{BakeOptions, ColumnBuilder};
 use crate::plain::agreement::{BothBuffers, Column, for_each_column};
 use crate::plan::Plan;
 use crate::test_bakes::bake_depths;
 use crate::{Watch, bake};
 use adumbra::ShadowFile;
 use adumbra::layout::depths::DepthTree;
-use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::code::ColumnNode;
 use adumbra_scene::Scene;
 
 /// The files into which one scene is baked.
-pub(crate) struct Baked {
+pub(crate) struct BakedPair {
     /// The fast builder's.
     pub(crate) fast: ShadowFile,
     /// The plain builder's.
@@ -35,11 +35,11 @@ fn shuffled(scene: &Scene, dice: &mut Dice) -> Scene {
     scene
 }
 
-impl Baked {
+impl BakedPair {
     /// Bakes both. A finished quadtree is valid.
     pub(crate) fn new(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Self, String> {
         let text = |e: crate::Error| e.to_string();
-        let [fast, plain] = [options.builder, Builder::Plain]
+        let [fast, plain] = [options.builder, ColumnBuilder::Plain]
             .map(|builder| BakeOptions { builder, levels: 1, ..options.clone() })
             .map(|options| bake(scene, &options, Watch::none()));
         let (fast, plain) = (fast.map_err(text)?.file, plain.map_err(text)?.file);
@@ -104,6 +104,6 @@ impl Baked {
 
 /// Whether the leaf mask that contains a voxel has it lit; `None` if the column is in no leaf.
 fn leaf_says_lit(depths: &DepthTree, [i, j, k]: [u32; 3]) -> Option<bool> {
-    let Place::Leaf { at, base } = depths.place(i, j).0 else { return None };
+    let ColumnNode::Leaf { at, base } = depths.place(i, j).0 else { return None };
     Some(depths.shapes().leaf(at, base).leaf_mask(k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1)
 }

@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 use std::{env, thread};
 
-use baked::Baked;
+use baked::BakedPair;
 use dice::Dice;
 use receivers::Checker;
 use scenes::Case;
@@ -61,7 +61,7 @@ fn check_case(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Totals,
         totals.refused += 1;
         return Ok(totals);
     }
-    let baked = Baked::new(seed, scene, options)?;
+    let baked = BakedPair::new(seed, scene, options)?;
     baked.check_columns(&plan, &mut totals)?;
     let truth = Truth::new(scene, options, &plan);
     let checker = Checker { scene, truth: &truth, baked: &baked, bias: options.bias };

@@ -6,7 +6,7 @@
 //! surfaces are looked up here. So do `assume_ground`, which frees only columns that no surface samples, and
 //! `closed_regions = false`, which makes solids open.
 
-use crate::fuzz::baked::Baked;
+use crate::fuzz::baked::BakedPair;
 use crate::fuzz::dice::Dice;
 use crate::fuzz::totals::{Skip, Totals};
 use crate::fuzz::truth::Truth;
@@ -36,7 +36,7 @@ struct Point {
 pub(crate) struct Checker<'a> {
     pub(crate) scene: &'a Scene,
     pub(crate) truth: &'a Truth<'a>,
-    pub(crate) baked: &'a Baked,
+    pub(crate) baked: &'a BakedPair,
     pub(crate) bias: Bias,
 }
 

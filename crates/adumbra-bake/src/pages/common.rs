@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 use std::sync::{Mutex, MutexGuard};
 
 use adumbra::layout::depths::ShapePlace;
-use adumbra::layout::depths::write::{OutOfReach, Place, Writer};
+use adumbra::layout::depths::write::{OutOfReach, ShapeRef, Writer};
 use hashbrown::HashTable;
 use rayon::prelude::*;
 
@@ -328,7 +328,7 @@ impl Shapes {
                     }
                 }
                 let address = |id: Id| common.addresses.get(self.get(id).1.hash);
-                writer.node(&placed(children, |id| Place::Here(address(id).unwrap_or_default())))?
+                writer.node(&placed(children, |id| ShapeRef::Here(address(id).unwrap_or_default())))?
             }
         };
         common.addresses.add(candidate.hash, at);

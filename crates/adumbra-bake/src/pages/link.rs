@@ -2,7 +2,7 @@
 
 use adumbra::file::CODING_RATIO;
 use adumbra::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page, bundles, page_dims, pages_of};
-use adumbra::layout::depths::write::{OutOfReach, Place};
+use adumbra::layout::depths::write::{OutOfReach, ShapeRef};
 use adumbra::layout::depths::{DepthTree, NEVER, ShapePlace, TreeBuilder, UNIFORM};
 use rayon::prelude::*;
 
@@ -86,7 +86,7 @@ impl LinkedPage {
 #[derive(Default)]
 struct Scratch {
     reader: Reader,
-    places: Vec<Place>,
+    places: Vec<ShapeRef>,
 }
 
 impl Linked {
@@ -134,8 +134,8 @@ impl Linked {
         let address = |index: usize| self.common.address(reader.hashes[index]);
         let words = reader.shapes().write(address, places)?;
         let (root, words) = match places.last() {
-            Some(Place::Here(at)) => (IN_PAGE | at, words),
-            Some(Place::Common(at)) => (*at, words),
+            Some(ShapeRef::Here(at)) => (IN_PAGE | at, words),
+            Some(ShapeRef::Common(at)) => (*at, words),
             None => unreachable!("a page has a root"),
         };
         Ok(LinkedPage { root, base, words })

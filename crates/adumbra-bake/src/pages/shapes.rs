@@ -4,7 +4,7 @@
 
 use adumbra::layout::depths::code::{self, Code, LeafHead};
 use adumbra::layout::depths::page::PAGE_LEVEL;
-use adumbra::layout::depths::write::{OutOfReach, Place, PlacedChild, Writer};
+use adumbra::layout::depths::write::{OutOfReach, PlacedChild, ShapeRef, Writer};
 use adumbra::layout::depths::{LEAF_LEVEL, NODE_LEVELS};
 use adumbra_scene::random::mix;
 use hashbrown::HashTable;
@@ -74,15 +74,17 @@ impl Shapes {
     pub(super) fn write(
         &self,
         in_common: impl Fn(usize) -> Option<u32>,
-        places: &mut Vec<Place>,
+        places: &mut Vec<ShapeRef>,
     ) -> Result<Vec<u32>, OutOfReach> {
         places.clear();
         let mut writer = Writer::page();
         for (index, shape) in self.list.iter().enumerate() {
             let place = match (in_common(index), *shape) {
-                (Some(at), _) => Place::Common(at),
-                (None, Shape::Leaf { first, length }) => Place::Here(writer.leaf(self.leaf(first, length))),
-                (None, Shape::Node { children, .. }) => Place::Here(
+                (Some(at), _) => ShapeRef::Common(at),
+                (None, Shape::Leaf { first, length }) => {
+                    ShapeRef::Here(writer.leaf(self.leaf(first, length)))
+                }
+                (None, Shape::Node { children, .. }) => ShapeRef::Here(
                     writer.node(&placed(self.children(children), |child| places[child as usize]))?,
                 ),
             };
@@ -106,7 +108,7 @@ impl Shapes {
 }
 
 /// Returns children with the places of their shapes.
-pub(super) fn placed(children: &Children, mut place_of: impl FnMut(u32) -> Place) -> [PlacedChild; 16] {
+pub(super) fn placed(children: &Children, mut place_of: impl FnMut(u32) -> ShapeRef) -> [PlacedChild; 16] {
     children.map(|child| match child {
         Child::Never => PlacedChild::Never,
         Child::Uniform(delta) => PlacedChild::Uniform(delta),
@@ -159,8 +161,8 @@ impl Draft {
         let mut places = Vec::new();
         let words = self.shapes.write(|_| None, &mut places)?;
         match places.last() {
-            Some(Place::Here(at)) => Ok((words, *at)),
-            Some(Place::Common(_)) | None => unreachable!("the root is in the page"),
+            Some(ShapeRef::Here(at)) => Ok((words, *at)),
+            Some(ShapeRef::Common(_)) | None => unreachable!("the root is in the page"),
         }
     }
 

@@ -13,19 +13,19 @@ use crate::error::Error;
 const ROOM: u64 = 20_000;
 
 #[derive(Clone, Debug)]
-enum Step {
+enum Operation {
     Add(u32, Vec<u32>),
     Get(prop::sample::Index),
     Forget(prop::sample::Index),
     Limit(u64),
 }
 
-fn step() -> impl Strategy<Value = Step> {
+fn step() -> impl Strategy<Value = Operation> {
     prop_oneof![
-        8 => (any::<u32>(), prop::collection::vec(any::<u32>(), 1..2000)).prop_map(|(root, w)| Step::Add(root, w)),
-        8 => any::<prop::sample::Index>().prop_map(Step::Get),
-        2 => any::<prop::sample::Index>().prop_map(Step::Forget),
-        1 => (0..ROOM).prop_map(Step::Limit),
+        8 => (any::<u32>(), prop::collection::vec(any::<u32>(), 1..2000)).prop_map(|(root, w)| Operation::Add(root, w)),
+        8 => any::<prop::sample::Index>().prop_map(Operation::Get),
+        2 => any::<prop::sample::Index>().prop_map(Operation::Forget),
+        1 => (0..ROOM).prop_map(Operation::Limit),
     ]
 }
 
@@ -47,27 +47,27 @@ proptest! {
             which = 1 - which;
             let (store, model) = (&stores[which], &mut models[which]);
             match step {
-                Step::Add(root, words) => {
+                Operation::Add(root, words) => {
                     added[which] += 2 * words.len() as u64;
                     prop_assert_eq!(store.add(root, words.clone()) as usize, model.len());
                     model.push(Some((root, words)));
                 }
-                Step::Get(at) if !model.is_empty() => {
+                Operation::Get(at) if !model.is_empty() => {
                     let at = at.index(model.len());
                     let found = store.get(at as u32).map(|(words, root)| (root, words.to_vec()));
                     prop_assert_eq!(&found, &model[at]);
                 }
-                Step::Forget(at) if !model.is_empty() => {
+                Operation::Forget(at) if !model.is_empty() => {
                     let at = at.index(model.len());
                     store.forget(at as u32);
                     model[at] = None;
                 }
-                Step::Limit(bytes) => {
+                Operation::Limit(bytes) => {
                     room = room.min(bytes);
                     spill.limit_to(bytes);
                     stores.iter().for_each(PageStore::shrink);
                 }
-                Step::Get(_) | Step::Forget(_) => {}
+                Operation::Get(_) | Operation::Forget(_) => {}
             }
             prop_assert_eq!(store.halves(), added[which]);
             prop_assert!(spill.resident_bytes() <= room);

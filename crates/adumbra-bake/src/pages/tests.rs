@@ -499,12 +499,12 @@ fn differences_beyond_the_longest_form_are_an_error() {
 /// Pages that were forged may use one place as shapes of several levels. A node without pointers is one at any level.
 #[test]
 fn a_place_that_is_used_at_two_levels_is_two_shapes() {
-    use adumbra::layout::depths::write::{Place, PlacedChild, Writer};
+    use adumbra::layout::depths::write::{PlacedChild, ShapeRef, Writer};
     let mut writer = Writer::page();
     let node = |writer: &mut Writer, children: &[u32]| {
         let mut all = [PlacedChild::Uniform(0); 16];
         for (child, &at) in all.iter_mut().zip(children) {
-            *child = PlacedChild::Shape { delta: 0, place: Place::Here(at) };
+            *child = PlacedChild::Shape { delta: 0, place: ShapeRef::Here(at) };
         }
         all[15] = PlacedChild::Uniform(1);
         writer.node(&all).expect("a small page")

@@ -7,7 +7,7 @@ use proptest::prelude::*;
 
 use crate::choose::{self, Choice};
 use crate::columns::rules::{ColumnRules, FREE_TO_END};
-use crate::options::{AssumeGround, BakeOptions, Builder, FrameChoice, Size};
+use crate::options::{AssumeGround, BakeOptions, ColumnBuilder, FrameChoice, Size};
 use crate::plan::{Placement, Plan};
 use crate::progress::{NEVER, Watch};
 use crate::test_bakes::for_each_column_of;
@@ -284,7 +284,7 @@ prop_compose! {
             closed_regions,
             switch_within_voxels,
             bounds: bounds.map(|(min, max)| Bounds { min: min.map(f64::from), max: max.map(f64::from) }),
-            builder: if fast { Builder::Fast } else { Builder::Plain },
+            builder: if fast { ColumnBuilder::Fast } else { ColumnBuilder::Plain },
             frame,
             ..BakeOptions::new(sun, Size::Resolution(1 << level))
         }
@@ -379,7 +379,7 @@ fn columns_do_not_depend_on_where_root_blocks_begin() {
     let options = BakeOptions {
         frame: FrameChoice::ObliqueAt(0.0),
         bounds: Some(Bounds { min: [-4.0, -1.0, -4.0], max: [4.0, 3.0, 4.0] }),
-        builder: Builder::Plain,
+        builder: ColumnBuilder::Plain,
         ..BakeOptions::new(sun, Size::VoxelSize(0.125))
     };
     let Choice { clusters, levels, .. } = Choice::new(&scene, &options, &NEVER).expect("a small bake");

@@ -65,10 +65,10 @@ struct Waiting {
 
 /// A finished block.
 #[derive(Clone)]
-pub struct DepthsBlock(Parts);
+pub struct DepthsBlock(BlockContent);
 
 #[derive(Clone)]
-enum Parts {
+enum BlockContent {
     /// The whole block, at a level that nodes have, or uniform at any level.
     One(Undecided),
     /// Four quarters, at a level between two node levels.
@@ -97,8 +97,8 @@ impl DepthsBlock {
     /// Returns a block below the roots whose level nodes have.
     fn whole(self) -> Undecided {
         match self.0 {
-            Parts::One(block) => block,
-            Parts::Four(_) | Parts::Pages(_) | Parts::Taken => {
+            BlockContent::One(block) => block,
+            BlockContent::Four(_) | BlockContent::Pages(_) | BlockContent::Taken => {
                 unreachable!("only levels between node levels are held in quarters")
             }
         }
@@ -107,9 +107,9 @@ impl DepthsBlock {
     /// Returns the quarters of a block below the roots whose level is between those of nodes.
     fn quarters(self) -> [Undecided; 4] {
         match self.0 {
-            Parts::Four(quarters) => *quarters,
-            Parts::One(all) => [all.base; 4].map(Undecided::uniform),
-            Parts::Pages(_) | Parts::Taken => unreachable!("pages are not quarters of nodes"),
+            BlockContent::Four(quarters) => *quarters,
+            BlockContent::One(all) => [all.base; 4].map(Undecided::uniform),
+            BlockContent::Pages(_) | BlockContent::Taken => unreachable!("pages are not quarters of nodes"),
         }
     }
 }
@@ -292,19 +292,19 @@ impl DepthsSink {
     /// Returns the pages of a block of `level`, which is at least the pages' own.
     fn pages(&self, level: u32, block: DepthsBlock) -> Vec<[u32; 2]> {
         match block.0 {
-            Parts::Pages(pages) => pages,
-            Parts::One(all) => vec![self.page(&all); 1 << (2 * (level - PAGE_LEVEL))],
-            Parts::Four(quarters) => quarters.iter().map(|q| self.page(q)).collect(),
-            Parts::Taken => unreachable!("it has been taken"),
+            BlockContent::Pages(pages) => pages,
+            BlockContent::One(all) => vec![self.page(&all); 1 << (2 * (level - PAGE_LEVEL))],
+            BlockContent::Four(quarters) => quarters.iter().map(|q| self.page(q)).collect(),
+            BlockContent::Taken => unreachable!("it has been taken"),
         }
     }
 
     /// Wraps a block. Pages are made at once.
     fn resolve(&self, level: u32, block: Undecided) -> DepthsBlock {
         DepthsBlock(if level == PAGE_LEVEL {
-            Parts::Pages(vec![self.page(&block)])
+            BlockContent::Pages(vec![self.page(&block)])
         } else {
-            Parts::One(block)
+            BlockContent::One(block)
         })
     }
 
@@ -318,9 +318,9 @@ impl DepthsSink {
         let across = self.blocks_across();
         let page = [x / across, y / across];
         let leaves = |block: &DepthsBlock| match &block.0 {
-            Parts::One(block) => block.leaves(),
-            Parts::Four(quarters) => quarters.iter().map(Undecided::leaves).sum(),
-            Parts::Pages(_) | Parts::Taken => 0,
+            BlockContent::One(block) => block.leaves(),
+            BlockContent::Four(quarters) => quarters.iter().map(Undecided::leaves).sum(),
+            BlockContent::Pages(_) | BlockContent::Taken => 0,
         };
         self.waiting_leaves.fetch_add(leaves(&block), Ordering::Relaxed);
         let blocks = {
@@ -352,7 +352,7 @@ impl DepthsSink {
     fn joined(&self, blocks: &mut [Option<DepthsBlock>], level: u32, [x, y]: [u32; 2]) -> DepthsBlock {
         if level == self.level {
             let block = blocks[(y * self.blocks_across() + x) as usize].take();
-            return block.unwrap_or(DepthsBlock(Parts::One(Undecided::free())));
+            return block.unwrap_or(DepthsBlock(BlockContent::One(Undecided::free())));
         }
         let half = 1 << (level - 1 - self.level);
         let quarters =
@@ -395,7 +395,7 @@ impl BlockSink for DepthsSink {
         let block = Undecided::uniform(interval);
         if level > PAGE_LEVEL {
             let pages = 1 << (2 * (level - PAGE_LEVEL));
-            return DepthsBlock(Parts::Pages(vec![self.page(&block); pages]));
+            return DepthsBlock(BlockContent::Pages(vec![self.page(&block); pages]));
         }
         self.resolve(level, block)
     }
@@ -410,10 +410,10 @@ impl BlockSink for DepthsSink {
     fn join(&self, level: u32, quarters: [DepthsBlock; 4]) -> DepthsBlock {
         if level > PAGE_LEVEL {
             let pages = quarters.into_iter().flat_map(|q| self.pages(level - 1, q)).collect();
-            return DepthsBlock(Parts::Pages(pages));
+            return DepthsBlock(BlockContent::Pages(pages));
         }
         if !Self::is_node_level(level) {
-            return DepthsBlock(Parts::Four(Box::new(quarters.map(DepthsBlock::whole))));
+            return DepthsBlock(BlockContent::Four(Box::new(quarters.map(DepthsBlock::whole))));
         }
         let mut children: [Undecided; 16] = std::array::from_fn(|_| Undecided::free());
         for (quarter, block) in quarters.into_iter().enumerate() {
@@ -427,15 +427,15 @@ impl BlockSink for DepthsSink {
 
     fn known(&self, number: usize) -> Option<DepthsBlock> {
         if self.cache.as_ref().is_some_and(|cache| cache.has_root_block(number)) {
-            return Some(DepthsBlock(Parts::Taken));
+            return Some(DepthsBlock(BlockContent::Taken));
         }
         let block = self.recent.as_ref()?.get(number)?;
         self.take_small(self.place(number), block);
-        Some(DepthsBlock(Parts::Taken))
+        Some(DepthsBlock(BlockContent::Taken))
     }
 
     fn taken(&self, block: usize, made: DepthsBlock) -> DepthsBlock {
-        if matches!(made.0, Parts::Taken) {
+        if matches!(made.0, BlockContent::Taken) {
             return made;
         }
         let place = self.place(block);
@@ -453,12 +453,12 @@ impl BlockSink for DepthsSink {
             }
             self.write_entry(place.map(|n| n << side));
         }
-        DepthsBlock(Parts::Taken)
+        DepthsBlock(BlockContent::Taken)
     }
 }
 
 impl Structure for DepthsSink {
-    type Made = Pages;
+    type Output = Pages;
     const SO_FAR: &'static str = "the depths so far";
     const FINISHING: &'static str = "linking the pages";
 

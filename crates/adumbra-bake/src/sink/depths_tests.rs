@@ -10,7 +10,7 @@ use crate::sink::from_columns::block_of;
 use crate::sink::{BlockSink, Structure};
 use crate::test_bakes::{bake_depths, for_each_column};
 use adumbra::Sun;
-use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::code::ColumnNode;
 use adumbra::layout::depths::page::{IN_PAGE, Page};
 use adumbra::layout::depths::{Census, DepthTree, LEAF_LEVEL, NEVER};
 use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
@@ -126,7 +126,7 @@ fn build_in_order(
 fn check_column(found: &DepthTree, i: u32, j: u32, [e, x]: [u32; 2]) {
     let value = found.value(i, j);
     assert!(e <= value && (value <= x || x == FREE_TO_END), "({i}, {j}): {value} is not in [{e}, {x}]");
-    let Place::Leaf { at, base } = found.place(i, j).0 else { return };
+    let ColumnNode::Leaf { at, base } = found.place(i, j).0 else { return };
     let leaf = found.shapes().leaf(at, base);
     let depths = [value.wrapping_sub(1), value, e.wrapping_sub(1), x, 0].into_iter();
     for k in depths.filter(|&k| k < found.size()[2]) {
@@ -170,7 +170,7 @@ proptest! {
             for j in 0..columns.height {
                 for i in 0..columns.width {
                     let value = found.value(i, j);
-                    if let Place::Leaf { at, base } = found.place(i, j).0 {
+                    if let ColumnNode::Leaf { at, base } = found.place(i, j).0 {
                         found.shapes().leaf(at, base).leaf_mask(value.wrapping_sub(1));
                     }
                 }

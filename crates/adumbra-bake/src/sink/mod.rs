@@ -61,7 +61,7 @@ pub trait BlockSink: Sync {
 /// A sink that makes something of all root blocks.
 pub trait Structure: BlockSink + Sized {
     /// What it makes.
-    type Made;
+    type Output;
     /// What errors call the structure while blocks are added to it.
     const SO_FAR: &'static str;
     /// What errors call the work of [`Structure::finish`].
@@ -86,5 +86,5 @@ pub trait Structure: BlockSink + Sized {
     fn make_room(&self) {}
 
     /// Makes the result from the root blocks, x fastest.
-    fn finish(self, blocks: Vec<Self::Block>) -> Self::Made;
+    fn finish(self, blocks: Vec<Self::Block>) -> Self::Output;
 }

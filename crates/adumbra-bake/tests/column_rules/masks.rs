@@ -1,7 +1,7 @@
 //! Floors under cards with holes that are finer than a texel: they get the light that the holes leave.
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size};
+use adumbra_bake::{BakeOptions, ColumnBuilder, FrameChoice, Size};
 use adumbra_scene::{AlphaMode, Material, Pixels, Texture, Wrap};
 
 use super::model::{Model, Point, bake_quietly, lit_on_ground, scene};
@@ -49,7 +49,7 @@ fn floor_under_a_finely_striped_card_has_the_light_of_its_stripes_whichever_side
         let middle = |n: i32| VOXEL * (f64::from(n) + 0.5);
         let points: Vec<Point> =
             (-30..30).flat_map(|x| (-30..30).map(move |z| [middle(x), 0.0, middle(z)])).collect();
-        for builder in [Builder::Fast, Builder::Plain] {
+        for builder in [ColumnBuilder::Fast, ColumnBuilder::Plain] {
             let frame = FrameChoice::ObliqueAt(0.0);
             let options =
                 BakeOptions { builder, frame, ..BakeOptions::new(overhead, Size::VoxelSize(VOXEL)) };

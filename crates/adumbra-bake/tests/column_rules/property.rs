@@ -3,7 +3,7 @@
 
 use adumbra::query::receiver;
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Builder, FrameChoice, Size};
+use adumbra_bake::{BakeOptions, ColumnBuilder, FrameChoice, Size};
 use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
@@ -42,7 +42,7 @@ struct Layers {
     /// The yaw of the oblique frame; `None` = the light's frame.
     yaw_radians: Option<f64>,
     switch_within_voxels: u32,
-    builder: Builder,
+    builder: ColumnBuilder,
     seed: u64,
 }
 
@@ -62,7 +62,7 @@ prop_compose! {
         fast in any::<bool>(),
         seed in any::<u64>(),
     ) -> Layers {
-        let builder = if fast { Builder::Fast } else { Builder::Plain };
+        let builder = if fast { ColumnBuilder::Fast } else { ColumnBuilder::Plain };
         Layers { upper, gap, slope, azimuth, phase, yaw_radians, switch_within_voxels, builder, seed }
     }
 }

@@ -14,7 +14,7 @@ const OBLIQUE: Point = [0.5, 0.8, 0.35];
 const OVERHEAD: Point = [0.0, 1.0, 0.0];
 
 /// Moves a point of a ceiling to where it is in the scene.
-type Place = fn(Point) -> Point;
+type Placement = fn(Point) -> Point;
 /// A ceiling, and the lines along which its parts meet.
 type Ceiling = (Model, Vec<[Point; 2]>);
 
@@ -57,7 +57,7 @@ fn assert_no_pinholes(mut model: Model, seams: &[[Point; 2]], sun: Point, what: 
 }
 
 /// Checks ceilings of `parts` along an axis and turned.
-fn assert_ceilings_have_no_pinholes(build: fn(Place) -> Ceiling, parts: &str) {
+fn assert_ceilings_have_no_pinholes(build: fn(Placement) -> Ceiling, parts: &str) {
     let (model, seams) = build(|p| p);
     assert_no_pinholes(model, &seams, OBLIQUE, &format!("{parts} along an axis"));
     let (model, seams) = build(turned);
@@ -66,7 +66,7 @@ fn assert_ceilings_have_no_pinholes(build: fn(Place) -> Ceiling, parts: &str) {
 }
 
 /// Builds strips cut at random positions: corners of one are on the next one's edge.
-fn strips(place: Place) -> Ceiling {
+fn strips(place: Placement) -> Ceiling {
     const STRIPS: u32 = 80;
     let mut random = Random::for_batch(4, 0);
     let (mut model, mut seams) = (Model::default(), Vec::new());
@@ -101,7 +101,7 @@ fn course(number: u32, courses: u32, length: f64) -> impl Iterator<Item = [Point
 }
 
 /// Builds solid boxes that touch.
-fn bricks(place: Place) -> Ceiling {
+fn bricks(place: Placement) -> Ceiling {
     const COURSES: u32 = 40;
     let (mut model, mut seams) = (Model::default(), Vec::new());
     for number in 0..COURSES {

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, Builder, Size};
+use adumbra_bake::{BakeOptions, ColumnBuilder, Size};
 use adumbra_scene::random::Random;
 
 use super::model::{Model, Point, bake_quietly, lit_on_ground, scene};
@@ -17,7 +17,7 @@ fn assert_dark(model: Model, resolution: u64, points: &[Point], what: &str) {
     let scene = scene(&[model]);
     let overhead = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     for switch_within_voxels in [0, 2, 8] {
-        for builder in [Builder::Fast, Builder::Plain] {
+        for builder in [ColumnBuilder::Fast, ColumnBuilder::Plain] {
             let options = BakeOptions {
                 switch_within_voxels,
                 builder,

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use adumbra_program::args::{RunArgs, SceneArgs};
 use adumbra_program::exit::Failure;
 use adumbra_program::progress::Style;
-use adumbra_solar::{Clock, Date, Day, Place, Zone};
+use adumbra_solar::{Clock, Date, Day, Location, Zone};
 use clap::ValueEnum;
 
 /// The points at which light is measured.
@@ -68,9 +68,9 @@ pub(crate) struct DayArgs {
 impl DayArgs {
     /// Returns the day.
     pub(crate) fn day(&self) -> Result<Day, Failure> {
-        let place = Place::new(self.lat, self.lon, 0.0);
-        let place = place.map_err(|error| Failure::Usage(format!("{error} (--lat, --lon)")))?;
-        let day = Day::new(place, self.date, self.from, self.to);
+        let location = Location::new(self.lat, self.lon, 0.0);
+        let location = location.map_err(|error| Failure::Usage(format!("{error} (--lat, --lon)")))?;
+        let day = Day::new(location, self.date, self.from, self.to);
         let atmosphere = day.atmosphere.filter(|_| !self.no_refraction);
         Ok(Day { zone: self.tz.clone(), step_seconds: self.step, atmosphere, ..day })
     }

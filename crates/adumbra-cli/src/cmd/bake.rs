@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::Frame;
-use adumbra_bake::{BakeCache, BakeOptions, Estimate, Written, estimate};
+use adumbra_bake::{BakeCache, BakeOptions, BakeSummary, Estimate, estimate};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
@@ -31,7 +31,7 @@ use crate::args::Bake;
 #[serde(untagged)]
 pub(super) enum Printed {
     /// Of a bake.
-    Baked(Baked),
+    Baked(BakeResults),
     /// With `--regions`.
     Regions(BakedRegions),
     /// With `--sun-path` or `--suns`.
@@ -42,7 +42,7 @@ pub(super) enum Printed {
 
 /// The result of a bake.
 #[derive(Serialize, JsonSchema)]
-pub(super) struct Baked {
+pub(super) struct BakeResults {
     /// The shadow file that was written.
     file: String,
     /// Total wall time: loading, baking and writing.
@@ -186,7 +186,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let baking = Baking { args, scene: &scene, cache: cache.as_ref(), share: &share };
         let (staged, written) = baking.file(&options, &output)?;
         StagedFile::place([staged])?;
-        let Written { grid, settings, levels, bytes: file_bytes, report } = written;
+        let BakeSummary { grid, settings, levels, bytes: file_bytes, report } = written;
         if let Some((gltf, name)) = args.link_in.as_ref().zip(shadow_name.as_ref()) {
             write_shadow_name(gltf, name, grid.sun)?;
         }
@@ -196,7 +196,7 @@ pub(crate) fn run(args: &Bake) -> Outcome {
         let seconds = start.elapsed().as_secs_f64();
         let peak = memory::peak_bytes().unwrap_or(report.accounted_bytes);
         if args.run.json {
-            print_json(&Printed::Baked(Baked {
+            print_json(&Printed::Baked(BakeResults {
                 file: output.display().to_string(),
                 seconds,
                 bake_seconds: report.seconds,

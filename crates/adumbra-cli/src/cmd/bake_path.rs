@@ -82,7 +82,7 @@ pub(super) fn run(args: &Bake) -> Option<Result<BakedSunPath, Failure>> {
 fn of_day(day: &Day) -> Result<Suns, Failure> {
     let usage = |error: adumbra_solar::Error| Failure::Usage(format!("--sun-path: {error}"));
     let (steps, utc_offset_seconds) = suns_of_day(day).map_err(usage)?;
-    let place_degrees = Some([day.place.latitude_degrees(), day.place.longitude_degrees()]);
+    let place_degrees = Some([day.location.latitude_degrees(), day.location.longitude_degrees()]);
     Ok(Suns { steps, utc_offset_seconds, place_degrees })
 }
 

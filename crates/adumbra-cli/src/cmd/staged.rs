@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 use std::sync::Arc;
 
-use adumbra_bake::{BakeCache, BakeOptions, Error, Watch, Written, bake_to, bake_with_cache};
+use adumbra_bake::{BakeCache, BakeOptions, BakeSummary, Error, Watch, bake_to, bake_with_cache};
 use adumbra_files::StagedFile;
 use adumbra_program::exit::Failure;
 use adumbra_program::memory::{Guard, Share};
@@ -28,7 +28,7 @@ impl Baking<'_> {
         &self,
         options: &BakeOptions,
         output: &Path,
-    ) -> Result<(StagedFile, Written), Failure> {
+    ) -> Result<(StagedFile, BakeSummary), Failure> {
         let guard = Guard::new(self.args.run.memory_limit());
         let reporter = Reporter::new(self.args.progress, Units::TEXELS);
         let progress = |p| {
@@ -49,8 +49,8 @@ impl Baking<'_> {
 /// Writes a shadow file that takes the place of `output` when it is placed.
 pub(super) fn staged(
     output: &Path,
-    write: impl FnOnce(&mut File) -> adumbra_bake::Result<Written>,
-) -> Result<(StagedFile, Written), Failure> {
+    write: impl FnOnce(&mut File) -> adumbra_bake::Result<BakeSummary>,
+) -> Result<(StagedFile, BakeSummary), Failure> {
     let mut outcome = None;
     let staged = StagedFile::new(output, |out| match write(out) {
         Ok(written) => {

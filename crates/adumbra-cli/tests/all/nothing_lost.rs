@@ -9,20 +9,20 @@ use adumbra_testing::{Folder, adumbra, json, program, read_f32, stderr};
 const BOARD: &str = "mtllib board.mtl\nv -10 0 -10\nv 10 0 -10\nv 10 0 10\nv -10 0 10\nv -2 2 -2\nv 2 2 -2\nv 2 2 2\nv -2 2 2\n\
     f 1 4 3\nf 1 3 2\nf 5 8 7\nf 5 7 6\n";
 
-struct Baked {
+struct BakedBoard {
     folder: Folder,
     scene: String,
     file: String,
 }
 
-fn baked() -> Baked {
+fn baked() -> BakedBoard {
     let folder = Folder::new();
     let scene = folder.write("board.obj", BOARD.as_bytes());
     folder.write("board.mtl", b"newmtl a\n");
     let file = folder.path("board.adumbra");
     let (code, error) = bake(&scene, &file, &[]);
     assert_eq!(code, 0, "{error}");
-    Baked { folder, scene, file }
+    BakedBoard { folder, scene, file }
 }
 
 fn bake(scene: &str, output: &str, more: &[&str]) -> (i32, String) {
@@ -60,7 +60,7 @@ fn is_kept(path: &str, code: i32, commands: &[Vec<&str>]) {
 
 #[test]
 fn bake_keeps_its_scene_and_what_the_scene_names() {
-    let Baked { folder, scene, .. } = baked();
+    let BakedBoard { folder, scene, .. } = baked();
     let library = folder.path("board.mtl");
     for name in names(&folder, "board.obj") {
         is_kept(&scene, 3, &[vec!["bake", &scene, "-o", &name]]);
@@ -109,7 +109,7 @@ fn bake_keeps_what_only_the_loader_sees_named() {
 
 #[test]
 fn bakes_keep_every_file_that_an_option_names() {
-    let Baked { folder, scene, .. } = baked();
+    let BakedBoard { folder, scene, .. } = baked();
     let gltf = folder.generate("primitives");
     let edits = folder.write("moves.json", b"{}");
     let (linked, edited) = (["bake", &scene, "--link-in", &gltf], ["bake", &scene, "--edit", &edits]);
@@ -135,7 +135,7 @@ fn bakes_keep_every_file_that_an_option_names() {
 
 #[test]
 fn query_keeps_its_file_points_and_normals() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);
     let normals = folder.write_f32("n.f32", &[0.0, 1.0, 0.0]);
     let query = ["query", &file, "--points", &points, "--normals", &normals];
@@ -150,7 +150,7 @@ fn query_keeps_its_file_points_and_normals() {
 
 #[test]
 fn render_keeps_what_it_reads() {
-    let Baked { folder, scene, file } = baked();
+    let BakedBoard { folder, scene, file } = baked();
     // Pictures have extensions of their own, but links can have any.
     let picture = folder.path("picture.png");
     for (path, name) in [(&scene, "scene"), (&file, "file")] {
@@ -165,7 +165,7 @@ fn render_keeps_what_it_reads() {
 
 #[test]
 fn compare_keeps_what_lies_in_its_folder() {
-    let Baked { folder, scene, file } = baked();
+    let BakedBoard { folder, scene, file } = baked();
     let out = folder.path("out");
     fs::create_dir(&out).unwrap();
     fs::hard_link(&file, folder.path("out/report.md")).unwrap();
@@ -178,7 +178,7 @@ fn compare_keeps_what_lies_in_its_folder() {
 
 #[test]
 fn compare_keeps_its_camera_and_its_path() {
-    let Baked { folder, scene, .. } = baked();
+    let BakedBoard { folder, scene, .. } = baked();
     let out = folder.path("out");
     fs::create_dir(&out).unwrap();
     let camera = folder.write(
@@ -197,7 +197,7 @@ fn compare_keeps_its_camera_and_its_path() {
 #[test]
 fn two_outputs_are_not_one_file() {
     use std::os::unix::fs::symlink;
-    let Baked { folder, scene, file } = baked();
+    let BakedBoard { folder, scene, file } = baked();
     // Frames of a render, and tables of a comparison.
     let frames = [0, 1].map(|i| folder.path(&format!("r.000{i}.png")));
     symlink(&frames[0], &frames[1]).unwrap();
@@ -225,7 +225,7 @@ fn two_outputs_are_not_one_file() {
 
 #[test]
 fn a_failed_conversion_or_query_leaves_every_earlier_file() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0; 3]);
     let missing = folder.path("missing/v.f32");
     let (code, error) = adumbra(&["query", &file, "--points", &points, "-o", &missing]);
@@ -256,7 +256,7 @@ fn a_failed_conversion_or_query_leaves_every_earlier_file() {
 #[cfg(unix)]
 #[test]
 fn interrupts_leave_no_temporary_files() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     let points = folder.write("p.f32", &vec![0; 12 * 2_000_000]);
     let answers = folder.path("v.f32");
     // The program may end before the signal arrives.
@@ -278,7 +278,7 @@ fn interrupts_leave_no_temporary_files() {
 #[test]
 fn a_bake_keeps_the_permissions_of_what_it_replaces() {
     use std::os::unix::fs::PermissionsExt;
-    let Baked { folder: _folder, scene, file } = baked();
+    let BakedBoard { folder: _folder, scene, file } = baked();
     fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
     let (code, error) = bake(&scene, &file, &[]);
     assert_eq!(code, 0, "{error}");
@@ -288,7 +288,7 @@ fn a_bake_keeps_the_permissions_of_what_it_replaces() {
 #[cfg(unix)]
 #[test]
 fn output_that_is_a_symbolic_link_is_followed() {
-    let Baked { folder, scene, file } = baked();
+    let BakedBoard { folder, scene, file } = baked();
     let (link, target) = (folder.path("link.adumbra"), folder.path("store/target.adumbra"));
     fs::create_dir(folder.path("store")).unwrap();
     std::os::unix::fs::symlink("store/target.adumbra", &link).unwrap();
@@ -310,7 +310,7 @@ fn output_that_is_a_symbolic_link_is_followed() {
 
 #[test]
 fn query_counts_what_is_not_finite() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     let (nan, inf) = (f32::NAN, f32::INFINITY);
     // Four invalid points, two in the board's shadow, one in the sun.
     let points = [
@@ -347,7 +347,7 @@ fn query_counts_what_is_not_finite() {
 
 #[test]
 fn bounds_that_hold_nothing_are_said() {
-    let Baked { folder, scene, .. } = baked();
+    let BakedBoard { folder, scene, .. } = baked();
     let output = folder.path("b.adumbra");
     let beside = ["--bounds", "100,0,100,110,5,110"];
     let (code, error) = bake(&scene, &output, &beside);
@@ -372,7 +372,7 @@ fn bounds_that_hold_nothing_are_said() {
 
 #[test]
 fn options_out_of_range_are_errors_of_usage() {
-    let Baked { folder, scene, file } = baked();
+    let BakedBoard { folder, scene, file } = baked();
     let output = folder.path("b.adumbra");
     for (options, says) in [
         (["--sun", "0,0,0"], "direction"),

@@ -55,7 +55,7 @@ pub fn flip(reference: &Picture, test: &Picture) -> Result<f64> {
 /// Returns [`Error::Sizes`] if the pictures differ in size.
 pub fn flip_map(reference: &Picture, test: &Picture, pixels_per_degree: f64) -> Result<Vec<f32>> {
     Error::check_pictures(reference, test)?;
-    let eyes = [reference, test].map(|picture| Seen::new(picture, pixels_per_degree));
+    let eyes = [reference, test].map(|picture| PerceivedImage::new(picture, pixels_per_degree));
     let [a, b] = &eyes;
     let green = hunt_lab_from_linear([0.0, 1.0, 0.0]);
     let blue = hunt_lab_from_linear([0.0, 0.0, 1.0]);
@@ -76,14 +76,14 @@ pub fn flip_map(reference: &Picture, test: &Picture, pixels_per_degree: f64) -> 
 }
 
 /// A picture as the eye perceives it.
-struct Seen {
+struct PerceivedImage {
     /// Filtered colours in CIELAB with the Hunt adjustment.
     color: Vec<[f32; 3]>,
     /// Strength of edges and of points.
     features: Vec<[f32; 2]>,
 }
 
-impl Seen {
+impl PerceivedImage {
     fn new(picture: &Picture, pixels_per_degree: f64) -> Self {
         let width = picture.width as usize;
         let table: Vec<f32> = (0..=255).map(linear_from_srgb8).collect();

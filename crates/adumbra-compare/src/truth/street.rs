@@ -62,7 +62,8 @@ pub fn street_camera(
     options: &StreetOptions,
 ) -> Result<Camera> {
     let scout = Scout { truth, tracer: truth.tracer(), towards_sun, options: *options };
-    let mut places: Vec<Place> = (0..GRID * GRID).into_par_iter().filter_map(|i| scout.place(i)).collect();
+    let mut places: Vec<Viewpoint> =
+        (0..GRID * GRID).into_par_iter().filter_map(|i| scout.place(i)).collect();
     places.sort_by(|a, b| b.rank.total_cmp(&a.rank));
     places.truncate(FINALISTS);
     let views: Vec<(f64, Camera)> = places
@@ -82,7 +83,7 @@ struct Scout<'a, 's> {
     options: StreetOptions,
 }
 
-struct Place {
+struct Viewpoint {
     eye: [f64; 3],
     rank: f64,
 }
@@ -104,7 +105,7 @@ impl Scout<'_, '_> {
     }
 
     /// Returns the `number`th place if it is on the ground and outdoors.
-    fn place(&self, number: u32) -> Option<Place> {
+    fn place(&self, number: u32) -> Option<Viewpoint> {
         let bounds = self.truth.bounds();
         let along = |a: usize, i: u32| {
             // The grid covers the middle nine tenths of the bounds.
@@ -135,7 +136,8 @@ impl Scout<'_, '_> {
             let (sin, cos) = turn(i, AROUND);
             self.first(eye, [cos, 1.5, sin]).is_none()
         });
-        (3 * open.count() >= AROUND as usize).then(|| Place { eye, rank: higher / seen - 2.0 * lower / seen })
+        (3 * open.count() >= AROUND as usize)
+            .then(|| Viewpoint { eye, rank: higher / seen - 2.0 * lower / seen })
     }
 
     fn camera(&self, eye: [f64; 3], direction: u32) -> Camera {

@@ -10,7 +10,7 @@ use adumbra_compare::truth::{
     Cache, StreetOptions, SunShape, TruthTracer, scene_key, street_camera, truth_camera,
 };
 use adumbra_render::{
-    Answer, Baked, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build,
+    Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, TechniqueSpec, build,
 };
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
 use adumbra_testing::bake_file;
@@ -31,7 +31,7 @@ fn renderer(scene: &Scene) -> Renderer {
 fn contender(renderer: &Renderer, name: &str, truth: TruthKind) -> Contender {
     let spec: TechniqueSpec = name.parse().unwrap();
     let prepared = (name != "truth")
-        .then(|| renderer.prepare(build(renderer.gpu(), &spec, Baked::default()).unwrap()).unwrap());
+        .then(|| renderer.prepare(build(renderer.gpu(), &spec, TechniqueFiles::default()).unwrap()).unwrap());
     Contender { spec, prepared, truth }
 }
 
@@ -268,7 +268,7 @@ fn cascades_and_voxels(
     camera: &Camera,
 ) -> [f64; 2] {
     let mut renderer = renderer(scene);
-    let baked = Baked::of(file);
+    let baked = TechniqueFiles::of(file);
     let mut contenders: Vec<Contender> = [cascades, "voxel:filter=5"]
         .iter()
         .map(|name| {

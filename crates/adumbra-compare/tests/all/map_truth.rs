@@ -5,7 +5,7 @@ use adumbra_compare::metrics::is_lit;
 use adumbra_compare::truth::{
     EdgeProbe, StreetOptions, SunShape, Surfaces, TruthTracer, street_camera, truth_camera,
 };
-use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
 use adumbra_testing::shared;
 use rayon::prelude::*;
@@ -43,7 +43,8 @@ impl<'s> View<'s> {
     }
 
     fn reference(&mut self, name: &str) -> Wrong {
-        let technique = build(self.renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+        let technique =
+            build(self.renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
         let mut technique = self.renderer.prepare(technique).unwrap();
         self.renderer.draw(&self.shot, &mut technique, Answer::Visibility).unwrap();
         let answers = self.renderer.read_factor(&technique).unwrap();

@@ -40,7 +40,7 @@ fn camera(eye: [f64; 3], target: [f64; 3]) -> Camera {
 }
 
 /// The view of a scene from a camera.
-struct Seen {
+struct RenderedView {
     comparison: Comparison,
     /// Ambient visibility with a radius of one metre.
     ambient: Vec<f32>,
@@ -53,7 +53,7 @@ fn renderer(scene: &Scene) -> Renderer {
     Renderer::new(gpu, scene, SceneOptions::default()).unwrap()
 }
 
-fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]) -> Seen {
+fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]) -> RenderedView {
     let mut renderer = renderer(scene);
     let sun = file.map_or_else(|| Sun::from_direction(SUN).unwrap(), |f| f.grid.sun);
     let comparisons =
@@ -66,7 +66,7 @@ fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]
     let given = Given::new(renderer.gpu(), "lit", SIZE, &lit).unwrap();
     let mut given = renderer.prepare(Box::new(given)).unwrap();
     renderer.draw(&shot, &mut given, Answer::Visibility).unwrap();
-    Seen {
+    RenderedView {
         comparison,
         ambient: renderer.read_ambient().unwrap(),
         picture: renderer.read_picture().unwrap(),
@@ -75,7 +75,7 @@ fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]
 }
 
 /// Compares the view of a changed scene with that of the plain one, at the pixels where the plain one has a surface.
-fn assert_same(what: &str, plain: &Seen, changed: &Seen) {
+fn assert_same(what: &str, plain: &RenderedView, changed: &RenderedView) {
     let surfaces: Vec<usize> =
         (0..plain.view_depth.len()).filter(|&i| plain.view_depth[i].is_finite()).collect();
     assert!(surfaces.len() > 5_000, "{what}: {} pixels", surfaces.len());
@@ -141,7 +141,7 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
 }
 
 /// Sees a city that stands at a place.
-fn city_at(origin: [f64; 3], resolution: u64, names: &[&str]) -> Seen {
+fn city_at(origin: [f64; 3], resolution: u64, names: &[&str]) -> RenderedView {
     let mut scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction(SUN).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(resolution));

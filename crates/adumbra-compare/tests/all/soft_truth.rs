@@ -2,7 +2,9 @@
 
 use adumbra_bake::{BakeOptions, Size};
 use adumbra_compare::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
-use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueSpec, build};
+use adumbra_render::{
+    Answer, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, TechniqueSpec, build,
+};
 use adumbra_scene::{Camera, LoadOptions, load};
 use adumbra_testing::bake_file;
 use adumbra_testing::{full, scene_file, shared};
@@ -33,7 +35,7 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
         let shot = Shot { camera, towards_sun: sun.towards(), number: 0 };
         let mut error = |name: &str| {
             let spec: TechniqueSpec = name.parse().unwrap();
-            let technique = build(renderer.gpu(), &spec, Baked::of(&baked)).unwrap();
+            let technique = build(renderer.gpu(), &spec, TechniqueFiles::of(&baked)).unwrap();
             let mut technique = renderer.prepare(technique).unwrap();
             renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
             let factors = renderer.read_factor(&technique).unwrap();

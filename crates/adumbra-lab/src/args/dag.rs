@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use adumbra::{Bounds, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, Builder, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, ColumnBuilder, FrameChoice, Size};
 use adumbra_papers::dag::DagLayout;
 use adumbra_papers::dag::build::DagOptions;
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds};
@@ -108,8 +108,8 @@ impl DagBake {
                 FrameArg::Oblique => FrameChoice::Oblique,
             },
             builder: match self.builder {
-                BuilderArg::Fast => Builder::Fast,
-                BuilderArg::Plain => Builder::Plain,
+                BuilderArg::Fast => ColumnBuilder::Fast,
+                BuilderArg::Plain => ColumnBuilder::Plain,
             },
             assume_ground: if self.no_assume_ground { AssumeGround::No } else { AssumeGround::Auto },
             closed_regions: !self.no_closed_regions,

@@ -6,7 +6,7 @@ use adumbra::{Bounds, Sun};
 use adumbra_bake::Size;
 use adumbra_papers::tree::query::Weights;
 use adumbra_papers::tree::texture::{MAX_SIDE, MIN_SIDE};
-use adumbra_papers::tree::{Builder, CaptureBias, Detail, Reduction, Region, TreeOptions};
+use adumbra_papers::tree::{CaptureBias, Detail, Reduction, Region, TreeBuilder, TreeOptions};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, numbers, parse_bounds};
 use adumbra_program::progress::Style;
 use adumbra_program::query::Query;
@@ -169,9 +169,9 @@ impl TreeBake {
             ignore_alpha: self.load.ignore_alpha,
             bounds: self.bounds,
             builder: match self.builder {
-                BuilderArg::Recursive => Builder::Recursive,
-                BuilderArg::Iterative => Builder::Iterative,
-                BuilderArg::Pooled => Builder::Pooled,
+                BuilderArg::Recursive => TreeBuilder::Recursive,
+                BuilderArg::Iterative => TreeBuilder::Iterative,
+                BuilderArg::Pooled => TreeBuilder::Pooled,
             },
             reduction: match self.reduction {
                 ReductionArg::Hash => Reduction::Hash,

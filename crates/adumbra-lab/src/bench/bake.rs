@@ -15,7 +15,7 @@ use adumbra_compare::report::{figure, megabytes};
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct BakeResults {
     /// Unit vector towards the sun.
     sun: [f64; 3],
     /// Bakes with the default options, by resolution.
@@ -90,7 +90,7 @@ pub(super) fn run(args: &BenchBake) -> Result<Code> {
     text.push_str(&table(&sizes));
     let _ = writeln!(text, "\n## By option, at N = {}\n", args.variant_resolution);
     text.push_str(&table(&variants));
-    let document = Document { sun: DEFAULT_SUN, resolutions: sizes, options: variants };
+    let document = BakeResults { sun: DEFAULT_SUN, resolutions: sizes, options: variants };
     write(&args.output, "bake", &text, &document)?;
     say_tables(&args.output, "bake");
     Ok(Code::Fine)

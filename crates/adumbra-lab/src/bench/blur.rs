@@ -8,7 +8,7 @@ use adumbra_program::output::{make_folder, print_json};
 use adumbra_render::frame::frame;
 use adumbra_render::readback::read_floats;
 use adumbra_render::screen_blur::twin::{Surfaces, bleeding};
-use adumbra_render::{Answer, Baked, Gpu, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_render::{Answer, Gpu, Renderer, SceneOptions, Shot, Stage, TechniqueFiles, build};
 use adumbra_scene::{Camera, GeneratedKind, generate};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,7 @@ const SCENE_SEED: u64 = 1;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct BlurResults {
     /// Name of the device that drew.
     device: String,
     /// Width and height in pixels.
@@ -113,7 +113,7 @@ pub(super) fn run(args: &BenchBlur) -> Result<Code> {
     let (one_pass, _) = bench.costs(&ONE_PASS)?;
     let bleeding = bench.bleeding()?;
     let (size, runs) = (args.size, args.runs);
-    let document = Document { device, size, runs, wall_time, two_passes, one_pass, bleeding };
+    let document = BlurResults { device, size, runs, wall_time, two_passes, one_pass, bleeding };
     super::write(&args.output, "blur", &document.markdown(), &document)?;
     let panels = document.parts().map(|(title, costs)| Panel {
         title: title.to_owned(),
@@ -141,7 +141,7 @@ impl Bench<'_> {
             let mut milliseconds = Vec::new();
             for samples in &self.args.samples {
                 let spec = format!("{technique}:samples={samples}").parse()?;
-                let built = build(self.renderer.gpu(), &spec, Baked::default())?;
+                let built = build(self.renderer.gpu(), &spec, TechniqueFiles::default())?;
                 let mut prepared = self.renderer.prepare(built)?;
                 let mut times = Vec::new();
                 // The first frame is not timed: it creates resources that later frames reuse.
@@ -171,7 +171,7 @@ impl Bench<'_> {
         let mut rows = Vec::new();
         for (name, technique) in SPOILS {
             let spec = format!("{technique}:samples={SPOIL_SAMPLES}").parse()?;
-            let built = build(self.renderer.gpu(), &spec, Baked::default())?;
+            let built = build(self.renderer.gpu(), &spec, TechniqueFiles::default())?;
             let mut prepared = self.renderer.prepare(built)?;
             self.renderer.draw(&self.shot, &mut prepared, Answer::Visibility)?;
             let blurred = self.renderer.read_factor(&prepared)?;
@@ -196,7 +196,7 @@ impl Bench<'_> {
     }
 }
 
-impl Document {
+impl BlurResults {
     fn parts(&self) -> [(&'static str, &[Cost]); 2] {
         [("Two passes", &self.two_passes), ("One pass", &self.one_pass)]
     }

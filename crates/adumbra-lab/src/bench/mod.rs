@@ -99,15 +99,15 @@ mod tests {
 
     #[test]
     fn results_in_the_documents_are_read_as_their_types() {
-        read::<ao::Document>("ao.json");
-        read::<bake::Document>("bake.json");
-        read::<blur::Document>("blur.json");
-        read::<fast::Document>("fast.json");
-        read::<hrsm::Document>("hrsm.json");
-        read::<lookup::Document>("lookup.json");
-        read::<peers::Document>("peers.json");
+        read::<ao::AoResults>("ao.json");
+        read::<bake::BakeResults>("bake.json");
+        read::<blur::BlurResults>("blur.json");
+        read::<fast::FastResults>("fast.json");
+        read::<hrsm::HybridResults>("hrsm.json");
+        read::<lookup::LookUpResults>("lookup.json");
+        read::<peers::PeerResults>("peers.json");
         read::<Vec<Report>>("shadows.json");
-        read::<tree::Document>("tree.json");
-        read::<verify::Document>("verify.json");
+        read::<tree::TreeResults>("tree.json");
+        read::<verify::VerifyResults>("verify.json");
     }
 }

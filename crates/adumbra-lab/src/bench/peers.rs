@@ -21,7 +21,7 @@ use adumbra_compare::truth::TruthView;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct PeerResults {
     /// Adapter that drew, with its driver.
     adapter: String,
     /// Texels along the longest side of the light-aligned files.
@@ -63,7 +63,7 @@ pub(super) fn run(args: &BenchPeers) -> Result<Code> {
         args.common.cube.cube_resolution,
         peers::markdown(&rows)
     );
-    let document = Document {
+    let document = PeerResults {
         adapter,
         resolution: args.common.resolutions.resolution,
         cube_resolution: args.common.cube.cube_resolution,

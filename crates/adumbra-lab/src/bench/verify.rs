@@ -22,7 +22,7 @@ use adumbra_compare::report::percent;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct VerifyResults {
     /// Voxels along the longer side of each grid.
     resolution: u64,
     /// One row per scene, sun, layout and filter.
@@ -107,13 +107,13 @@ pub(super) fn run(args: &BenchVerify) -> Result<Code> {
         }
     }
     let stem = if args.volume { "verify-volume" } else { "verify" };
-    let document = Document { resolution: args.resolution, rows };
+    let document = VerifyResults { resolution: args.resolution, rows };
     write(&args.output, stem, &table(args, &document), &document)?;
     say_tables(&args.output, stem);
     Ok(if all_hold { Code::Fine } else { Code::CheckFailed })
 }
 
-fn table(args: &BenchVerify, document: &Document) -> String {
+fn table(args: &BenchVerify, document: &VerifyResults) -> String {
     let table = Table::of(
         "",
         &document.rows,

@@ -174,14 +174,14 @@ mod tests {
 
     const SIZE: [u32; 2] = [64, 36];
 
-    struct Seen {
+    struct GBuffer {
         camera: Camera,
         view_depth: Vec<f64>,
         normal: Vec<[f32; 3]>,
     }
 
     /// Returns the ground at y = 0 seen from `eye_x`, two metres up. Pixels near and above the horizon have no surface.
-    fn ground(eye_x: f64) -> Seen {
+    fn ground(eye_x: f64) -> GBuffer {
         let projection = Projection::Perspective { fov_degrees: 60.0 };
         let [width, height] = SIZE;
         let camera = Camera { eye: [eye_x, 2.0, 0.0], target: [eye_x, 1.0, -6.0], projection, width, height };
@@ -192,10 +192,10 @@ mod tests {
             if d[1] < -1e-3 { t * dot(view.forward, d) } else { f64::INFINITY }
         };
         let view_depth = (0..width * height).map(depth).collect();
-        Seen { camera, view_depth, normal: vec![[0.0, 1.0, 0.0]; (width * height) as usize] }
+        GBuffer { camera, view_depth, normal: vec![[0.0, 1.0, 0.0]; (width * height) as usize] }
     }
 
-    impl Seen {
+    impl GBuffer {
         fn frame<'a>(&'a self, visibility: &'a [f32]) -> FlickerFrame<'a> {
             FlickerFrame {
                 camera: self.camera,
@@ -250,7 +250,7 @@ mod tests {
     fn flicker_of_something_fixed_to_the_world_is_small() {
         let (before, after) = (ground(0.0), ground(0.13));
         // Waves of eight metres in length along x.
-        let painted = |seen: &Seen| -> Vec<f32> {
+        let painted = |seen: &GBuffer| -> Vec<f32> {
             let view = seen.camera.view();
             let frame = seen.frame(&[]);
             let pixels = (0..SIZE[1]).flat_map(|y| (0..SIZE[0]).map(move |x| (x, y)));
@@ -276,16 +276,16 @@ mod tests {
     #[test]
     fn flicker_leaves_out_what_another_surface_hid() {
         let (near, far) = (ground(0.0), ground(0.0));
-        let wall = Seen {
+        let wall = GBuffer {
             view_depth: vec![1.5; near.view_depth.len()],
             normal: vec![[0.0, 0.0, 1.0]; near.normal.len()],
             ..near
         };
         let picture = noise(3);
         assert_eq!(flicker(&wall.frame(&picture), &far.frame(&picture)), None);
-        let turned = Seen { normal: vec![[0.0, 0.0, 1.0]; far.normal.len()], ..ground(0.0) };
+        let turned = GBuffer { normal: vec![[0.0, 0.0, 1.0]; far.normal.len()], ..ground(0.0) };
         assert_eq!(flicker(&turned.frame(&picture), &far.frame(&picture)), None, "another side");
-        let sky = Seen { view_depth: vec![f64::INFINITY; far.view_depth.len()], ..ground(0.0) };
+        let sky = GBuffer { view_depth: vec![f64::INFINITY; far.view_depth.len()], ..ground(0.0) };
         assert_eq!(flicker(&far.frame(&picture), &sky.frame(&picture)), None);
     }
 

@@ -2,7 +2,7 @@
 
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{
-    Answer, Baked, FrameTimes, Gpu, Prepared, Renderer, SceneOptions, Shot, SurfaceImage, build,
+    Answer, FrameTimes, Gpu, Prepared, Renderer, SceneOptions, Shot, SurfaceImage, TechniqueFiles, build,
 };
 use adumbra_scene::{Camera, Scene};
 
@@ -56,7 +56,7 @@ impl OcclusionStage {
     /// Returns the errors of the renderer.
     pub fn new(gpu: Gpu, scene: &Scene, options: SceneOptions, camera: Camera) -> Result<Self> {
         let renderer = Renderer::new(gpu, scene, options)?;
-        let none = renderer.prepare(build(renderer.gpu(), &"none".parse()?, Baked::default())?)?;
+        let none = renderer.prepare(build(renderer.gpu(), &"none".parse()?, TechniqueFiles::default())?)?;
         let shot = Shot { camera, towards_sun: TOWARDS_SUN, number: 0 };
         let mut stage = Self { renderer, none, shot };
         stage.look(camera, 0)?;

@@ -7,12 +7,12 @@
 
 mod data;
 mod group;
+mod inputs;
 mod machine;
 mod page;
 mod papers;
 mod plan;
 mod record;
-mod seen;
 mod step;
 
 use adumbra::IoError;
@@ -31,7 +31,7 @@ use self::data::Data;
 use self::machine::Machine;
 pub(crate) use self::record::Record;
 use self::record::{Outcome as Found, SectionRecord};
-use self::step::{Places, Step};
+use self::step::{CommandStep, Places};
 use crate::args::{Report, SECTIONS};
 use crate::programs::Program;
 use adumbra_compare::Result;
@@ -183,7 +183,7 @@ fn clear(folder: &Path) -> Result<()> {
 /// Runs all of a section's commands, even if one of them fails. An interrupt stops the section.
 fn measure(
     mut section: SectionRecord,
-    steps: &[Step],
+    steps: &[CommandStep],
     places: &Places,
     cancel: &AtomicBool,
 ) -> Result<SectionRecord> {

@@ -1,9 +1,9 @@
 //! The page: a description of the run, one section per paper, all tables, how to cite.
 
 use super::data::Data;
+use super::inputs::{PageInputs, elsewhere};
 use super::papers;
 use super::record::{Outcome, Record};
-use super::seen::{Seen, elsewhere};
 use crate::args::SECTIONS;
 use adumbra_compare::page::{Body, Page, Section, Table};
 
@@ -30,10 +30,10 @@ const TABLES: [(&str, &[&str]); 9] = [
 
 /// Returns the whole page of what was measured.
 pub(super) fn page(record: &Record, data: &mut Data) -> String {
-    let mut seen = Seen { record, data };
+    let mut inputs = PageInputs { record, data };
     let mut sections = vec![run(record)];
-    sections.extend(papers::sections(&mut seen));
-    sections.push(tables(&seen));
+    sections.extend(papers::sections(&mut inputs));
+    sections.push(tables(&inputs));
     sections.push(cite(record));
     Page {
         title: "Shadows and ambient occlusion, measured again".to_owned(),
@@ -110,21 +110,21 @@ fn run(record: &Record) -> Section {
 }
 
 /// Returns the section with the complete output of every benchmark.
-fn tables(seen: &Seen<'_>) -> Section {
+fn tables(inputs: &PageInputs<'_>) -> Section {
     let mut body = Body::default();
     body.paragraph("The complete output of every benchmark.");
     for (section, files) in TABLES {
-        let Some(measured) = seen.record.section(section) else { continue };
+        let Some(measured) = inputs.record.section(section) else { continue };
         let what = SECTIONS.iter().find(|(name, _)| *name == section).map_or(section, |(_, what)| what);
         body.part(&format!("tables-{section}"), what);
         let mut commands: Vec<&str> = measured.steps.iter().map(|s| s.command.as_str()).collect();
         commands.dedup();
         body.code("Commands", &commands.join("\n"));
-        if let Some(machine) = seen.record.elsewhere(section) {
+        if let Some(machine) = inputs.record.elsewhere(section) {
             body.aside(&elsewhere(section, &machine));
         }
         for file in files {
-            let Some(text) = seen.data.text(file) else { continue };
+            let Some(text) = inputs.data.text(file) else { continue };
             let title = text.lines().next().unwrap_or(file).trim_start_matches('#').trim().to_owned();
             let mut inside = Body::default();
             // The title is shown outside the folded part.

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra_scene::GeneratedKind;
 
-use super::step::Step;
+use super::step::CommandStep;
 use crate::args::Report;
 
 /// Generated scenes that are measured if no folder of scenes is given.
@@ -20,7 +20,7 @@ pub(super) const TRUTH: &str = "$TRUTH";
 ///
 /// # Errors
 /// Returns the reason if something that the section needs was not given.
-pub(super) fn steps(section: &str, args: &Report) -> Result<Vec<Step>, &'static str> {
+pub(super) fn steps(section: &str, args: &Report) -> Result<Vec<CommandStep>, &'static str> {
     match section {
         "peers" if args.truth.is_none() => Err("needs --scenes and --truth"),
         "fast" if !args.full => Err("needs --full"),
@@ -30,14 +30,14 @@ pub(super) fn steps(section: &str, args: &Report) -> Result<Vec<Step>, &'static 
 }
 
 /// Returns the commands of a full run: every benchmark at its defaults.
-fn full(section: &str) -> Vec<Step> {
+fn full(section: &str) -> Vec<CommandStep> {
     let bench = |words: &str| {
-        Step::laboratory(section, &format!("bench {words} --scenes {SCENES} -o data/{section}"))
+        CommandStep::laboratory(section, &format!("bench {words} --scenes {SCENES} -o data/{section}"))
     };
     match section {
         "bake" | "tree" | "hrsm" => vec![bench(section)],
         "verify" => vec![bench("verify"), bench("verify --volume --samples 300000")],
-        "blur" => vec![Step::laboratory(section, &format!("bench blur -o data/{section}"))],
+        "blur" => vec![CommandStep::laboratory(section, &format!("bench blur -o data/{section}"))],
         "shadows" => {
             let mut steps = vec![bench(&format!("shadows --truth {TRUTH}"))];
             steps.extend(beside_truth("1280x720", 9));
@@ -56,7 +56,7 @@ fn full(section: &str) -> Vec<Step> {
 /// Returns the commands of a quick run, at sizes that two cores measure in minutes.
 ///
 /// Scenes are generated if no folder of them is given.
-fn quick(section: &str, args: &Report) -> Vec<Step> {
+fn quick(section: &str, args: &Report) -> Vec<CommandStep> {
     let [width, height] = args.size;
     let size = format!("{width}x{height}");
     let found = |name: &&str| args.scenes.as_ref().is_some_and(|s| s.join(format!("{name}.glb")).exists());
@@ -67,7 +67,7 @@ fn quick(section: &str, args: &Report) -> Vec<Step> {
         (SCENES, real.iter().map(|n| format!("{n}.glb")).collect::<Vec<_>>().join(","))
     };
     let given = args.scenes.as_ref().map_or(OWN, |_| SCENES);
-    let one = |words: String| Step::laboratory(section, &format!("{words} -o data/{section}"));
+    let one = |words: String| CommandStep::laboratory(section, &format!("{words} -o data/{section}"));
     let has = |file: &str| args.scenes.as_ref().is_some_and(|s| s.join(file).exists());
     match section {
         "bake" => vec![one(format!(
@@ -83,7 +83,10 @@ fn quick(section: &str, args: &Report) -> Vec<Step> {
         ]
         .map(|(name, only)| {
             let scenes = "--names primitives,landscape --samples 20000";
-            Step::laboratory(name, &format!("bench tree --scenes {OWN} {scenes} --only {only} -o data/tree"))
+            CommandStep::laboratory(
+                name,
+                &format!("bench tree --scenes {OWN} {scenes} --only {only} -o data/tree"),
+            )
         })
         .into(),
         "hrsm" => {
@@ -137,12 +140,12 @@ pub(super) fn made_commands() -> impl Iterator<Item = String> {
 }
 
 /// Returns comparisons on generated scenes: from the street, from afar, along a path, and a moving ball.
-fn beside_truth(size: &str, frames: u32) -> Vec<Step> {
+fn beside_truth(size: &str, frames: u32) -> Vec<CommandStep> {
     let compare = |name: &str, scene: &str, rest: &str| {
         let words = format!(
             "compare {OWN}/{scene}.glb {rest} --frames {frames} --size {size} -o data/shadows/{name}"
         );
-        Step::laboratory(name, &words)
+        CommandStep::laboratory(name, &words)
     };
     let shadow = |names: &[&str]| names.iter().map(|n| format!(" --shadow {n}")).collect::<String>();
     let street = [
@@ -167,11 +170,11 @@ fn beside_truth(size: &str, frames: u32) -> Vec<Step> {
             "landscape",
             &format!("--path fly --path-frames 12 --cube-resolution 1024{}", shadow(&path)),
         ),
-        Step::product(
+        CommandStep::product(
             "ball",
             &format!("bake {OWN}/city.glb --resolution 8192 --progress none -o data/shadows/city.adumbra"),
         ),
-        Step::product(
+        CommandStep::product(
             "ball",
             &format!(
                 "render {OWN}/city.glb --shadow-file data/shadows/city.adumbra --move sphere --frames 4 --antialias 1 \
@@ -182,7 +185,7 @@ fn beside_truth(size: &str, frames: u32) -> Vec<Step> {
 }
 
 /// Returns a comparison at the paper's pairs of resolutions: a ring over a floor, seen from near its shadow.
-fn hybrid_pictures(size: &str) -> Vec<Step> {
+fn hybrid_pictures(size: &str) -> Vec<CommandStep> {
     let names = [
         "sm:size=512",
         "sm:size=1024",
@@ -199,11 +202,11 @@ fn hybrid_pictures(size: &str) -> Vec<Step> {
         "compare {OWN}/primitives.glb --eye=-12.5,3.6,-4.2 --target=-8.4,0.6,0 --fov 40 --frames 1 --size {size}{shadows} \
          -o data/hrsm/pictures"
     );
-    vec![Step::product("pictures", &words)]
+    vec![CommandStep::product("pictures", &words)]
 }
 
 /// Returns renderings by every estimator of the room with two blocks.
-fn occlusion_pictures(size: &str) -> Vec<Step> {
+fn occlusion_pictures(size: &str) -> Vec<CommandStep> {
     ["truth", "ssao", "hbao", "alchemy", "issao", "issao:attenuation=off", "issao:filter=none", "gtao"]
         .map(|ao| {
             let file = ao.replace([':', '='], "-");
@@ -212,7 +215,7 @@ fn occlusion_pictures(size: &str) -> Vec<Step> {
                 "render {OWN}/cornell.glb --ao {ao}:radius=1{rays} --layer ao --eye -0.6,3.4,6 --target -0.2,1.9,0 --fov 50 \
                  --antialias 1 --size {size} -o data/ao/{file}.png"
             );
-            Step::product(ao, &words)
+            CommandStep::product(ao, &words)
         })
         .into()
 }

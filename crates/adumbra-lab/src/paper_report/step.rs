@@ -28,7 +28,7 @@ pub(super) struct Places {
 
 /// A command to run.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Step {
+pub(super) struct CommandStep {
     /// Name on the page.
     pub(super) name: String,
     program: Program,
@@ -45,7 +45,7 @@ const KEPT_LINES: usize = 8;
 /// Thread that reads a command's output and returns the last lines.
 type Said = JoinHandle<VecDeque<String>>;
 
-impl Step {
+impl CommandStep {
     /// Creates a command of `adumbra` from arguments separated by blanks.
     pub(super) fn product(name: &str, words: &str) -> Self {
         Self::new(name, Program::Product, words)

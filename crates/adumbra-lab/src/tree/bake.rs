@@ -7,7 +7,7 @@ use adumbra_bake::{Progress, Watch};
 use adumbra_files::{check_output, replace_file};
 use adumbra_papers::tree::symmetric::SymmetricTree;
 use adumbra_papers::tree::{
-    AttributeKind, BakedTree, Builder, PreparedTree, Reduction, TreeBody, TreeFile, TreeOptions,
+    AttributeKind, BakedTree, PreparedTree, Reduction, TreeBody, TreeBuilder, TreeFile, TreeOptions,
     TreeProgress, TreeReport, leaf_voxels, lossy,
 };
 use adumbra_program::exit::{Code, Failure, Outcome};
@@ -49,8 +49,8 @@ pub(crate) struct TreeBaked {
     /// Number of regions that have a depth of their own.
     regions: usize,
     /// Which builder built the tree. The file does not depend on it.
-    #[schemars(with = "mirrors::Builder")]
-    builder: Builder,
+    #[schemars(with = "mirrors::TreeBuilder")]
+    builder: TreeBuilder,
     /// How equal subtrees were found. The file does not depend on it.
     #[schemars(with = "mirrors::Reduction")]
     reduction: Reduction,

@@ -50,7 +50,7 @@ fn export(args: &TreeExport, texture: &Path) -> Outcome {
     // The file's bytes, and the decoded file.
     let bytes = std::fs::metadata(&args.file).map_err(IoError::at("read", &args.file))?.len();
     args.run.check_memory("the shadow file", 0, 2 * bytes)?;
-    let parts = Parts::of(&args.file)?;
+    let parts = PictureContent::of(&args.file)?;
     let words = parts.words.len();
     // The words, and the pages that contain them.
     let held = (4 * words + parts.rest.len()) as u64;
@@ -88,7 +88,7 @@ fn export(args: &TreeExport, texture: &Path) -> Outcome {
 }
 
 /// The parts of a file that a picture stores.
-struct Parts {
+struct PictureContent {
     kind: &'static str,
     /// Levels of the tree: 2^depth voxels along each side.
     depth: u32,
@@ -98,7 +98,7 @@ struct Parts {
     file_bytes: u64,
 }
 
-impl Parts {
+impl PictureContent {
     fn of(path: &Path) -> Result<Self, Failure> {
         if DagFile::is_one(path)? {
             let file = DagFile::read(path)?;

@@ -21,7 +21,7 @@ use adumbra_papers::techniques::PaperFiles;
 use adumbra_papers::tree::{TreeOptions, bake_tree};
 use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
 use adumbra_render::voxel::LightFile;
-use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, Scene, generate};
 use adumbra_testing::bake_file;
 use adumbra_truth::picture::Picture;
@@ -124,7 +124,7 @@ fn every_occlusion_draws_its_golden_picture() {
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let shot = Shot { camera: camera(), towards_sun: sun.towards(), number: 0 };
-    let pcf = build(renderer.gpu(), &"pcf".parse().unwrap(), Baked::default()).unwrap();
+    let pcf = build(renderer.gpu(), &"pcf".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut pcf = renderer.prepare(pcf).unwrap();
     let mut wrong = Vec::new();
     let mut pictures: Vec<(&str, Picture)> = Vec::new();
@@ -162,7 +162,7 @@ fn every_occlusion_draws_its_golden_picture() {
 fn some_techniques_draw_their_golden_pictures() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let light = light_of(&scene);
-    let baked = Baked { light: Some(LightFile::Whole(&light)), ..Baked::default() };
+    let baked = TechniqueFiles { light: Some(LightFile::Whole(&light)), ..TechniqueFiles::default() };
     let mut renderer = renderer(&scene);
     let mut wrong = Vec::new();
     for name in ["sm", "pcf", "csm", "voxel", "hrsm"] {
@@ -190,7 +190,7 @@ fn renderer(scene: &Scene) -> Renderer {
 }
 
 /// Returns the picture of a technique.
-fn drawn(renderer: &mut Renderer, name: &str, baked: Baked<'_>) -> Picture {
+fn drawn(renderer: &mut Renderer, name: &str, baked: TechniqueFiles<'_>) -> Picture {
     let drawn = DRAWN_AS.iter().find(|(of, _)| *of == name).map_or(name, |(_, drawn)| *drawn);
     let technique = build(renderer.gpu(), &TECHNIQUES.parse(drawn).unwrap(), baked).unwrap();
     let mut technique = renderer.prepare(technique).unwrap();
@@ -209,7 +209,7 @@ fn every_technique_draws_its_golden_picture() {
     let graph = bake_graph(&scene, &options, Watch::none()).unwrap().file;
     let tree = bake_tree(&scene, &TreeOptions::new(sun, Size::Resolution(512)), Watch::none()).unwrap();
     let papers = PaperFiles { graph: Some(graph), tree: Some(tree.into()), ..PaperFiles::default() };
-    let baked = Baked { light: Some(LightFile::Whole(&light)), ..papers.baked() };
+    let baked = TechniqueFiles { light: Some(LightFile::Whole(&light)), ..papers.baked() };
     let mut renderer = renderer(&scene);
     let mut wrong = Vec::new();
     let mut pictures = BTreeMap::new();

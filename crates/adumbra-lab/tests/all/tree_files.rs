@@ -9,19 +9,19 @@ use adumbra_testing::{Folder, lab, lab_json, lab_program, stderr};
 const BOARD: &str = "v -10 0 -10\nv 10 0 -10\nv 10 0 10\nv -10 0 10\nv -2 2 -2\nv 2 2 -2\nv 2 2 2\nv -2 2 2\n\
     f 1 4 3\nf 1 3 2\nf 5 8 7\nf 5 7 6\n";
 
-struct Baked {
+struct BakedBoard {
     folder: Folder,
     scene: String,
     file: String,
 }
 
-fn baked() -> Baked {
+fn baked() -> BakedBoard {
     let folder = Folder::new();
     let scene = folder.write("board.obj", BOARD.as_bytes());
     let file = folder.path("board.adumtree");
     let (code, error) = bake(&scene, &file, &["--resolution", "64", "--attribute", "penumbra"]);
     assert_eq!(code, 0, "{error}");
-    Baked { folder, scene, file }
+    BakedBoard { folder, scene, file }
 }
 
 fn bake(scene: &str, output: &str, more: &[&str]) -> (i32, String) {
@@ -64,7 +64,7 @@ fn is_kept(path: &str, code: i32, command: &[&str]) {
 
 #[test]
 fn tree_bake_keeps_its_scene() {
-    let Baked { folder, scene, .. } = baked();
+    let BakedBoard { folder, scene, .. } = baked();
     for name in names(&folder, "board.obj") {
         is_kept(&scene, 3, &["tree", "bake", &scene, "-o", &name]);
     }
@@ -72,7 +72,7 @@ fn tree_bake_keeps_its_scene() {
 
 #[test]
 fn tree_query_keeps_its_file_points_and_normals() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);
     let normals = folder.write_f32("n.f32", &[0.0, 1.0, 0.0]);
     let query = ["tree", "query", &file, "--points", &points, "--normals", &normals];
@@ -87,7 +87,7 @@ fn tree_query_keeps_its_file_points_and_normals() {
 
 #[test]
 fn tree_export_and_import_keep_what_they_read() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     // Page 1 of an export to page 0 would replace the tree file.
     let second = folder.path("page.1.png");
     fs::rename(city(&folder), &second).unwrap();
@@ -121,7 +121,7 @@ fn two_pages_are_not_one_file() {
 
 #[test]
 fn a_failed_tree_query_leaves_the_earlier_widths() {
-    let Baked { folder, file, .. } = baked();
+    let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0; 3]);
     let widths = folder.write("w.f32", b"earlier");
     let missing = folder.path("missing/v.f32");
@@ -157,7 +157,7 @@ fn a_failed_tree_export_leaves_every_earlier_page() {
 
 #[test]
 fn bounds_of_a_tree_that_hold_nothing_are_said() {
-    let Baked { folder, scene, .. } = baked();
+    let BakedBoard { folder, scene, .. } = baked();
     let output = folder.path("b.adumtree");
     for (bounds, empty) in [("100,0,100,110,5,110", true), ("-1,-1,-1,1,1,1", false)] {
         let options = ["--resolution", "64", "--bounds", bounds];

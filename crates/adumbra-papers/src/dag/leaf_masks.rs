@@ -1,7 +1,7 @@
 //! The trait through which look-ups read a graph, and with it a quadtree, so that both can be compared.
 
 use adumbra::layout::depths::DepthTree;
-use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::code::ColumnNode;
 
 use super::trail::Trail;
 
@@ -48,9 +48,9 @@ impl LeafMasks for DepthTree {
 
     fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
         match self.place(i, j).0 {
-            Place::Uniform(value) if k < value => u64::MAX,
-            Place::Uniform(_) => 0,
-            Place::Leaf { at, base } => self.shapes().leaf(at, base).leaf_mask(k),
+            ColumnNode::Uniform(value) if k < value => u64::MAX,
+            ColumnNode::Uniform(_) => 0,
+            ColumnNode::Leaf { at, base } => self.shapes().leaf(at, base).leaf_mask(k),
         }
     }
 

@@ -10,7 +10,7 @@ use adumbra_compare::baked::{BakeOnDemand, FileFacts, MoreFiles};
 use adumbra_compare::report::BakedFigures;
 use adumbra_program::exit::Failure;
 use adumbra_program::lookup::LookupArgs;
-use adumbra_render::{Baked, Reads, TechniqueSpec};
+use adumbra_render::{Reads, TechniqueFiles, TechniqueSpec};
 use adumbra_scene::LoadedAs;
 
 use crate::dag::build::{DagOptions, bake as bake_graph};
@@ -45,13 +45,13 @@ impl PaperFiles {
     pub const CUBE_RESOLUTION: u64 = 2048;
 
     /// Returns the papers' files among a technique's.
-    pub fn among(baked: Baked<'_>) -> Option<&Self> {
+    pub fn among(baked: TechniqueFiles<'_>) -> Option<&Self> {
         baked.other?.downcast_ref()
     }
 
     /// Returns the files in the form that techniques take.
-    pub fn baked(&self) -> Baked<'_> {
-        Baked { light: None, other: Some(self) }
+    pub fn baked(&self) -> TechniqueFiles<'_> {
+        TechniqueFiles { light: None, other: Some(self) }
     }
 }
 

@@ -2,7 +2,7 @@
 //! tree of 2021.
 //!
 //! A program adds [`TECHNIQUES`] to its list with `Techniques::product().with(TECHNIQUES)`, and gives the files as
-//! `Baked::other`: a [`PaperFiles`].
+//! `TechniqueFiles::other`: a [`PaperFiles`].
 
 mod cubes;
 mod errors;
@@ -16,7 +16,7 @@ mod tests;
 
 use adumbra_render::technique::{SpecReader, Technique};
 use adumbra_render::techniques::{Design, Role, TechniqueEntry, TechniqueSpec, Traits};
-use adumbra_render::{Baked, Gpu, Reads, Result};
+use adumbra_render::{Gpu, Reads, Result, TechniqueFiles};
 
 pub use cubes::Cubes;
 pub use files::{GRAPH_FILE, PaperFiles, TREE_FILE};
@@ -54,12 +54,17 @@ impl Design for OfGraph {
         Traits { reads: Reads::Other(GRAPH_FILE), shows_movers: false, ..Traits::DRAWN }
     }
 
-    fn read(&self, reader: &mut SpecReader<'_>, baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, baked: TechniqueFiles<'_>) -> Result<()> {
         let file = PaperFiles::among(baked).and_then(|files| files.graph.as_ref());
         GraphSettings::from_reader(reader, file).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         let file = PaperFiles::among(baked).and_then(|files| files.graph.as_ref());
         Ok(Box::new(Graph::from_spec(gpu, spec.text(), file)?))
     }
@@ -75,12 +80,17 @@ impl Design for Tree {
         Traits { reads: Reads::Other(TREE_FILE), shows_movers: false, ..Traits::DRAWN }
     }
 
-    fn read(&self, reader: &mut SpecReader<'_>, baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, baked: TechniqueFiles<'_>) -> Result<()> {
         let file = PaperFiles::among(baked).and_then(|files| files.tree.as_ref());
         CubesOptions::from_reader(reader, file, self.from_texture).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         let file = PaperFiles::among(baked).and_then(|files| files.tree.as_ref());
         Ok(Box::new(Cubes::from_spec(gpu, spec.text(), file, self.from_texture)?))
     }

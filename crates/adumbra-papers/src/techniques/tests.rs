@@ -1,7 +1,7 @@
 //! Tests of the list of techniques: properties, parameters, and what is refused.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
-use adumbra_render::{Baked, Reads, TechniqueSpec, Techniques, Truth};
+use adumbra_render::{Reads, TechniqueFiles, TechniqueSpec, Techniques, Truth};
 
 use super::{GRAPH_FILE, TECHNIQUES, TREE_FILE};
 
@@ -10,7 +10,7 @@ fn parse(text: &str) -> adumbra_render::Result<TechniqueSpec> {
 }
 
 fn describe(text: &str) -> Vec<Parameter> {
-    parse(text).unwrap().describe(Baked::default()).unwrap()
+    parse(text).unwrap().describe(TechniqueFiles::default()).unwrap()
 }
 
 #[test]

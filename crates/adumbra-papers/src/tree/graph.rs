@@ -80,7 +80,7 @@ impl VoxelTree {
 
 /// Position of a walk within a block.
 #[derive(Clone, Copy)]
-struct Step {
+struct WalkFrame {
     block: usize,
     next: usize,
     height: u8,
@@ -109,8 +109,8 @@ pub(crate) fn check(depth: u32, words: &[u32]) -> Result<(), TreeError> {
     }
     let mut heights = vec![UNVISITED; words.len() / 8];
     let mut met = 0;
-    let mut path: Vec<Step> = Vec::new();
-    let mut enter = |block: usize, path: &mut Vec<Step>, heights: &mut [u8]| {
+    let mut path: Vec<WalkFrame> = Vec::new();
+    let mut enter = |block: usize, path: &mut Vec<WalkFrame>, heights: &mut [u8]| {
         if block != 1 + 8 * met {
             return Err(TreeError::Order { block });
         }
@@ -123,7 +123,7 @@ pub(crate) fn check(depth: u32, words: &[u32]) -> Result<(), TreeError> {
         }
         met += 1;
         heights[block / 8] = OPEN;
-        path.push(Step { block, next: 0, height: 0 });
+        path.push(WalkFrame { block, next: 0, height: 0 });
         Ok(())
     };
     if let Node::Inner(block) = Word(words[0]).node() {
@@ -132,7 +132,7 @@ pub(crate) fn check(depth: u32, words: &[u32]) -> Result<(), TreeError> {
     loop {
         let open = path.len() as u32;
         let Some(step) = path.last_mut() else { break };
-        let Step { block, next, height } = *step;
+        let WalkFrame { block, next, height } = *step;
         if next == 8 {
             path.pop();
             heights[block / 8] = height + 1;

@@ -79,7 +79,7 @@ mod word;
 
 pub use bake::{BakedTree, PreparedTree, TreeProgress, TreeReport, bake_tree};
 pub use blocks::{Blocks, MAX_BLOCKS};
-pub use build::{Builder, Classify, State};
+pub use build::{Classify, State, TreeBuilder};
 pub use error::{
     Error, LightTreeError, OptionError, Result, SymmetricError, TextureError, TreeError, TreeFileError,
     TreeOption, WordsError,

@@ -1,6 +1,6 @@
 //! Options for the bake of a tree.
 
-use crate::tree::build::Builder;
+use crate::tree::build::TreeBuilder;
 use crate::tree::settings::CaptureBias;
 use crate::tree::space::Region;
 use adumbra::Bias;
@@ -57,7 +57,7 @@ pub struct TreeOptions {
     /// The look-up bias stored in the file, in voxels.
     pub bias: Bias,
     /// The builder to use.
-    pub builder: Builder,
+    pub builder: TreeBuilder,
     /// The reduction to use.
     pub reduction: Reduction,
     /// Whether cubes that the min/max pyramid decides are skipped. The resulting tree is the same.
@@ -78,7 +78,7 @@ impl TreeOptions {
             bounds: None,
             capture_bias: CaptureBias::default(),
             bias: TREE_BIAS,
-            builder: Builder::Pooled,
+            builder: TreeBuilder::Pooled,
             reduction: Reduction::Hash,
             prune: true,
             max_memory_bytes: None,

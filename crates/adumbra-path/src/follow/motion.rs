@@ -12,7 +12,7 @@ const LEAST_RADIANS_PER_SECOND: f64 = 7e-7;
 /// The motion of a sun.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Motion {
-    seen: Option<Seen>,
+    seen: Option<SunSample>,
     /// The vector that the sun turns about, as long as its speed in radians per second.
     turn: [f64; 3],
     /// The unit vector that it turned about when it moved last; all zero if it never has.
@@ -20,7 +20,7 @@ pub(super) struct Motion {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Seen {
+struct SunSample {
     seconds: f64,
     towards: [f64; 3],
 }
@@ -28,7 +28,7 @@ struct Seen {
 impl Motion {
     /// Takes in where the sun is at a time. A time that is not after the last one changes nothing but the place.
     pub(super) fn see(&mut self, seconds: f64, towards: [f64; 3]) {
-        let last = self.seen.replace(Seen { seconds, towards });
+        let last = self.seen.replace(SunSample { seconds, towards });
         let Some(last) = last else { return };
         let elapsed = seconds - last.seconds;
         let angle = angle(last.towards, towards);

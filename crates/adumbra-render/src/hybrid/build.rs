@@ -7,8 +7,8 @@
 //! | place | both levels, depth, and normals for the paper's layout | children, the coarsest level |
 //!
 //! No pass waits for the CPU, so the buffers are sized for the largest map, or as much of it as the device can bind.
-//! [`Builder::counts`] returns how much is in use. If room runs out, a block is treated as if it had no caster, and
-//! [`Builder::check`] reports it.
+//! [`HybridMapBuilder::counts`] returns how much is in use. If room runs out, a block is treated as if it had no caster, and
+//! [`HybridMapBuilder::check`] reports it.
 
 use adumbra_shaders::constants::{
     HYBRID_FIRST_SECTION, HYBRID_LAST_DEPTH, HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP,
@@ -35,7 +35,7 @@ pub(super) struct Pipelines {
 }
 
 /// The passes that build one map, with their buffers.
-pub struct Builder {
+pub struct HybridMapBuilder {
     settings: HybridSettings,
     pipelines: Pipelines,
     levels: Vec<(wgpu::Buffer, wgpu::BindGroup)>,
@@ -69,10 +69,10 @@ impl Pipelines {
     }
 }
 
-impl Builder {
+impl HybridMapBuilder {
     /// Creates the buffers and pipelines for compact maps of these settings, made from `depth`: a
     /// `texture_depth_2d_array` of one layer with `settings.start` texels per side. For the paper's layout see
-    /// [`Builder::with_normals`].
+    /// [`HybridMapBuilder::with_normals`].
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if the settings are out of range, [`crate::RenderError::TooLarge`] if
@@ -86,7 +86,7 @@ impl Builder {
     /// `texture_2d_array` of two bytes per texel, packed as in core/octahedral.wgsl.
     ///
     /// # Errors
-    /// Returns the errors of [`Builder::new`]. [`crate::RenderError::DepthImage`] means that `normals` are missing.
+    /// Returns the errors of [`HybridMapBuilder::new`]. [`crate::RenderError::DepthImage`] means that `normals` are missing.
     pub fn with_normals(
         gpu: &Gpu,
         settings: &HybridSettings,
@@ -97,7 +97,7 @@ impl Builder {
         Self::with_pipelines(gpu, settings, &Pipelines::new(gpu, settings), depth, normals)
     }
 
-    /// [`Builder::with_normals`] with existing pipelines and settings that have been checked.
+    /// [`HybridMapBuilder::with_normals`] with existing pipelines and settings that have been checked.
     pub(super) fn with_pipelines(
         gpu: &Gpu,
         settings: &HybridSettings,

@@ -10,7 +10,7 @@ use adumbra_shaders::layout::{HybridParams, MapLayer};
 use adumbra_shaders::{Source, source};
 use wgpu::ShaderStages;
 
-use super::build::{Builder, Pipelines};
+use super::build::{HybridMapBuilder, Pipelines};
 use super::settings::{HybridLayout, HybridSettings, PlaneUnits};
 use super::stored::{BuiltCounts, Stored};
 use super::twin::{HybridPaper, HybridTree, MergeSettings};
@@ -38,7 +38,7 @@ pub struct HybridMap {
     layout: wgpu::BindGroupLayout,
     group: wgpu::BindGroup,
     /// The fit and casters of the last built map.
-    built: Option<Place>,
+    built: Option<MapInputs>,
     /// Whether the map must be built in this frame.
     stale: bool,
 }
@@ -53,11 +53,11 @@ enum Held {
 
 struct Working {
     depth: DepthTextures,
-    builder: Builder,
+    builder: HybridMapBuilder,
 }
 
 #[derive(Clone, Copy, PartialEq)]
-struct Place {
+struct MapInputs {
     fit: LayerFit,
     /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id) of the static casters and, if there are any, of the moving
     /// ones.
@@ -216,7 +216,7 @@ impl Working {
     fn new(gpu: &Gpu, settings: &HybridSettings, pipelines: &Pipelines) -> Result<Self> {
         let depth = DepthTextures::new(gpu, "hybrid::depth", settings.start, 1, options(settings))?;
         let normals = depth.normals.as_ref().map(|(all, _)| &all.view);
-        let builder = Builder::with_pipelines(gpu, settings, pipelines, &depth.all.view, normals)?;
+        let builder = HybridMapBuilder::with_pipelines(gpu, settings, pipelines, &depth.all.view, normals)?;
         Ok(Self { depth, builder })
     }
 }
@@ -237,7 +237,7 @@ impl Technique for HybridMap {
         let margin = self.settings.filter.reach_texels() + self.settings.bias.normal_offset_texels;
         let fit = scene_fit(input, self.settings.start, margin)?;
         let casters = [Some(input.scene.id()), input.movers.map(|m| m.id())];
-        let place = Place { fit, casters };
+        let place = MapInputs { fit, casters };
         self.stale = !self.settings.cache_static || self.built != Some(place);
         if self.stale {
             if self.working().is_none() {

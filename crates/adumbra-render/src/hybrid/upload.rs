@@ -19,7 +19,7 @@ pub struct StartDepth {
 
 impl StartDepth {
     /// Creates a texture of `side` texels per side, a power of two, for images of that size. Pass its
-    /// [`StartDepth::view`] to [`Builder::new`](super::build::Builder::new).
+    /// [`StartDepth::view`] to [`HybridMapBuilder::new`](super::build::HybridMapBuilder::new).
     ///
     /// # Errors
     /// Returns [`RenderError::TooLarge`] if the device does not support this side, and any other error that it reports.

@@ -9,7 +9,7 @@ use crate::technique::FrameInput;
 
 /// The state that a layer's static casters depend on.
 #[derive(Clone, Copy)]
-struct Place {
+struct LayerInputs {
     fit: LayerFit,
     /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id).
     scene: u64,
@@ -21,9 +21,9 @@ pub(crate) struct Layer {
     still: Option<InstanceList>,
     moving: Option<InstanceList>,
     /// Current placement.
-    place: Option<Place>,
+    place: Option<LayerInputs>,
     /// Placement when the static casters were last drawn.
-    drawn: Option<Place>,
+    drawn: Option<LayerInputs>,
     /// Whether static casters must be drawn in this frame.
     stale: bool,
     /// Whether the layer contains movers. If so, it must be redrawn even if nothing else changed.
@@ -49,7 +49,7 @@ impl Layer {
         self.uniform.write(gpu, &fit.layer(input.anchor_world));
         let scene = input.scene.id();
         self.stale = !keep || !self.drawn.is_some_and(|d| d.scene == scene && d.fit.same_place(fit));
-        self.place = Some(Place { fit: *fit, scene });
+        self.place = Some(LayerInputs { fit: *fit, scene });
         let volume = fit.caster_volume();
         if static_casters && self.stale {
             let list = self.still.get_or_insert_with(|| InstanceList::new(gpu, "map::still", input.scene));

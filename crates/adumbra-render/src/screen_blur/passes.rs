@@ -28,12 +28,12 @@ pub struct BlurInput<'a> {
 /// The pipelines of one blur, with its intermediate textures.
 pub struct BlurPasses {
     settings: BlurSettings,
-    steps: Vec<Built>,
+    steps: Vec<StepPipeline>,
     sampler: wgpu::Sampler,
     scratch: Option<Scratch>,
 }
 
-struct Built {
+struct StepPipeline {
     step: BlurStep,
     layout: BindGroupLayout,
     pipeline: ComputePipeline,
@@ -58,7 +58,7 @@ impl BlurPasses {
             let layout = gpu.layout("blur", ShaderStages::COMPUTE, &bindings(step.pass));
             let (entry, files) = shader(step.pass);
             let pipeline = gpu.compute(entry, assemble(files), entry, &[Some(&layout)]);
-            Built { step, layout, pipeline }
+            StepPipeline { step, layout, pipeline }
         });
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("blur::linear"),

@@ -3,7 +3,7 @@
 
 use std::fmt;
 
-use super::baked::Baked;
+use super::baked::TechniqueFiles;
 use super::traits::{Reads, Traits, Truth};
 use crate::error::{RenderError, Result};
 use crate::gpu::Gpu;
@@ -21,14 +21,15 @@ pub trait Design: fmt::Debug + Sync {
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] for a value that does not exist.
-    fn read(&self, reader: &mut SpecReader<'_>, baked: Baked<'_>) -> Result<()>;
+    fn read(&self, reader: &mut SpecReader<'_>, baked: TechniqueFiles<'_>) -> Result<()>;
 
     /// Builds the technique.
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] if a file is missing, and an error if the device cannot hold the technique's
     /// resources.
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>>;
+    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: TechniqueFiles<'_>)
+    -> Result<Box<dyn Technique>>;
 }
 
 /// What a technique is in a comparison.
@@ -112,7 +113,7 @@ impl Techniques {
             return Err(text.wrong(format!("unknown technique; choose one of: {}", names.join(", "))));
         };
         let mut reader = text.reader();
-        entry.design.read(&mut reader, Baked::default())?;
+        entry.design.read(&mut reader, TechniqueFiles::default())?;
         let parameters = reader.finish()?;
         let base = parameters.iter().find(|p| p.kind == ParameterKind::Technique { of: None });
         let base = match base.map(Parameter::nested).transpose()?.flatten() {
@@ -177,7 +178,7 @@ impl TechniqueSpec {
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] for what the file does not allow.
-    pub fn describe(&self, baked: Baked<'_>) -> Result<Vec<Parameter>> {
+    pub fn describe(&self, baked: TechniqueFiles<'_>) -> Result<Vec<Parameter>> {
         let mut reader = self.text.reader();
         self.entry.design.read(&mut reader, baked)?;
         if let Some(base) = &self.base {
@@ -191,7 +192,7 @@ impl TechniqueSpec {
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] for a parameter or value that does not exist.
-    pub fn change(&self, baked: Baked<'_>, key: &str, value: &str) -> Result<Self> {
+    pub fn change(&self, baked: TechniqueFiles<'_>, key: &str, value: &str) -> Result<Self> {
         let text = changed(&self.text, key, value, |reader| self.entry.design.read(reader, baked))?;
         self.techniques.parse(&text.to_string())
     }
@@ -262,6 +263,6 @@ impl TechniqueSpec {
 ///
 /// # Errors
 /// Returns the errors of [`Design::build`].
-pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+pub fn build(gpu: &Gpu, spec: &TechniqueSpec, baked: TechniqueFiles<'_>) -> Result<Box<dyn Technique>> {
     spec.entry.design.build(gpu, spec, baked)
 }

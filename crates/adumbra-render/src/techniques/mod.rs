@@ -14,7 +14,7 @@ mod product;
 mod tests;
 mod traits;
 
-pub use baked::Baked;
+pub use baked::TechniqueFiles;
 pub use list::{Design, Role, TechniqueEntry, TechniqueSpec, Techniques, build};
 pub use product::TECHNIQUES;
 pub use traits::{Reads, Traits, Truth};

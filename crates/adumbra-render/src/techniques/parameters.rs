@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::baked::Baked;
+use super::baked::TechniqueFiles;
 use super::list::Techniques;
 use crate::technique::{Parameter, ParameterKind};
 
@@ -39,12 +39,16 @@ impl Techniques {
     /// Returns a technique's parameters. Those that do not always apply come with the `key=word` that they require.
     fn all(self, name: &str) -> Vec<(Parameter, Option<String>)> {
         let Ok(plain) = self.parse(name) else { return Vec::new() };
-        let mut found: Vec<(Parameter, Option<String>)> =
-            plain.describe(Baked::default()).unwrap_or_default().into_iter().map(|p| (p, None)).collect();
+        let mut found: Vec<(Parameter, Option<String>)> = plain
+            .describe(TechniqueFiles::default())
+            .unwrap_or_default()
+            .into_iter()
+            .map(|p| (p, None))
+            .collect();
         for i in 0..found.len() {
             let ParameterKind::Word { choices } = found[i].0.kind.clone() else { continue };
             let key = found[i].0.key;
-            let with = |choice: &str| plain.with(key, Some(choice))?.describe(Baked::default());
+            let with = |choice: &str| plain.with(key, Some(choice))?.describe(TechniqueFiles::default());
             let words: Vec<Vec<Parameter>> = choices.iter().map(|c| with(c).unwrap_or_default()).collect();
             for (word, with_word) in choices.iter().zip(&words) {
                 for p in with_word.iter().filter(|p| words.iter().any(|w| w.iter().all(|q| q.key != p.key))) {
@@ -72,7 +76,7 @@ mod tests {
     fn help_names_the_parameters_that_techniques_ask_for() {
         for name in TECHNIQUES.iter().map(|t| t.name) {
             let (list, help) = (Techniques::product(), Techniques::product().parameters(name));
-            for p in list.parse(name).unwrap().describe(Baked::default()).unwrap() {
+            for p in list.parse(name).unwrap().describe(TechniqueFiles::default()).unwrap() {
                 assert!(help.split("; ").any(|h| h.starts_with(&p.help())), "{name}: {}: {help}", p.key);
                 let text = format!("{}: {}", p.key, p.what);
                 assert!(list.parameter_texts().iter().any(|t| t.starts_with(&text)), "{name}: {text}");

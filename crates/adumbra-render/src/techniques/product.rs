@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use super::baked::Baked;
+use super::baked::TechniqueFiles;
 use super::list::{Design, Role, TechniqueEntry, TechniqueSpec, Techniques, build};
 use super::none::NoShadows;
 use super::traits::{Reads, Traits, Truth};
@@ -105,11 +105,16 @@ impl FromStr for TechniqueSpec {
 struct Nothing;
 
 impl Design for Nothing {
-    fn read(&self, _reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, _reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         Ok(())
     }
 
-    fn build(&self, _gpu: &Gpu, _spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        _gpu: &Gpu,
+        _spec: &TechniqueSpec,
+        _baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         Ok(Box::new(NoShadows))
     }
 }
@@ -118,11 +123,16 @@ impl Design for Nothing {
 struct Rays;
 
 impl Design for Rays {
-    fn read(&self, _reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, _reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         Ok(())
     }
 
-    fn build(&self, _gpu: &Gpu, spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        _gpu: &Gpu,
+        spec: &TechniqueSpec,
+        _baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         Err(spec.wrong("its rays are traced on the CPU, so it cannot be built for the GPU".to_owned()))
     }
 }
@@ -135,11 +145,16 @@ impl Design for Map {
         self.1
     }
 
-    fn read(&self, reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         MapSettings::from_reader(reader, self.0).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        _baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         let settings = MapSettings::from_spec(spec.text(), self.0)?;
         Ok(Box::new(ShadowMap::new(gpu, &spec.to_string(), settings)?))
     }
@@ -149,11 +164,16 @@ impl Design for Map {
 struct Hybrid;
 
 impl Design for Hybrid {
-    fn read(&self, reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         HybridSettings::from_reader(reader).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        _baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         let settings = HybridSettings::from_spec(spec.text())?;
         Ok(Box::new(HybridMap::new(gpu, &spec.to_string(), settings)?))
     }
@@ -169,11 +189,16 @@ impl Design for Blur {
         Traits { truth: Truth::SunDisc, ..of_base }
     }
 
-    fn read(&self, reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         BlurSettings::from_reader(reader, self.0).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         let settings = spec.text().read(|reader| BlurSettings::from_reader(reader, self.0))?;
         let base = spec.base().ok_or_else(|| spec.wrong("it has no base".to_owned()))?;
         Ok(Box::new(ScreenBlur::new(gpu, spec.to_string(), build(gpu, base, baked)?, settings)))
@@ -208,11 +233,16 @@ impl Design for LightFile {
         }
     }
 
-    fn read(&self, reader: &mut SpecReader<'_>, baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, baked: TechniqueFiles<'_>) -> Result<()> {
         VoxelSettings::from_reader(reader, baked.light).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         Ok(Box::new(Voxel::from_spec(gpu, spec.text(), baked.light)?))
     }
 }
@@ -225,11 +255,16 @@ impl Design for LightFileAndCascades {
         Traits { reads: Reads::LightFile, ..Traits::DRAWN }
     }
 
-    fn read(&self, reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         VoxelCsmSettings::from_reader(reader).map(drop)
     }
 
-    fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        spec: &TechniqueSpec,
+        baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         Ok(Box::new(VoxelCsm::from_spec(gpu, spec.text(), baked.light)?))
     }
 }

@@ -1,6 +1,8 @@
 //! Tests of the list of techniques: properties, parameters, and what is refused.
 
-use super::{Baked, Design, Reads, Role, TECHNIQUES, TechniqueEntry, TechniqueSpec, Techniques, Truth};
+use super::{
+    Design, Reads, Role, TECHNIQUES, TechniqueEntry, TechniqueFiles, TechniqueSpec, Techniques, Truth,
+};
 use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::technique::parameter::tests::holds;
@@ -39,7 +41,7 @@ fn sun_degrees_reach_every_technique_that_takes_one() {
 fn registry_s_sun_degrees_are_a_parameter_and_means_the_disc() {
     for name in TECHNIQUES.iter().map(|t| t.name).chain(["voxel:soft", "blur:base=voxel/soft"]) {
         let spec = spec(name);
-        let parameters = spec.base().unwrap_or(&spec).describe(Baked::default()).unwrap();
+        let parameters = spec.base().unwrap_or(&spec).describe(TechniqueFiles::default()).unwrap();
         let has_angle = parameters.iter().any(|p| p.key == "sun-degrees");
         assert_eq!(has_angle, spec.traits().takes_sun_degrees, "{name}");
         assert_eq!(spec.truth() == Truth::SunDisc, has_angle || spec.base().is_some(), "{name}");
@@ -92,11 +94,16 @@ fn list_refuses_unknown_names_and_says_which_exist() {
 struct Foreign;
 
 impl Design for Foreign {
-    fn read(&self, reader: &mut SpecReader<'_>, _baked: Baked<'_>) -> Result<()> {
+    fn read(&self, reader: &mut SpecReader<'_>, _baked: TechniqueFiles<'_>) -> Result<()> {
         reader.count("taps", "number of taps", 3, 1..=9).map(drop)
     }
 
-    fn build(&self, _gpu: &Gpu, spec: &TechniqueSpec, _baked: Baked<'_>) -> Result<Box<dyn Technique>> {
+    fn build(
+        &self,
+        _gpu: &Gpu,
+        spec: &TechniqueSpec,
+        _baked: TechniqueFiles<'_>,
+    ) -> Result<Box<dyn Technique>> {
         Err(spec.wrong("it is not built".to_owned()))
     }
 }
@@ -116,7 +123,7 @@ fn list_takes_techniques_of_another_crate() {
 }
 
 fn keys(text: &str) -> Vec<&'static str> {
-    spec(text).describe(Baked::default()).unwrap().iter().map(|p| p.key).collect()
+    spec(text).describe(TechniqueFiles::default()).unwrap().iter().map(|p| p.key).collect()
 }
 
 #[test]
@@ -133,7 +140,7 @@ fn describe_gives_what_applies() {
 
 #[test]
 fn describe_gives_values_beside_defaults() {
-    let found = spec("blur:samples=32").describe(Baked::default()).unwrap();
+    let found = spec("blur:samples=32").describe(TechniqueFiles::default()).unwrap();
     let said: Vec<_> = found.iter().filter(|p| !p.is_default()).map(|p| p.key).collect();
     assert_eq!(said, ["samples"]);
     let sigma = found.iter().find(|p| p.key == "sigma").unwrap();
@@ -162,7 +169,7 @@ fn list_refuses_what_cannot_be_built() {
 fn every_default_and_end_of_a_range_is_taken_and_nothing_beyond() {
     let more = ["csm:filter=poisson", "pcf:filter=poisson", "hrsm:test=paper", "voxel:soft"];
     for name in TECHNIQUES.iter().map(|t| t.name).chain(more) {
-        holds(spec(name).text(), |text| spec_of(text)?.describe(Baked::default()));
+        holds(spec(name).text(), |text| spec_of(text)?.describe(TechniqueFiles::default()));
     }
 }
 
@@ -179,11 +186,11 @@ fn change_says_no_more_than_it_must() {
         ("blur", "base", "csm/cascades=2", "blur:base=csm/cascades=2"),
         ("voxel+csm", "csm", "filter=3", "voxel+csm:csm=filter=3"),
     ] {
-        let changed = spec(text).change(Baked::default(), key, value).unwrap();
+        let changed = spec(text).change(TechniqueFiles::default(), key, value).unwrap();
         assert_eq!(changed.to_string(), expected);
     }
     for (key, value) in [("taps", "3"), ("cascades", "9"), ("filter", "4")] {
-        assert!(spec("csm").change(Baked::default(), key, value).is_err(), "{key}");
+        assert!(spec("csm").change(TechniqueFiles::default(), key, value).is_err(), "{key}");
     }
 }
 

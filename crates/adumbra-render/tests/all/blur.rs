@@ -7,7 +7,8 @@ use adumbra_render::readback::read_floats;
 use adumbra_render::screen_blur::twin::{Bleeding, Surfaces, bleeding, blur};
 use adumbra_render::screen_blur::{BlurInput, BlurPasses, BlurSettings};
 use adumbra_render::{
-    Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, SurfacePoint, build,
+    Answer, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, SurfacePoint,
+    TechniqueFiles, build,
 };
 use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_testing::{cuboid, scene_of};
@@ -40,7 +41,7 @@ fn view(gpu: Gpu, projection: Projection) -> View {
     let scene = scene();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
     let camera = Camera {
         eye: [3.0, 13.0, 12.0],
@@ -231,7 +232,7 @@ fn blur_leaves_cascade_numbers_alone_and_answers_no_points() {
     let shot = Shot { camera: kit::camera(SIZE[0], SIZE[1]), towards_sun: kit::sun(), number: 0 };
     let [mut plain, mut blurred, mut none] =
         ["csm:size=256:far=300", "blur:base=csm/size=256/far=300", "none"].map(|name| {
-            let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+            let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
             renderer.prepare(technique).unwrap()
         });
     let [expected, found] = [&mut plain, &mut blurred].map(|technique| {
@@ -250,7 +251,7 @@ fn blur_leaves_cascade_numbers_alone_and_answers_no_points() {
 #[test]
 fn blur_is_a_technique_over_another() {
     let gpu = kit::gpu();
-    let make = |text: &str| build(&gpu, &text.parse()?, Baked::default());
+    let make = |text: &str| build(&gpu, &text.parse()?, TechniqueFiles::default());
     let blur = make("blur:samples=8:base=none").unwrap();
     assert!(blur.has_screen_passes());
     assert_eq!(blur.name(), "blur:samples=8:base=none");

@@ -1,6 +1,6 @@
 //! Textures and vertex colours on the GPU against the CPU renderer, which filters with the same mip levels.
 
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{AlphaMode, Camera, Instance, Material, Mesh, Pixels, Projection, Scene, Texture, Wrap};
 use adumbra_truth::picture;
 use adumbra_truth::picture::Shadows;
@@ -71,7 +71,7 @@ fn textures_and_vertex_colours_are_the_cpu_renderer_s() {
     let scene = scene();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
     for projection in
         [Projection::Perspective { fov_degrees: 50.0 }, Projection::Orthographic { height_world: 9.0 }]
@@ -114,7 +114,7 @@ fn what_vertex_alpha_cuts_away_casts_no_shadow_on_either_device() {
     assert!(off(cpu, uncut.rgb.as_chunks::<3>().0) * 50 > pixels, "the cut half is in view, or its shadow");
     // The first technique draws only the casters' depth, the second also their normals.
     for name in ["csm:size=4096:filter=1", "hrsm:2048-512:layout=paper"] {
-        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
         let mut technique = renderer.prepare(technique).unwrap();
         renderer.draw(&shot, &mut technique, Answer::Visibility).unwrap();
         let rgba = renderer.read_picture().unwrap();

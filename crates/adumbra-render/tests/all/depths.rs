@@ -5,7 +5,7 @@ use adumbra::gpu::{LookUp, Penumbra as PenumbraSettings};
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra_render::technique::{ParameterKind, Technique as _};
 use adumbra_render::voxel::{BakedLight, SoftTwin, Voxel, VoxelSettings};
-use adumbra_render::{Baked, Gpu, GpuOptions, build};
+use adumbra_render::{Gpu, GpuOptions, TechniqueFiles, build};
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_shaders::source;
 
@@ -129,7 +129,7 @@ fn depths_techniques_are_chosen_by_name() {
     let baked = BakedScene::new(generate(GeneratedKind::Primitives, 3), [0.5, 0.8, 0.35], 64);
     let mut file = baked.light;
     let make = |name: &str, file| {
-        let files = Baked::of(file);
+        let files = TechniqueFiles::of(file);
         build(&gpu, &name.parse()?, files).map(|technique| technique.name())
     };
     for name in ["voxel", "voxel:filter=3", "voxel:soft", "voxel:soft:sun-degrees=1.5:radius=8:bias=2"] {
@@ -150,8 +150,11 @@ fn depths_techniques_are_chosen_by_name() {
     }
     // Sliders show the file's own bias, and offer penumbrae.
     file.settings.bias.slope_texels = 0.75;
-    let parameters =
-        "voxel".parse::<adumbra_render::TechniqueSpec>().unwrap().describe(Baked::of(&file)).unwrap();
+    let parameters = "voxel"
+        .parse::<adumbra_render::TechniqueSpec>()
+        .unwrap()
+        .describe(TechniqueFiles::of(&file))
+        .unwrap();
     let parameter = |key: &str| parameters.iter().find(|p| p.key == key).unwrap();
     assert_eq!(parameter("slope").default, "0.75");
     let ParameterKind::Word { choices } = &parameter("shade").kind else { panic!("{parameters:?}") };
@@ -164,7 +167,7 @@ fn voxel_techniques_take_the_sections_as_they_are() {
     let baked = BakedScene::new(kit::city(), kit::sun(), 256);
     let gpu = kit::gpu();
     for name in ["voxel", "voxel+csm:filter=3", "voxel:soft"] {
-        let technique = build(&gpu, &name.parse().unwrap(), Baked::of(&baked.light)).unwrap();
+        let technique = build(&gpu, &name.parse().unwrap(), TechniqueFiles::of(&baked.light)).unwrap();
         let bytes = technique.bytes() - technique.map().map_or(0, |map| map.bytes());
         assert_eq!(bytes, baked.light.tree.bytes(), "{name}");
     }

@@ -1,7 +1,8 @@
 //! Devices that lack optional features, are lost, or do not exist, and techniques that do not exist.
 
 use adumbra_render::{
-    Answer, Baked, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, TechniqueSpec, build,
+    Answer, Features, Gpu, GpuOptions, RenderError, Renderer, SceneOptions, Shot, TechniqueFiles,
+    TechniqueSpec, build,
 };
 
 use crate::kit;
@@ -17,7 +18,7 @@ fn device_without_timestamps_still_draws_and_says_so() {
     assert_eq!(gpu.missing_features().len(), 3, "{:?}", gpu.missing_features());
     let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
     for name in ["none", "csm:size=512", "vsm:size=512"] {
-        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
         let mut technique = renderer.prepare(technique).unwrap();
         let times = renderer.draw(&shot(), &mut technique, Answer::Visibility).unwrap();
         assert!(times.wall_time);
@@ -33,7 +34,7 @@ fn device_without_timestamps_still_draws_and_says_so() {
 #[test]
 fn lost_device_is_an_error_and_not_a_hang() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
     renderer.gpu().device.destroy();
     let outcome = renderer

@@ -1,7 +1,7 @@
 //! The G-buffer against rays, and the composite against the CPU renderer.
 
 use adumbra::Sun;
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, Projection};
 use adumbra_truth::picture;
 use adumbra_truth::picture::Shadows;
@@ -21,7 +21,7 @@ fn gbuffer_sees_what_rays_see() {
     let scene = kit::city();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
     for camera in cameras() {
         let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
@@ -72,7 +72,7 @@ fn composite_is_the_cpu_renderer_s() {
     let scene = kit::city();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
     let camera = cameras()[0];
     let towards_sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards();

@@ -2,7 +2,9 @@
 //! frame drawn from scratch.
 
 use adumbra_render::occlusion::OcclusionPasses;
-use adumbra_render::{Answer, Baked, FrameTimes, Prepared, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_render::{
+    Answer, FrameTimes, Prepared, Renderer, SceneOptions, Shot, Stage, TechniqueFiles, build,
+};
 use adumbra_scene::Scene;
 use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::trace::{TraceOptions, Tracer};
@@ -20,7 +22,7 @@ fn renderer(scene: &Scene) -> Renderer {
 }
 
 fn prepared(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
     renderer.prepare(technique).unwrap()
 }
 

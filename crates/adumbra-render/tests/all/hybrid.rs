@@ -1,6 +1,6 @@
 //! Hybrid maps built on the GPU from synthetic depth images against the build on the CPU: the words must be equal.
 
-use adumbra_render::hybrid::build::Builder;
+use adumbra_render::hybrid::build::HybridMapBuilder;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, MergeSettings};
 use adumbra_render::hybrid::upload::StartDepth;
 use adumbra_render::hybrid::{BuildKind, HybridSettings, MergeTest, PlaneUnits};
@@ -100,7 +100,7 @@ fn settings(side: usize, merges: u32, test: &str, depth: DepthPrecision, build: 
 }
 
 /// Builds a map and returns the words in use and the numbers of blocks that did not merge.
-fn built(gpu: &Gpu, builder: &Builder) -> (Vec<u32>, [u32; 3]) {
+fn built(gpu: &Gpu, builder: &HybridMapBuilder) -> (Vec<u32>, [u32; 3]) {
     let mut encoder = gpu.encoder("test");
     builder.encode(&mut encoder);
     gpu.finish(encoder.finish()).unwrap();
@@ -116,7 +116,7 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
     for test in TESTS {
         let of = |kind| settings(side, merges, test, precision, kind);
         let builders = [BuildKind::Sweep, BuildKind::Blocks].map(|kind| {
-            let builder = Builder::new(gpu, &of(kind), start.view()).unwrap();
+            let builder = HybridMapBuilder::new(gpu, &of(kind), start.view()).unwrap();
             (kind, builder)
         });
         let merge = of(BuildKind::Sweep).test;

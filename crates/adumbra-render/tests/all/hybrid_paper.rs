@@ -4,7 +4,7 @@
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridPaper};
 use adumbra_render::{
-    Answer, Baked, FrameTimes, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
+    Answer, FrameTimes, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, TechniqueFiles, build,
 };
 use adumbra_scene::{GeneratedKind, generate};
 
@@ -112,7 +112,7 @@ fn map_without_room_is_refused_and_one_that_fits_is_not() {
     let draw = |options: &GpuOptions, name: &str| {
         let gpu = Gpu::request(options).unwrap();
         let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
-        let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default())?;
+        let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default())?;
         let mut prepared = renderer.prepare(technique)?;
         let shot = shot(kit::camera(SIZE[0], SIZE[1]));
         let drawn = renderer.draw(&shot, &mut prepared, Answer::Visibility);

@@ -2,7 +2,7 @@
 
 use adumbra_render::maps::twin::MapTwin;
 use adumbra_render::{
-    Answer, Baked, Features, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, build,
+    Answer, Features, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, TechniqueFiles, build,
 };
 use adumbra_scene::{Camera, Projection};
 
@@ -11,7 +11,7 @@ use crate::kit;
 const SIZE: [u32; 2] = [160, 90];
 
 fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
     renderer.prepare(technique).unwrap()
 }
 

@@ -1,14 +1,14 @@
 //! Shadow maps over several frames: cached layers, shadows of movers, and cascades without shimmer.
 
 use adumbra_render::readback::read_floats;
-use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use adumbra_render::{Answer, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, TechniqueFiles, build};
 use adumbra_scene::{Camera, Scene};
 
 use crate::kit;
 use crate::kit::boxes::boxes;
 
 fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
     renderer.prepare(technique).unwrap()
 }
 

@@ -3,7 +3,7 @@
 
 use adumbra_render::maps::gaussian;
 use adumbra_render::maps::twin::MapTwin;
-use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, build};
+use adumbra_render::{Answer, Prepared, Renderer, SceneOptions, Shot, SurfacePoint, TechniqueFiles, build};
 use adumbra_scene::{Camera, Projection};
 
 use crate::kit;
@@ -11,7 +11,7 @@ use crate::kit::boxes::boxes;
 use crate::kit::penumbra::Penumbra;
 
 fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
     renderer.prepare(technique).unwrap()
 }
 

@@ -3,7 +3,7 @@
 
 use adumbra::{Filter, Sun};
 use adumbra_bake::{BakeOptions, Size};
-use adumbra_render::{Answer, Baked, Prepared, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Prepared, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, Projection, Scene};
 use adumbra_testing::bake_file;
 use adumbra_truth::movers::MoveSpec;
@@ -104,7 +104,7 @@ fn ball_is_seen_from_its_viewpoint() {
 const SIZE: [u32; 2] = [320, 180];
 
 /// A pixel's surface point, offset slightly along its normal, and its factor.
-struct Seen {
+struct PixelSample {
     p_world: [f64; 3],
     on_ball: bool,
     factor: f32,
@@ -121,7 +121,7 @@ fn frame(
     shot: &Shot,
     tracer: &Tracer<'_>,
     (center, radius): ([f64; 3], f64),
-) -> Vec<Seen> {
+) -> Vec<PixelSample> {
     renderer.draw(shot, prepared, Answer::Visibility).unwrap();
     let factor = renderer.read_factor(prepared).unwrap();
     let surface = renderer.read_surface(shot).unwrap();
@@ -146,7 +146,7 @@ fn frame(
         let truth = lit(0.0, 0.0);
         let interior =
             [[0.2, 0.0], [-0.2, 0.0], [0.0, 0.2], [0.0, -0.2]].iter().all(|&[x, z]| lit(x, z) == truth);
-        seen.push(Seen {
+        seen.push(PixelSample {
             p_world,
             on_ball: far < 1.05 * radius,
             factor: factor[at],
@@ -168,7 +168,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(4096));
     let file = bake_file(&still, &options).unwrap();
-    let baked = Baked::of(&file);
+    let baked = TechniqueFiles::of(&file);
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();
     let [mut voxel, mut both] =
@@ -189,7 +189,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
         renderer.move_movers(&moving);
         // The file contains only static casters, not the ball's own shadow.
         let seen = frame(&mut renderer, &mut voxel, &shot, &still_tracer, ball);
-        let mean = |value: fn(&Seen) -> f32| {
+        let mean = |value: fn(&PixelSample) -> f32| {
             let on_ball: Vec<f32> = seen.iter().filter(|s| s.on_ball).map(value).collect();
             assert!(on_ball.len() > 50, "{i}: {} pixels of the ball", on_ball.len());
             on_ball.iter().sum::<f32>() / on_ball.len() as f32
@@ -199,7 +199,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
         means.push(found);
         // All casters, movers included.
         let tracer = Tracer::build(&scene, TraceOptions::default());
-        let wrong = |seen: &[Seen]| {
+        let wrong = |seen: &[PixelSample]| {
             let interior = seen.iter().filter(|s| s.interior);
             interior.filter(|s| (s.factor - s.truth).abs() > 0.5).count()
         };
@@ -210,8 +210,9 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
         assert!(wrong(&with) * 200 < interior, "{i}: {} of {interior} are wrong", wrong(&with));
         if i == 0 {
             assert!(wrong(&without) > wrong(&with) + 20, "the ball casts no shadow to speak of");
-            let on_ground = |s: &&Seen| !s.on_ball && s.interior && s.truth == 0.0 && s.factor < 0.5;
-            let near = |s: &&Seen| (0..3).map(|a| (s.p_world[a] - center[a]).powi(2)).sum::<f64>() < 9.0;
+            let on_ground = |s: &&PixelSample| !s.on_ball && s.interior && s.truth == 0.0 && s.factor < 0.5;
+            let near =
+                |s: &&PixelSample| (0..3).map(|a| (s.p_world[a] - center[a]).powi(2)).sum::<f64>() < 9.0;
             assert!(with.iter().filter(on_ground).filter(near).count() > 20);
         }
     }

@@ -4,7 +4,7 @@ use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Surfaces, ambient};
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, Projection, Scene};
 
 use crate::kit;
@@ -25,7 +25,7 @@ impl View {
     fn new(scene: &Scene, camera: Camera) -> Self {
         let mut renderer = Renderer::new(kit::gpu(), scene, SceneOptions::default()).unwrap();
         let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
-        let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+        let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
         let mut none = renderer.prepare(none).unwrap();
         renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
         Self { renderer, shot }

@@ -4,7 +4,7 @@ use adumbra_render::{Renderer, SceneOptions};
 use adumbra_scene::{Camera, Projection};
 
 use crate::kit;
-use crate::kit::ambient::{Seen, largest, settings};
+use crate::kit::ambient::{GBuffer, largest, settings};
 use crate::kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [160, 120];
@@ -21,15 +21,15 @@ const ESTIMATORS: [&str; 5] = [
 ];
 
 /// An inside corner, so near that a radius of one unit covers a large part of the picture.
-fn corner(projection: Projection) -> Seen {
+fn corner(projection: Projection) -> GBuffer {
     let scene = boxes(&[([-9.0, -1.0, -9.0], [9.0, 0.0, 9.0]), ([-10.0, -1.0, -9.0], [0.0, 9.0, 9.0])]);
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
     let camera =
         Camera { eye: [2.1, 1.7, 0.9], target: [0.0; 3], projection, width: SIZE[0], height: SIZE[1] };
-    Seen::drawn(&mut renderer, camera, 0)
+    GBuffer::drawn(&mut renderer, camera, 0)
 }
 
-fn visibility(seen: &Seen, estimator: &str, radius_world: f64, cap: f64) -> Vec<f32> {
+fn visibility(seen: &GBuffer, estimator: &str, radius_world: f64, cap: f64) -> Vec<f32> {
     // `levels=off`, because `issao` otherwise reduces its taps in steps if the radius is only a few texels.
     seen.on_cpu(&settings(&format!("{estimator}:filter=none:levels=off:cap={cap}"), radius_world))
 }

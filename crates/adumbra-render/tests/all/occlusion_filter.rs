@@ -8,7 +8,7 @@ use adumbra_render::{Renderer, SceneOptions};
 use adumbra_scene::{Camera, Projection};
 
 use crate::kit;
-use crate::kit::ambient::{Seen, largest, rms, settings, visibility};
+use crate::kit::ambient::{GBuffer, largest, rms, settings, visibility};
 use crate::kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [203, 151];
@@ -38,7 +38,7 @@ fn every_option_on_the_gpu_is_the_cpu_s() {
     let options = ["half=on", "normals=depth", "normals=depth:half=on", "half=on:depth=plain"];
     for camera in [kit::camera, orthographic] {
         for [width, height] in [[1, 1], [7, 5], SIZE] {
-            let seen = Seen::drawn(&mut renderer, camera(width, height), 0);
+            let seen = GBuffer::drawn(&mut renderer, camera(width, height), 0);
             let mut texts: Vec<String> = FILTERS.iter().map(|f| format!("issao:{f}")).collect();
             texts.extend(options.iter().map(|o| format!("issao:{o}")));
             texts.push("issao:half=on:normals=depth:filter=square:side=2".to_owned());
@@ -58,7 +58,7 @@ fn every_option_on_random_depth_is_the_cpu_s() {
     for camera in [kit::camera, orthographic] {
         for [width, height] in [[1, 1], [2, 1], [37, 23]] {
             let frame = frame(&camera(width, height), &renderer.bounds(), kit::sun(), 0);
-            let seen = Seen::random(gpu, frame, [60.0, 75.0], width);
+            let seen = GBuffer::random(gpu, frame, [60.0, 75.0], width);
             for filter in FILTERS {
                 for more in ["half=off", "half=on", "normals=depth"] {
                     let text = format!("issao:{filter}:{more}");
@@ -76,7 +76,7 @@ fn every_option_on_random_depth_is_the_cpu_s() {
 #[test]
 fn lines_are_near_the_square() {
     let mut renderer = city();
-    let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
+    let seen = GBuffer::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     // Measured: 0.153 and 0.252 of the change that the square filter makes.
     for (depth, limit) in [("plane", 0.2), ("plain", 0.3)] {
         let [none, square, lines] = ["none", "square", "bilateral"]
@@ -93,7 +93,7 @@ fn lines_are_near_the_square() {
 #[test]
 fn planes_leave_less_noise_than_depth_alone() {
     let mut renderer = city();
-    let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
+    let seen = GBuffer::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
     for (sharpness, limit) in [(0.03, 0.98), (0.01, 0.9)] {
         let [plane, plain] = ["plane", "plain"].map(|depth| {
@@ -126,7 +126,7 @@ fn before_pole(width: u32, height: u32) -> Camera {
 #[test]
 fn bilateral_filter_does_not_bleed_over_silhouettes() {
     let mut renderer = pole();
-    let seen = Seen::drawn(&mut renderer, before_pole(SIZE[0], SIZE[1]), 0);
+    let seen = GBuffer::drawn(&mut renderer, before_pole(SIZE[0], SIZE[1]), 0);
     let [width, height] = seen.size();
     let raw = seen.on_cpu(&settings("issao:filter=none", 3.0));
     // Pixels of open ground whose filter window contains only open ground and the pole in front of it. Any change there
@@ -163,7 +163,7 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
 #[test]
 fn edge_test_leaves_out_what_it_may() {
     let mut renderer = city();
-    let seen = Seen::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
+    let seen = GBuffer::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     let raw = seen.on_cpu(&settings("issao:filter=none", RADIUS_WORLD));
     let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
     // Measured: a share of 0.34 to 0.49 is skipped. That changes the result by 0.13 to 0.15 of what the filter changes,
@@ -189,7 +189,7 @@ fn half_size_is_near_the_whole() {
     // Measured: 1.32 and 1.33 times as far from the estimator's mean as at full size, with a quarter of the taps. A
     // constant visibility of 1 is 2.3 and 2.0 times as far.
     for camera in [kit::camera, orthographic] {
-        let seen = Seen::drawn(&mut renderer, camera(SIZE[0], SIZE[1]), 0);
+        let seen = GBuffer::drawn(&mut renderer, camera(SIZE[0], SIZE[1]), 0);
         let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
         let [whole, half] = ["off", "on"]
             .map(|h| rms(&smooth, &seen.on_cpu(&settings(&format!("issao:half={h}"), RADIUS_WORLD))));
@@ -240,7 +240,7 @@ fn normals_from_depth_are_those_of_the_surface() {
     ];
     for (mut renderer, radius_world, cameras) in frames {
         for camera in cameras {
-            let seen = Seen::drawn(&mut renderer, camera, 0);
+            let seen = GBuffer::drawn(&mut renderer, camera, 0);
             let [given, made] =
                 ["gbuffer", "depth"].map(|n| settings(&format!("issao:normals={n}"), radius_world));
             for half in [false, true] {
@@ -276,7 +276,7 @@ fn normals_from_depth_are_those_of_the_surface() {
 #[test]
 fn zero_radius_leaves_everything_open() {
     let mut renderer = city();
-    let seen = Seen::drawn(&mut renderer, kit::camera(31, 17), 0);
+    let seen = GBuffer::drawn(&mut renderer, kit::camera(31, 17), 0);
     for text in ["issao", "issao:half=on:normals=depth", "issao:filter=square"] {
         let settings = settings(text, 0.0);
         let found = seen.on_gpu(renderer.gpu(), &mut OcclusionPasses::new(renderer.gpu(), settings));
@@ -300,7 +300,7 @@ fn scaled_scene_gives_the_same_picture() {
             width: SIZE[0],
             height: SIZE[1],
         };
-        let seen = Seen::drawn(&mut renderer, camera, 0);
+        let seen = GBuffer::drawn(&mut renderer, camera, 0);
         let settings = settings(text, 1.5 * f64::from(scale));
         seen.on_gpu(renderer.gpu(), &mut OcclusionPasses::new(renderer.gpu(), settings))
     };

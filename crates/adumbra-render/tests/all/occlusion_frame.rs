@@ -2,7 +2,7 @@
 //! not affect its history.
 
 use adumbra_render::occlusion::{GivenAmbient, OcclusionPasses};
-use adumbra_render::{Answer, Baked, RenderError, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_render::{Answer, RenderError, Renderer, SceneOptions, Shot, Stage, TechniqueFiles, build};
 
 use crate::kit;
 use crate::kit::ambient::settings;
@@ -28,7 +28,7 @@ fn given(renderer: &Renderer, visibility: &[f32]) -> GivenAmbient {
 
 /// Draws a frame with a technique and returns its picture.
 fn picture(renderer: &mut Renderer, technique: &str) -> Vec<u8> {
-    let technique = build(renderer.gpu(), &technique.parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &technique.parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut technique = renderer.prepare(technique).unwrap();
     renderer.draw(&shot(0), &mut technique, Answer::Visibility).unwrap();
     renderer.read_picture().unwrap()
@@ -59,7 +59,7 @@ fn given_ambient_is_composited_as_the_passes_are() {
 #[test]
 fn ambient_occlusion_takes_none_of_the_sun_s_light() {
     let mut renderer = city();
-    let technique = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut technique = renderer.prepare(technique).unwrap();
     renderer.draw(&shot(0), &mut technique, Answer::Visibility).unwrap();
     let surface = renderer.read_surface(&shot(0)).unwrap();
@@ -94,7 +94,7 @@ fn given_ambient_of_another_size_is_an_error() {
     // The same number of values in another shape.
     let turned = GivenAmbient::new(gpu, [48, 64], &vec![0.5; 64 * 48]).unwrap();
     renderer.set_ambient(Some(turned.into()));
-    let technique = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut technique = renderer.prepare(technique).unwrap();
     let error = renderer.draw(&shot(0), &mut technique, Answer::Visibility).unwrap_err();
     assert!(matches!(error, RenderError::Ambient { .. }), "{error}");
@@ -109,7 +109,7 @@ fn history_is_untouched_by_frames_that_ask_for_cascades() {
         let mut renderer = city();
         let own = passes(&renderer);
         renderer.set_ambient(Some(own.into()));
-        let csm = build(renderer.gpu(), &"csm:size=256".parse().unwrap(), Baked::default()).unwrap();
+        let csm = build(renderer.gpu(), &"csm:size=256".parse().unwrap(), TechniqueFiles::default()).unwrap();
         let mut csm = renderer.prepare(csm).unwrap();
         for number in 0..2 {
             if with_cascades {

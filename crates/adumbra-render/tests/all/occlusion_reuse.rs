@@ -2,11 +2,11 @@
 
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::occlusion::twin::Twin;
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, Stage, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, Stage, TechniqueFiles, build};
 use adumbra_scene::{Camera, Projection};
 
 use crate::kit;
-use crate::kit::ambient::{Seen, assert_same, rms, settings, visibility};
+use crate::kit::ambient::{GBuffer, assert_same, rms, settings, visibility};
 use crate::kit::boxes::boxes;
 
 const SIZE: [u32; 2] = [203, 151];
@@ -46,7 +46,7 @@ fn reuse_on_the_gpu_is_the_cpu_s() {
             let mut twins = all.map(Twin::new);
             for number in 0..5 {
                 let camera = on_demand(Camera { projection, ..kit::camera(width, height) }, number);
-                let seen = Seen::drawn(&mut renderer, camera, number);
+                let seen = GBuffer::drawn(&mut renderer, camera, number);
                 for (i, text) in texts.iter().enumerate() {
                     let found = seen.on_gpu(renderer.gpu(), &mut passes[i]);
                     let expected = visibility(&twins[i].ambient(&seen.surfaces()));
@@ -68,7 +68,7 @@ fn reuse_on_the_gpu_is_the_cpu_s_where_sides_come_into_sight() {
     for (number, angle) in [(0, 0.1_f64), (1, 0.1), (2, 0.6), (3, -0.1)] {
         let eye = [16.0 * angle.sin(), 9.0, 16.0 * angle.cos()];
         let camera = Camera { eye, target: [0.0, 2.0, 0.0], ..kit::camera(48, 36) };
-        let seen = Seen::drawn(&mut renderer, camera, number);
+        let seen = GBuffer::drawn(&mut renderer, camera, number);
         let found = seen.on_gpu(renderer.gpu(), &mut passes);
         let expected = visibility(&twin.ambient(&seen.surfaces()));
         assert_same(renderer.gpu(), &found, &expected, &format!("frame {number}"));
@@ -78,7 +78,7 @@ fn reuse_on_the_gpu_is_the_cpu_s_where_sides_come_into_sight() {
 #[test]
 fn renderer_keeps_the_history_of_its_frames() {
     let mut renderer = city();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
     let settings = settings("issao:reuse=on", RADIUS_WORLD);
     let mut twin = Twin::new(settings);
@@ -94,7 +94,7 @@ fn renderer_keeps_the_history_of_its_frames() {
         let times = renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
         assert!(times.of(Stage::AmbientHistory) > 0.0);
         let found = renderer.ambient().unwrap().read(renderer.gpu()).unwrap();
-        let seen = Seen::now(&renderer, &shot);
+        let seen = GBuffer::now(&renderer, &shot);
         let expected = visibility(&twin.ambient(&seen.surfaces()));
         assert_same(renderer.gpu(), &found, &expected, &format!("frame {number}"));
     }
@@ -103,7 +103,7 @@ fn renderer_keeps_the_history_of_its_frames() {
     let shot = Shot { camera: kit::camera(48, 40), towards_sun: kit::sun(), number: 4 };
     renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();
     let found = renderer.ambient().unwrap().read(renderer.gpu()).unwrap();
-    let expected = visibility(&twin.ambient(&Seen::now(&renderer, &shot).surfaces()));
+    let expected = visibility(&twin.ambient(&GBuffer::now(&renderer, &shot).surfaces()));
     assert_same(renderer.gpu(), &found, &expected, "another size");
 }
 
@@ -123,7 +123,7 @@ fn reuse_lowers_the_noise() {
             let by = f64::from(number) * 110.0 / 120.0;
             let moved = |p: [f64; 3]| [0, 1, 2].map(|a| p[a] + by * right[a]);
             let camera = Camera { eye: moved(camera.eye), target: moved(camera.target), ..camera };
-            let seen = Seen::drawn(&mut renderer, camera, number);
+            let seen = GBuffer::drawn(&mut renderer, camera, number);
             let now = [seen.on_cpu(&alone), visibility(&twin.ambient(&seen.surfaces()))];
             let last = last.replace(now.clone());
             if let (Some(last), true) = (last, number >= 6) {
@@ -165,13 +165,13 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
         ["none", "bilateral"].map(|f| settings(&format!("issao:reuse=on:filter={f}"), 3.0));
     let [mut twin, mut filtered_twin] = [reusing, with_filter].map(Twin::new);
     for number in 0..8 {
-        let seen = Seen::drawn(&mut renderer, camera(0.0), number);
+        let seen = GBuffer::drawn(&mut renderer, camera(0.0), number);
         twin.ambient(&seen.surfaces());
         filtered_twin.ambient(&seen.surfaces());
     }
-    let before = Seen::drawn(&mut renderer, camera(0.0), 7);
+    let before = GBuffer::drawn(&mut renderer, camera(0.0), 7);
     let (old, new) = (camera(0.0).view(), camera(3.0).view());
-    let seen = Seen::drawn(&mut renderer, camera(3.0), 8);
+    let seen = GBuffer::drawn(&mut renderer, camera(3.0), 8);
     let [width, height] = seen.size();
     // Pixels whose point was not visible in the previous frame: each of the four pixels around its position there was
     // covered by something nearer or was outside the picture.

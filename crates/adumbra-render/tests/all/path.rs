@@ -7,7 +7,7 @@ use adumbra::{Bounds, Filter, PathSampler, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::voxel::{BakedLight, LightFile, MovingLight, PathDiscTwin, SoftTwin, VoxelSettings};
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
 use adumbra_shaders::layout::PointQuery;
@@ -105,7 +105,7 @@ fn pictures_of_a_moment_are_those_of_the_cpu() {
         ("voxel:soft:sun-degrees=3", 0.13, &|p, normal, pixel| disc.visibility(p, normal, pixel)),
     ];
     for (name, most_apart, expected) in cases {
-        let baked = Baked { light: Some(between(&keys)), other: None };
+        let baked = TechniqueFiles { light: Some(between(&keys)), other: None };
         let technique = build(renderer.gpu(), &name.parse().unwrap(), baked).unwrap();
         let mut prepared = renderer.prepare(technique).unwrap();
         renderer.draw(&shot, &mut prepared, Answer::Visibility).unwrap();
@@ -131,7 +131,7 @@ fn pictures_of_a_moment_are_those_of_the_cpu() {
     }
     println!("{guessed} pixels are guessed to be dark");
     assert!(guessed > 2, "{guessed}");
-    let whole = Baked { light: Some(LightFile::Whole(&keys[0])), other: None };
+    let whole = TechniqueFiles { light: Some(LightFile::Whole(&keys[0])), other: None };
     let of_file = build(renderer.gpu(), &"voxel:march=quick".parse().unwrap(), whole);
     assert!(of_file.is_err_and(|error| error.to_string().contains("march")));
 }
@@ -153,7 +153,7 @@ fn quick_look_ups_read_fewer_words(voxel_world: f64, [width, height]: [u32; 2]) 
     let sun = suns()[2].towards();
     let shot = Shot { camera: kit::camera(width, height), towards_sun: sun, number: 0 };
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
-    let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+    let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut prepared = renderer.prepare(none).unwrap();
     renderer.draw(&shot, &mut prepared, Answer::Visibility).unwrap();
     let anchor = shot.camera.view().eye.map(|c| f64::from(c as f32));
@@ -286,7 +286,7 @@ fn a_sun_that_moves_changes_its_keys_without_a_frame_between() {
     let sun = |azimuth, elevation| Sun::from_angles(azimuth, elevation).unwrap().towards();
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let mut picture = |light: LightFile<'_>, towards_sun, frames: u32| {
-        let baked = Baked { light: Some(light), other: None };
+        let baked = TechniqueFiles { light: Some(light), other: None };
         let technique = build(renderer.gpu(), &"voxel:filter=1".parse().unwrap(), baked).unwrap();
         let mut prepared = renderer.prepare(technique).unwrap();
         let mut factors = Vec::new();

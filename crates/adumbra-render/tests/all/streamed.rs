@@ -12,7 +12,7 @@ use adumbra::{Encoding, Filter, LightGrid, ShadowFile, Sun};
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::voxel::{BakedLight, LightFile, StreamedFile, Voxel, VoxelSettings};
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_shaders::layout::PointQuery;
 use adumbra_testing::{bake_file, full};
 
@@ -53,12 +53,12 @@ fn streamed_with(
     Arc::new(StreamedFile::open(streamer, upload_bytes, LIMIT).unwrap())
 }
 
-fn baked(file: &Arc<StreamedFile>) -> Baked<'_> {
-    Baked { light: Some(LightFile::Streamed(file)), other: None }
+fn baked(file: &Arc<StreamedFile>) -> TechniqueFiles<'_> {
+    TechniqueFiles { light: Some(LightFile::Streamed(file)), other: None }
 }
 
 /// Returns a technique's answers for all pixels of a frame.
-fn drawn(renderer: &mut Renderer, name: &str, file: Baked<'_>, answer: Answer) -> Vec<f32> {
+fn drawn(renderer: &mut Renderer, name: &str, file: TechniqueFiles<'_>, answer: Answer) -> Vec<f32> {
     let technique = build(renderer.gpu(), &name.parse().unwrap(), file).unwrap();
     let mut prepared = renderer.prepare(technique).unwrap();
     renderer.draw(&shot(), &mut prepared, answer).unwrap();
@@ -72,7 +72,7 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
     for name in ["voxel:filter=1", "voxel", "voxel:filter=17", "voxel:soft:sun-degrees=2", "voxel+csm"] {
         for answer in [Answer::Visibility, Answer::Voxel] {
-            let whole = drawn(&mut renderer, name, Baked::of(&scene.light), answer);
+            let whole = drawn(&mut renderer, name, TechniqueFiles::of(&scene.light), answer);
             let found = drawn(&mut renderer, name, baked(&file), answer);
             let differing = whole.iter().zip(&found).filter(|(a, b)| a.to_bits() != b.to_bits()).count();
             assert_eq!(differing, 0, "{name}, {answer:?}");
@@ -82,7 +82,7 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
     let levels = drawn(&mut renderer, "voxel", baked(&file), Answer::Resident);
     assert!(levels.iter().all(|level| [-1.0, 0.0].contains(level)) && levels.contains(&0.0));
     assert!(
-        build(renderer.gpu(), &"voxel".parse().unwrap(), Baked::of(&scene.light))
+        build(renderer.gpu(), &"voxel".parse().unwrap(), TechniqueFiles::of(&scene.light))
             .unwrap()
             .sources(Answer::Resident)
             .is_none()

@@ -3,7 +3,7 @@
 
 use adumbra::Filter;
 use adumbra_render::voxel::{BakedLight, MAX_WORD_BINDINGS, VoxelSettings};
-use adumbra_render::{Baked, Gpu, GpuOptions, RenderError, build};
+use adumbra_render::{Gpu, GpuOptions, RenderError, TechniqueFiles, build};
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::placements;
 
@@ -101,7 +101,7 @@ fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
     let baked = BakedScene::new(generate(GeneratedKind::Landscape, 3), [0.5, 0.8, 0.35], 64);
     let voxel = baked.light.grid.voxel_size;
     for name in ["voxel", "voxel:bias=2", "voxel:filter=17:slope=0.5", "voxel+csm:csm=cascades=2/filter=3"] {
-        let technique = build(&gpu, &name.parse().unwrap(), Baked::of(&baked.light)).unwrap();
+        let technique = build(&gpu, &name.parse().unwrap(), TechniqueFiles::of(&baked.light)).unwrap();
         assert_eq!((technique.name().as_str(), technique.texel_world(10.0)), (name, Some(voxel)));
     }
     let refused = "voxel+csm:csm=static=cached".parse::<adumbra_render::TechniqueSpec>().unwrap_err();

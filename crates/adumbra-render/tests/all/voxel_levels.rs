@@ -3,7 +3,7 @@
 use adumbra::Filter;
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra_render::maps::twin::Surface;
-use adumbra_render::{Answer, Baked, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 
 use crate::kit;
 use crate::kit::surfaces::surfaces;
@@ -15,7 +15,7 @@ fn shot() -> Shot {
 
 /// Returns the levels of a frame and the edge of a voxel in world units.
 fn levels(renderer: &mut Renderer, baked: &BakedScene, name: &str) -> (Vec<f32>, f64) {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::of(&baked.light)).unwrap();
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::of(&baked.light)).unwrap();
     let mut prepared = renderer.prepare(technique).unwrap();
     renderer.draw(&shot(), &mut prepared, Answer::Voxel).unwrap();
     let voxel_world = prepared.technique().voxel_world().unwrap();
@@ -76,7 +76,7 @@ fn voxel_levels_are_those_of_the_cpu_whatever_the_filter() {
 fn voxel_levels_are_of_baked_files_alone() {
     let gpu = kit::gpu();
     for name in ["none", "pcf:size=256", "csm:size=256", "hrsm:256-128", "blur"] {
-        let technique = build(&gpu, &name.parse().unwrap(), Baked::default()).unwrap();
+        let technique = build(&gpu, &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
         assert!(technique.sources(Answer::Voxel).is_none() && technique.voxel_world().is_none(), "{name}");
     }
 }

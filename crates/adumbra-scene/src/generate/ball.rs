@@ -3,7 +3,7 @@
 
 use std::f64::consts::PI;
 
-use crate::generate::shapes::Builder;
+use crate::generate::shapes::MeshBuilder;
 use crate::generate::{Scene, Stage};
 use crate::random::Random;
 use adumbra::grid::vec3::dot;
@@ -25,7 +25,7 @@ pub(super) fn generate(seed: u64) -> Scene {
     let mut stage = Stage::default();
     let white = stage.material("ball", 0xE8E4DA);
     let dimples = dimples(seed);
-    let mut ball = Builder::new("ball", white);
+    let mut ball = MeshBuilder::new("ball", white);
     ball.globe(GRID, |direction| {
         let radius =
             dimples.iter().fold(1.0, |radius: f64, dimple| radius.min(dimple.ball_radius(direction)));

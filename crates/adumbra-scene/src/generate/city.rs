@@ -6,7 +6,7 @@
 use crate::generate::city_buildings::{Lot, Palette, Site};
 use crate::generate::city_measures::{BLOCK_HALF, PAVEMENT};
 use crate::generate::city_street::{Furniture, furnish, plant};
-use crate::generate::shapes::Builder;
+use crate::generate::shapes::MeshBuilder;
 use crate::generate::{SINK, Scene, Stage};
 use crate::random::Random;
 
@@ -28,7 +28,7 @@ pub(super) fn generate(seed: u64) -> Scene {
     let furniture = Furniture::new(&mut stage);
 
     let side = PITCH * f64::from(BLOCKS);
-    let mut ground = Builder::new("ground", asphalt);
+    let mut ground = MeshBuilder::new("ground", asphalt);
     ground.block([0.0, -1.0, 0.0], [side, 1.0, side]);
     stage.mesh_in_place(ground.finish());
 
@@ -40,7 +40,7 @@ pub(super) fn generate(seed: u64) -> Scene {
             let mut random = Random::new(seed, 100 + number as u64);
             let centre = [i, j].map(|k| f64::from(k - BLOCKS / 2) * PITCH);
             let name = format!("block {}-{}", i + 1, j + 1);
-            let mut b = Builder::new(name, kerb);
+            let mut b = MeshBuilder::new(name, kerb);
             let [x, z] = centre;
             let (low, high) = (BLOCK_HALF, BLOCK_HALF - 0.3);
             b.ring([x - low, -SINK, z - low], [x + low, PAVEMENT + 0.02, z + low], 0.35);

@@ -1,7 +1,7 @@
 //! Buildings made of closed boxes: plain ones, towers with set-backs, offices with floor plates, slabs on a podium.
 
 use crate::generate::city_measures::PAVEMENT;
-use crate::generate::shapes::Builder;
+use crate::generate::shapes::MeshBuilder;
 use crate::generate::{SINK, Stage};
 use crate::random::Random;
 
@@ -64,7 +64,7 @@ impl Palette {
 
 /// Where buildings are placed, and what they are made of.
 pub(super) struct Site<'a> {
-    pub(super) builder: &'a mut Builder,
+    pub(super) builder: &'a mut MeshBuilder,
     pub(super) palette: &'a Palette,
     pub(super) random: &'a mut Random,
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::generate::city_measures::{BLOCK_HALF, PAVEMENT};
-use crate::generate::shapes::Builder;
-use crate::generate::{Place, SINK, Stage};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Placement, SINK, Stage};
 use crate::random::Random;
 
 /// The meshes of the street objects.
@@ -22,14 +22,14 @@ impl Furniture {
         let light = stage.material("lamp glass", 0xF2E6C4);
         let slats = stage.material("slats", 0x8F6A45);
         let bark = stage.material("bark", 0x6E5540);
-        let mut b = Builder::new("lamp post", iron);
+        let mut b = MeshBuilder::new("lamp post", iron);
         b.block([0.0, -SINK, 0.0], [0.3, 0.45, 0.3]);
         b.block([0.0, 0.3, 0.0], [0.13, 5.3, 0.13]);
         b.block([0.0, 5.45, 0.7], [0.1, 0.1, 1.6]);
         b.paint(light).block([0.0, 5.36, 1.25], [0.3, 0.14, 0.6]);
         let lamp = stage.mesh(b.finish());
 
-        let mut b = Builder::new("bench", iron);
+        let mut b = MeshBuilder::new("bench", iron);
         for x in [-0.75, 0.75] {
             b.block([x, -SINK, 0.0], [0.08, 0.45 + SINK, 0.45]);
             b.block([x, 0.4, -0.22], [0.08, 0.5, 0.08]);
@@ -38,7 +38,7 @@ impl Furniture {
         b.block([0.0, 0.6, -0.2], [1.9, 0.28, 0.06]);
         let bench = stage.mesh(b.finish());
 
-        let mut b = Builder::new("bin", iron);
+        let mut b = MeshBuilder::new("bin", iron);
         b.frustum([0.0; 2], [-SINK, 0.85], [0.24, 0.3], 8);
         let bin = stage.mesh(b.finish());
 
@@ -48,7 +48,7 @@ impl Furniture {
             .map(|(kind, green)| {
                 let leaves = stage.material("leaves", green);
                 let tall = 1.0 + 0.25 * kind as f64;
-                let mut b = Builder::new(format!("tree {}", kind + 1), bark);
+                let mut b = MeshBuilder::new(format!("tree {}", kind + 1), bark);
                 b.block([0.0, -SINK, 0.0], [0.3, 2.7, 0.3]);
                 b.paint(leaves).block([0.0, 2.3, 0.0], [2.3, 1.7 * tall, 2.1]);
                 b.block([0.35, 3.0, -0.2], [1.9, 1.9 * tall, 1.8]);
@@ -63,7 +63,7 @@ impl Furniture {
             .into_iter()
             .map(|(colour, srgb)| {
                 let paint = stage.material("car paint", srgb);
-                let mut b = Builder::new(format!("{colour} car"), paint);
+                let mut b = MeshBuilder::new(format!("{colour} car"), paint);
                 b.extrude(&CAR_BODY, -0.88, 0.88);
                 b.paint(glass).extrude(&CAR_CABIN, -0.74, 0.74);
                 b.paint(paint).block([-0.15, 1.38, 0.0], [1.7, 0.08, 1.42]);
@@ -102,7 +102,7 @@ pub(super) fn furnish(stage: &mut Stage, furniture: &Furniture, random: &mut Ran
                 2 => (-along, -out),
                 _ => (-out, along),
             };
-            Place::at([centre[0] + x, y, centre[1] + z]).turned(FRAC_PI_2 * f64::from(side))
+            Placement::at([centre[0] + x, y, centre[1] + z]).turned(FRAC_PI_2 * f64::from(side))
         };
         for along in [-24.0, -8.0, 8.0, 24.0] {
             stage.place(furniture.lamp, "lamp post".to_owned(), spot(along, BLOCK_HALF - 0.9, PAVEMENT));
@@ -143,7 +143,7 @@ pub(super) fn plant(stage: &mut Stage, furniture: &Furniture, random: &mut Rando
             if on_path || x * x + z * z < 120.0 || random.chance(0.3) {
                 continue;
             }
-            let place = Place::at([centre[0] + x, PAVEMENT + 0.05, centre[1] + z]).turned(random.angle());
+            let place = Placement::at([centre[0] + x, PAVEMENT + 0.05, centre[1] + z]).turned(random.angle());
             stage.place(
                 random.pick(&furniture.trees),
                 "tree".to_owned(),
@@ -152,7 +152,7 @@ pub(super) fn plant(stage: &mut Stage, furniture: &Furniture, random: &mut Rando
         }
     }
     for along in [-20.0, -13.0, 13.0, 20.0] {
-        let place = Place::at([centre[0] + along, PAVEMENT + 0.06, centre[1] + 1.9]);
+        let place = Placement::at([centre[0] + along, PAVEMENT + 0.06, centre[1] + 1.9]);
         stage.place(furniture.bench, "bench".to_owned(), place.turned(2.0 * FRAC_PI_2));
     }
 }

@@ -3,8 +3,8 @@
 //! are scaled up ten times (10 cm become 1 m), and it is seen from +Z. The walls are thick, so that bakes and rays
 //! agree on what is inside them. The seed moves the blocks slightly.
 
-use crate::generate::shapes::Builder;
-use crate::generate::{Place, SINK, Scene, Stage};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Placement, SINK, Scene, Stage};
 use crate::random::Random;
 
 /// Half the room's width and depth, and its height, metres.
@@ -19,7 +19,7 @@ const BLOCKS: [(&str, f64, [f64; 2], f64); 2] =
 /// Largest distance and angle by which the seed moves and rotates a block.
 const STRAY: f64 = 0.05;
 
-/// The corners of a box's faces, numbered as in [`Builder::cuboid`], without the open face: left, right, floor,
+/// The corners of a box's faces, numbered as in [`MeshBuilder::cuboid`], without the open face: left, right, floor,
 /// ceiling, back.
 const SIDES: [[usize; 4]; 5] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1]];
 /// The corners around the open face.
@@ -33,7 +33,7 @@ pub(super) fn generate(seed: u64) -> Scene {
     let left = stage.material("left", 0xB2433B);
     let right = stage.material("right", 0x5A9A4E);
 
-    let mut room = Builder::new("room", outside);
+    let mut room = MeshBuilder::new("room", outside);
     let mut corners = |out: f64| -> [u32; 8] {
         std::array::from_fn(|i| {
             let end = |axis: usize, low: f64, high: f64| if i >> axis & 1 == 0 { low } else { high };
@@ -59,11 +59,11 @@ pub(super) fn generate(seed: u64) -> Scene {
     stage.mesh_in_place(room.finish());
 
     for (name, height, [x, z], yaw) in BLOCKS {
-        let mut block = Builder::new(name, white);
+        let mut block = MeshBuilder::new(name, white);
         block.block([0.0, -SINK, 0.0], [SIDE, height + SINK, SIDE]);
         let mesh = stage.mesh(block.finish());
         let mut stray = || random.range(-STRAY, STRAY);
-        let place = Place::at([x + stray(), 0.0, z + stray()]).turned(yaw + stray());
+        let place = Placement::at([x + stray(), 0.0, z + stray()]).turned(yaw + stray());
         stage.place(mesh, name.to_owned(), place);
     }
     stage.finish()

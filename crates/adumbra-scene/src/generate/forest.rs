@@ -4,8 +4,8 @@
 //! two million triangles are placed.
 
 use crate::generate::leaf_image::leaf_spray;
-use crate::generate::shapes::Builder;
-use crate::generate::{Place, SINK, Scene, Stage};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Placement, SINK, Scene, Stage};
 use crate::random::Random;
 use crate::{AlphaMode, Material};
 use adumbra::grid::vec3::{cross, normalize};
@@ -51,7 +51,7 @@ pub(super) fn generate(seed: u64) -> Scene {
         ..Material::opaque("leaves", [1.0; 4])
     });
 
-    let mut ground = Builder::new("ground", earth);
+    let mut ground = MeshBuilder::new("ground", earth);
     let [width, depth] = TREES.map(|count| f64::from(count) * PITCH + 2.0 * EDGE);
     ground.block([0.0, -1.0, 0.0], [width, 1.0, depth]);
     stage.mesh_in_place(ground.finish());
@@ -61,7 +61,7 @@ pub(super) fn generate(seed: u64) -> Scene {
         .zip(0..)
         .map(|(crown, kind)| {
             let mut random = Random::new(seed, 61 + kind);
-            let mut tree = Builder::new(crown.name, bark);
+            let mut tree = MeshBuilder::new(crown.name, bark);
             let top = crown.ends[0] + 0.9 * (crown.ends[1] - crown.ends[0]);
             tree.frustum([0.0; 2], [-SINK, top], [0.24, 0.04], 6);
             tree.paint(leaves);
@@ -79,7 +79,7 @@ pub(super) fn generate(seed: u64) -> Scene {
                 (f64::from(n) - f64::from(count - 1) / 2.0) * PITCH + random.range(-0.35, 0.35) * PITCH
             };
             let (x, z) = (along(i, TREES[0]), along(j, TREES[1]));
-            let place = Place::at([x, 0.0, z]).turned(random.angle()).scaled(random.range(0.8, 1.15));
+            let place = Placement::at([x, 0.0, z]).turned(random.angle()).scaled(random.range(0.8, 1.15));
             stage.place(random.pick(&kinds), format!("tree {i} {j}"), place);
         }
     }
@@ -87,7 +87,7 @@ pub(super) fn generate(seed: u64) -> Scene {
 }
 
 /// Adds two cards that cross at right angles along a twig, in the outer half of the crown.
-fn add_pair(tree: &mut Builder, crown: &Crown, random: &mut Random) {
+fn add_pair(tree: &mut MeshBuilder, crown: &Crown, random: &mut Random) {
     let [low, high] = crown.ends;
     let share = random.unit();
     // The part of the way up at which as much of the crown's surface is below as above, for a share of a half.

@@ -1,7 +1,7 @@
 //! Adds a ground to models that have none.
 
-use crate::generate::shapes::Builder;
-use crate::generate::{Place, Stage};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Placement, Stage};
 use adumbra::{RangeError, RangeField};
 
 use crate::{Result, Scene};
@@ -34,11 +34,11 @@ impl Scene {
         let middle = |a: usize| (bounds.min[a] + bounds.max[a]) / 2.0;
         let mut stage = Stage { scene: std::mem::take(self) };
         let material = stage.material("ground", 0xB9B4AA);
-        let mut slab = Builder::new("ground", material);
+        let mut slab = MeshBuilder::new("ground", material);
         slab.block([0.0, -side * THICKNESS_SHARE, 0.0], [side, side * THICKNESS_SHARE, side]);
         let slab = stage.mesh(slab.finish());
         let top = bounds.min[1] + extent * SINK_SHARE;
-        stage.place(slab, "ground".to_owned(), Place::at([middle(0), top, middle(2)]));
+        stage.place(slab, "ground".to_owned(), Placement::at([middle(0), top, middle(2)]));
         *self = stage.finish();
         Ok(())
     }

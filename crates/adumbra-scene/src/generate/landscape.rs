@@ -4,8 +4,8 @@
 
 use crate::generate::landscape_props::HOUSE_HALF;
 use crate::generate::noise::{fractal_noise, smooth_step, value_noise};
-use crate::generate::shapes::Builder;
-use crate::generate::{Mesh, Place, Scene, Stage, landscape_props as props};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Mesh, Placement, Scene, Stage, landscape_props as props};
 use crate::random::Random;
 
 /// Number of terrain cells along each side, and their side in metres, which is exact in `f32`.
@@ -76,7 +76,7 @@ impl Terrain {
         ];
         let rock = stage.material("rock face", 0x8B8780);
         let scree = stage.material("high ground", 0xA6A292);
-        let mut builder = Builder::new("terrain", water);
+        let mut builder = MeshBuilder::new("terrain", water);
         for j in 0..=CELLS {
             for i in 0..=CELLS {
                 let [x, z] = corner(i, j);
@@ -168,7 +168,7 @@ fn place_houses(stage: &mut Stage, terrain: &Terrain, seed: u64) -> Vec<[f64; 2]
             continue;
         }
         if let Some(y) = buildable(at) {
-            let place = Place::at([at[0], y - 0.1, at[1]]).turned(yaw).scaled(scale);
+            let place = Placement::at([at[0], y - 0.1, at[1]]).turned(yaw).scaled(scale);
             stage.place(mesh, format!("house {}", houses.len() + 1), place);
             houses.push(at);
         }
@@ -197,7 +197,7 @@ fn place_trees(stage: &mut Stage, terrain: &Terrain, seed: u64, houses: &[[f64; 
         } else {
             random.pick(&round)
         };
-        let place = Place::at([at[0], y, at[1]]).turned(yaw).scaled(scale);
+        let place = Placement::at([at[0], y, at[1]]).turned(yaw).scaled(scale);
         placed += 1;
         stage.place(mesh, format!("tree {placed}"), place);
     }
@@ -220,7 +220,7 @@ fn place_rocks(stage: &mut Stage, terrain: &Terrain, seed: u64, houses: &[[f64; 
         if !random.chance(wanted) || near(houses, at, 10.0) {
             continue;
         }
-        let mut place = Place::at([at[0], y - 0.25 * radius, at[1]]).turned(random.angle());
+        let mut place = Placement::at([at[0], y - 0.25 * radius, at[1]]).turned(random.angle());
         place.scale = [radius, radius * random.range(0.6, 1.0), radius * random.range(0.7, 1.0)];
         placed += 1;
         stage.place(random.pick(&rocks), format!("rock {placed}"), place);

@@ -1,6 +1,6 @@
 //! The objects of the landscape: trees, rocks and houses, each made of closed parts that reach into the ground.
 
-use crate::generate::shapes::Builder;
+use crate::generate::shapes::MeshBuilder;
 use crate::generate::{SINK, Stage};
 use crate::random::Random;
 
@@ -17,7 +17,7 @@ pub(super) fn conifers(stage: &mut Stage) -> Vec<u32> {
     [(needles[0], 3, 9.0, 2.1), (needles[1], 2, 7.0, 2.4)]
         .into_iter()
         .map(|(green, cones, height, radius)| {
-            let mut b = Builder::new(format!("conifer of {cones} cones"), bark);
+            let mut b = MeshBuilder::new(format!("conifer of {cones} cones"), bark);
             b.frustum([0.0; 2], [ROOT, height * 0.35], [0.28, 0.2], 6);
             b.paint(green);
             let step = (height - 1.4) / (f64::from(cones) + 0.6);
@@ -47,7 +47,7 @@ pub(super) fn round_trees(stage: &mut Stage) -> Vec<u32> {
         .enumerate()
         .map(|(kind, (crown, green))| {
             let mut random = Random::new(kind as u64, 7);
-            let mut b = Builder::new(format!("round tree {}", kind + 1), bark);
+            let mut b = MeshBuilder::new(format!("round tree {}", kind + 1), bark);
             b.frustum([0.0; 2], [ROOT, 3.6], [0.3, 0.2], 6);
             b.paint(green);
             for &[x, y, z, wide, tall] in *crown {
@@ -68,7 +68,7 @@ pub(super) fn rocks(stage: &mut Stage, seed: u64) -> Vec<u32> {
         .zip(greys)
         .map(|(kind, grey)| {
             let mut random = Random::new(seed, 8 + u64::from(kind));
-            let mut b = Builder::new(format!("rock {}", kind + 1), grey);
+            let mut b = MeshBuilder::new(format!("rock {}", kind + 1), grey);
             b.ball(kind.min(1), |d| {
                 let r = random.range(0.75, 1.1);
                 d.map(|c| c * r)
@@ -96,7 +96,7 @@ pub(super) fn houses(stage: &mut Stage) -> Vec<u32> {
             let tiles = stage.material("roof", tile);
             let (w, l) = (width / 2.0, length / 2.0);
             let ridge = eaves + 0.8 * w;
-            let mut b = Builder::new(format!("house {}", kind + 1), plaster);
+            let mut b = MeshBuilder::new(format!("house {}", kind + 1), plaster);
             b.extrude(&[[-w, -3.0], [w, -3.0], [w, eaves], [0.0, ridge], [-w, eaves]], -l, l);
             // The roof's underside is slightly inside the gable, and the eaves project by half a metre.
             let (out, thick) = (w + 0.5, 0.25);

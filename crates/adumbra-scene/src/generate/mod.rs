@@ -68,7 +68,7 @@ pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
 
 /// A ball of radius 1 about the origin: 1,280 triangles, with the corners on the sphere.
 pub(super) fn unit_ball(name: &str, material: u32) -> Mesh {
-    let mut builder = shapes::Builder::new(name, material);
+    let mut builder = shapes::MeshBuilder::new(name, material);
     builder.ball(3, |direction| direction);
     builder.finish()
 }
@@ -84,14 +84,14 @@ struct Stage {
 
 /// The placement of an instance.
 #[derive(Clone, Copy)]
-struct Place {
+struct Placement {
     position: [f64; 3],
     /// Rotation about Y, radians.
     yaw: f64,
     scale: [f64; 3],
 }
 
-impl Place {
+impl Placement {
     fn at(position: [f64; 3]) -> Self {
         Self { position, yaw: 0.0, scale: [1.0; 3] }
     }
@@ -119,7 +119,7 @@ impl Stage {
     }
 
     /// Places a mesh. The transform is rounded to `f32`, so that a file stores it exactly.
-    fn place(&mut self, mesh: u32, name: String, place: Place) {
+    fn place(&mut self, mesh: u32, name: String, place: Placement) {
         let (s, c) = (libm::sin(place.yaw), libm::cos(place.yaw));
         let [x, y, z] = place.position;
         let [sx, sy, sz] = place.scale;
@@ -134,7 +134,7 @@ impl Stage {
     fn mesh_in_place(&mut self, mesh: Mesh) {
         let name = mesh.name.clone();
         let mesh = self.mesh(mesh);
-        self.place(mesh, name, Place::at([0.0; 3]));
+        self.place(mesh, name, Placement::at([0.0; 3]));
     }
 
     fn finish(self) -> Scene {

@@ -2,8 +2,8 @@
 
 use std::f64::consts::PI;
 
-use crate::generate::shapes::Builder;
-use crate::generate::{Mesh, Place, SINK, Scene, Stage};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Mesh, Placement, SINK, Scene, Stage};
 use crate::random::Random;
 
 pub(super) fn generate(seed: u64) -> Scene {
@@ -11,7 +11,7 @@ pub(super) fn generate(seed: u64) -> Scene {
     let mut stage = Stage::default();
     let edge = stage.material("board edge", 0x6B665E);
     let tops = [stage.material("board light", 0xCFCBC0), stage.material("board dark", 0xB3AFA5)];
-    let mut board = Builder::new("ground", edge);
+    let mut board = MeshBuilder::new("ground", edge);
     board.board(24.0, 0.5, 12, tops);
     stage.mesh_in_place(board.finish());
 
@@ -36,7 +36,7 @@ pub(super) fn generate(seed: u64) -> Scene {
         let (x, z) = (along(i), along(j));
         let yaw = random.range(-0.5, 0.5);
         let scale = random.range(0.9, 1.2);
-        stage.place(mesh, name.to_owned(), Place::at([x, 0.0, z]).turned(yaw).scaled(scale));
+        stage.place(mesh, name.to_owned(), Placement::at([x, 0.0, z]).turned(yaw).scaled(scale));
     }
     stage.finish()
 }
@@ -45,10 +45,10 @@ fn shape(
     stage: &mut Stage,
     name: &'static str,
     srgb: u32,
-    build: impl FnOnce(&mut Builder),
+    build: impl FnOnce(&mut MeshBuilder),
 ) -> (&'static str, u32) {
     let material = stage.material(name, srgb);
-    let mut builder = Builder::new(name, material);
+    let mut builder = MeshBuilder::new(name, material);
     build(&mut builder);
     let mesh: Mesh = builder.finish();
     (name, stage.mesh(mesh))

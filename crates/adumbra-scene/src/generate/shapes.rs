@@ -7,12 +7,12 @@ use crate::generate::Mesh;
 use adumbra::grid::vec3::{cross, normalize};
 
 /// Builds a mesh. New triangles get the material last set with `paint`.
-pub(super) struct Builder {
+pub(super) struct MeshBuilder {
     mesh: Mesh,
     material: u32,
 }
 
-impl Builder {
+impl MeshBuilder {
     pub(super) fn new(name: impl Into<String>, material: u32) -> Self {
         Self { mesh: Mesh { name: name.into(), ..Mesh::default() }, material }
     }

@@ -1,7 +1,7 @@
 //! The sphere field: spheres of many sizes on and above a square board, all instances of one mesh.
 
-use crate::generate::shapes::Builder;
-use crate::generate::{Place, SINK, Scene, Stage};
+use crate::generate::shapes::MeshBuilder;
+use crate::generate::{Placement, SINK, Scene, Stage};
 use crate::random::Random;
 
 /// Number of spheres along each side.
@@ -16,11 +16,11 @@ pub(super) fn generate(seed: u64) -> Scene {
     let tops = [stage.material("board light", 0xC9C3B5), stage.material("board dark", 0xA8A69C)];
     let orange = stage.material("sphere", 0xE29A5B);
 
-    let mut board = Builder::new("ground", edge);
+    let mut board = MeshBuilder::new("ground", edge);
     board.board(f64::from(COUNT + 1) * PITCH, 1.0, COUNT + 1, tops);
     stage.mesh_in_place(board.finish());
 
-    let mut sphere = Builder::new("sphere", orange);
+    let mut sphere = MeshBuilder::new("sphere", orange);
     sphere.ball(3, |d| d);
     let sphere = stage.mesh(sphere.finish());
 
@@ -32,7 +32,7 @@ pub(super) fn generate(seed: u64) -> Scene {
                 |k: u32| (f64::from(k) - f64::from(COUNT - 1) / 2.0) * PITCH + random.range(-free, free);
             let (x, z) = (along(i), along(j));
             let floating = if random.chance(0.4) { random.range(0.5, 7.0) } else { -SINK };
-            let place = Place::at([x, radius + floating, z]).turned(random.angle()).scaled(radius);
+            let place = Placement::at([x, radius + floating, z]).turned(random.angle()).scaled(radius);
             stage.place(sphere, format!("sphere {i} {j}"), place);
         }
     }

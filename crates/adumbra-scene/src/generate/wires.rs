@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::generate::shapes::Builder;
+use crate::generate::shapes::MeshBuilder;
 use crate::generate::{Scene, Stage};
 use crate::random::Random;
 
@@ -46,8 +46,8 @@ fn on_circle(post: f64, y: f64, share: f64) -> [f64; 3] {
     [a[0] + (b[0] - a[0]) * t, y, a[1] + (b[1] - a[1]) * t]
 }
 
-fn frame(material: u32) -> Builder {
-    let mut b = Builder::new("frame", material);
+fn frame(material: u32) -> MeshBuilder {
+    let mut b = MeshBuilder::new("frame", material);
     let halfway = (EAVES + APEX[1]) / 2.0;
     for k in 0..POSTS {
         let (here, next) = (k as f64, (k + 1) as f64);
@@ -66,9 +66,9 @@ fn bays() -> impl Iterator<Item = f64> {
     (0..POSTS).filter(|k| (k + 1) % (POSTS / 2) != 0).map(|k| k as f64)
 }
 
-fn railing(material: u32, random: &mut Random) -> Builder {
+fn railing(material: u32, random: &mut Random) -> MeshBuilder {
     const BALUSTERS: u32 = 20;
-    let mut b = Builder::new("railing", material);
+    let mut b = MeshBuilder::new("railing", material);
     for k in bays() {
         for (y, radius) in [(0.1, 0.012), (0.95, 0.018)] {
             b.rod(on_circle(k, y, 1.0), on_circle(k + 1.0, y, 1.0), radius, 6);
@@ -83,9 +83,9 @@ fn railing(material: u32, random: &mut Random) -> Builder {
 }
 
 /// Crossed braces above the railing, and a cable from the mast to the roof.
-fn wires(material: u32, random: &mut Random) -> Builder {
+fn wires(material: u32, random: &mut Random) -> MeshBuilder {
     const SEGMENTS: u32 = 16;
-    let mut b = Builder::new("wires", material);
+    let mut b = MeshBuilder::new("wires", material);
     for k in bays() {
         for [foot, head] in [[k, k + 1.0], [k + 1.0, k]] {
             let (low, high) = (random.range(0.95, 1.15), random.range(2.95, 3.15));
@@ -105,9 +105,9 @@ fn wires(material: u32, random: &mut Random) -> Builder {
 }
 
 /// A net of wires in both directions at 45 degrees, between stakes.
-fn net(material: u32) -> Builder {
+fn net(material: u32) -> MeshBuilder {
     let [left, right, low, high, z] = NET;
-    let mut b = Builder::new("net", material);
+    let mut b = MeshBuilder::new("net", material);
     for i in 0..=4 {
         let x = left + (right - left) * f64::from(i) / 4.0;
         b.rod([x, 0.0, z], [x, high + 0.1, z], 0.025, 6);

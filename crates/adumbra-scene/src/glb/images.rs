@@ -4,7 +4,7 @@
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, Filter};
 use serde::Serialize;
 
-use super::Document;
+use super::GltfJson;
 use crate::{Pixels, Scene, Texture, Wrap};
 
 const NEAREST: u32 = 9728;
@@ -14,7 +14,7 @@ const MIRRORED_REPEAT: u32 = 33648;
 const REPEAT: u32 = 10497;
 
 /// Appends the scene's textures to the file.
-pub(super) fn push_textures<'a>(scene: &'a Scene, document: &mut Document<'a>, bin: &mut Vec<u8>) {
+pub(super) fn push_textures<'a>(scene: &'a Scene, document: &mut GltfJson<'a>, bin: &mut Vec<u8>) {
     for (n, texture) in scene.textures.iter().enumerate() {
         let start = bin.len();
         // Writing to memory does not fail, and `pixels_of` gives as many bytes as the size requires.

@@ -91,10 +91,10 @@ impl Animations {
 
     fn of(extents: &Extents<'_>, mut of_node: HashMap<usize, Tracks>) -> Self {
         let nodes = extents.nodes;
-        let mut all = Self { moving: Vec::new(), hangs_on: vec![None; nodes.place.len()] };
+        let mut all = Self { moving: Vec::new(), hangs_on: vec![None; nodes.transforms.len()] };
         for &node in &nodes.order {
             let above = nodes.parent[node].and_then(|p| all.hangs_on[p]);
-            let rest = nodes.place[node].rest();
+            let rest = nodes.transforms[node].rest();
             let tracks = of_node.remove(&node).filter(|tracks| extents.are_moved(node, &rest, tracks));
             all.hangs_on[node] = match tracks {
                 Some(tracks) => {
@@ -103,7 +103,7 @@ impl Animations {
                     all.moving.push(MovingNode { parent, above, rest, tracks });
                     Some((all.moving.len() as u32 - 1, IDENTITY))
                 }
-                None => above.map(|(on, map)| (on, multiply(&map, &nodes.place[node].map()))),
+                None => above.map(|(on, map)| (on, multiply(&map, &nodes.transforms[node].map()))),
             };
         }
         all

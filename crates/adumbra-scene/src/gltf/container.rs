@@ -16,7 +16,7 @@ use crate::gltf::uris;
 use crate::sources::Sources;
 
 /// The parts of a file.
-pub(super) struct Parts<'a> {
+pub(super) struct Container<'a> {
     /// The JSON, without a byte-order mark and without padding.
     pub(super) json: &'a [u8],
     /// The binary chunk.
@@ -37,12 +37,12 @@ const MAX_CHUNKS: usize = 1024;
 ///
 /// # Errors
 /// Returns [`Error::GltfVersion`] for version 1 of the container, and [`Error::SceneParse`] if it is broken.
-pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Parts<'a>> {
+pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>> {
     if !bytes.starts_with(b"glTF") {
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("glb")) {
             return Err(bad(path, "it does not begin with the letters glTF"));
         }
-        return Ok(Parts { json: bare(bytes), bin: None, others: Vec::new() });
+        return Ok(Container { json: bare(bytes), bin: None, others: Vec::new() });
     }
     let cut_off = |length: usize| {
         bad(path, format!("it is cut off: only {} of {length} bytes are present", bytes.len()))
@@ -78,7 +78,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Parts<'a>> {
         at = end;
     }
     let json = json.ok_or_else(|| bad(path, "it has no JSON chunk"))?;
-    Ok(Parts { json: bare(json), bin, others })
+    Ok(Container { json: bare(json), bin, others })
 }
 
 /// JSON without a byte-order mark before it, and without the spaces or zeros after it that fill its chunk.

@@ -17,13 +17,13 @@ use crate::budget::Budget;
 use crate::error::{Error, Result};
 use crate::gltf::faults::{Faults, bad};
 use crate::gltf::numbers::{make_whole, whole};
-use crate::gltf::places::Place;
+use crate::gltf::transforms::NodeTransform;
 
 /// A parsed file.
-pub(super) struct Document {
+pub(super) struct GltfDocument {
     pub(super) root: Root,
     /// The transforms of all nodes, in double precision.
-    pub(super) places: Vec<Place>,
+    pub(super) transforms: Vec<NodeTransform>,
     /// For each light of `KHR_lights_punctual`, whether it is directional and shines.
     pub(super) lights: Vec<bool>,
     /// Number of morph targets of texture coordinates or colours.
@@ -55,7 +55,7 @@ fn broken(error: &serde_json::Error) -> String {
     format!("its JSON is broken at line {}, column {}: {what}", error.line(), error.column())
 }
 
-impl Document {
+impl GltfDocument {
     /// Parses the JSON of a file.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl Document {
             textures: lists.read("textures", "texture", "{}")?,
             ..Root::default()
         };
-        let places = lists.read("nodes", "node", "{}")?;
+        let transforms = lists.read("nodes", "node", "{}")?;
         if members.get("cameras").is_some_and(|raw| raw.get().starts_with('[')) {
             // Only for the warning about those that cannot be read.
             let empty = r#"{"type":"perspective","perspective":{"yfov":1,"znear":1}}"#;
@@ -110,7 +110,7 @@ impl Document {
             root.scene = Some(Index::new(number));
         }
         let lights = lights(&members);
-        Ok(Self { root, places, lights, other_targets, other_channels, faults, warnings })
+        Ok(Self { root, transforms, lights, other_targets, other_channels, faults, warnings })
     }
 }
 
@@ -328,7 +328,7 @@ mod tests {
     fn faults_are_errors_only_where_they_are_used() {
         let path = Path::new("a.gltf");
         let json = br#"{"asset": {"version": "2.0"}, "cameras": 5, "accessors": [{"count": "x"}], "meshes": [{}, {}]}"#;
-        let document = Document::parse(path, json, &Budget::new(path, None)).expect("is read");
+        let document = GltfDocument::parse(path, json, &Budget::new(path, None)).expect("is read");
         assert_eq!((document.root.accessors.len(), document.root.meshes.len()), (1, 2));
         let message = document.faults.check(path, "accessor", 0).expect_err("has no type").to_string();
         assert!(message.contains("accessor 0 cannot be read: ") && !message.contains("line 1"), "{message}");

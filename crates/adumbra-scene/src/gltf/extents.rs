@@ -55,7 +55,7 @@ impl MeshBox {
 
 impl<'a> Extents<'a> {
     pub(super) fn new(nodes: &'a Nodes) -> Self {
-        Self { nodes, of_node: vec![NOTHING; nodes.place.len()] }
+        Self { nodes, of_node: vec![NOTHING; nodes.transforms.len()] }
     }
 
     /// Adds a mesh to the node that it is on.
@@ -72,7 +72,7 @@ impl<'a> Extents<'a> {
     pub(super) fn gather(&mut self) {
         for &node in self.nodes.order.iter().rev() {
             let Some(parent) = self.nodes.parent[node] else { continue };
-            let (below, map) = (self.of_node[node], self.nodes.place[node].map());
+            let (below, map) = (self.of_node[node], self.nodes.transforms[node].map());
             if below.is_nothing() {
                 continue;
             }

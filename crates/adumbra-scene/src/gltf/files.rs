@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use ::gltf::json::Root;
 
 use super::container::split;
-use super::document::Document;
+use super::document::GltfDocument;
 use super::uris;
 use crate::sources::{Sources, leaves};
 use crate::{LoadOptions, Result};
@@ -32,7 +32,7 @@ pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
 pub fn files_of_gltf(path: &Path, bytes: &[u8]) -> Result<Vec<PathBuf>> {
     let sources = Sources::new(path, "glTF", &LoadOptions::default());
     sources.budget.allow_for(bytes.len() as u64);
-    let root = Document::parse(path, split(path, bytes)?.json, &sources.budget)?.root;
+    let root = GltfDocument::parse(path, split(path, bytes)?.json, &sources.budget)?.root;
     let paths = named(&root).map(|name| PathBuf::from(name.replace('\\', "/")));
     let mut paths: Vec<PathBuf> = paths.filter(|path| !leaves(path)).collect();
     paths.sort_unstable();

@@ -20,7 +20,7 @@ use crate::validate::{Sieve, check_vertex};
 use crate::{AlphaMode, Error, Mesh, Result, linear_to_srgb};
 
 /// Builds meshes from primitives.
-pub(super) struct Builder<'a> {
+pub(super) struct MeshBuilder<'a> {
     path: &'a Path,
     root: &'a Root,
     buffers: &'a Buffers<'a>,
@@ -120,7 +120,7 @@ const VERTEX_BYTES: u64 = 24;
 /// Bytes per vertex in the look-up table used while its mesh is built.
 const TABLE_BYTES: u64 = 28;
 
-impl<'a> Builder<'a> {
+impl<'a> MeshBuilder<'a> {
     pub(super) fn new(
         path: &'a Path,
         root: &'a Root,

@@ -12,12 +12,12 @@ use crate::gltf::casting::Casting;
 use crate::gltf::container::Buffers;
 use crate::gltf::faults::{Faults, bad};
 use crate::gltf::numbers::index_of;
-use crate::gltf::places::Place;
+use crate::gltf::transforms::NodeTransform;
 
 /// The node tree with its world transforms.
 pub(super) struct Nodes {
     /// The local transform of every node.
-    pub(super) place: Vec<Place>,
+    pub(super) transforms: Vec<NodeTransform>,
     /// World transform of every node.
     pub(super) world: Vec<Affine>,
     /// The parent of every node.
@@ -40,7 +40,7 @@ impl Nodes {
     pub(super) fn load(
         path: &Path,
         root: &Root,
-        place: Vec<Place>,
+        transforms: Vec<NodeTransform>,
         lights: &[bool],
         faults: &Faults,
         casting: &mut Casting,
@@ -69,7 +69,7 @@ impl Nodes {
             order.push(index);
             let node = &root.nodes[index];
             let above = parent[index].map_or(IDENTITY, |p| world[p]);
-            world[index] = multiply(&above, &place[index].map());
+            world[index] = multiply(&above, &transforms[index].map());
             if !is_finite(&world[index]) {
                 let what = format!("the transform of node {:?}", name(node, index));
                 return Err(Error::NotFinite { path: path.to_owned(), what });
@@ -105,7 +105,7 @@ impl Nodes {
         let coarse = with_all_below(root, is_coarse);
         let unreached = (0..count).filter(|&i| root.nodes[i].mesh.is_some() && !walk.seen[i] && !coarse[i]);
         let unreached = unreached.count() as u64;
-        Ok(Self { place, world, parent, order, drawn: walk.drawn, suns, is_empty_scene, unreached })
+        Ok(Self { transforms, world, parent, order, drawn: walk.drawn, suns, is_empty_scene, unreached })
     }
 
     /// The light of the first of the suns.

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 
 use super::casting::Casting;
 use super::container::split;
-use super::document::Document;
+use super::document::GltfDocument;
 use super::faults::bad;
 use super::nodes::Nodes;
 use crate::affine::compose;
@@ -40,17 +40,17 @@ pub fn write_shadow_name(path: &Path, name: &str, sun: Sun) -> Result<()> {
 }
 
 /// The parts of a JSON object, as texts.
-type Parts = BTreeMap<String, Box<RawValue>>;
+type JsonMembers = BTreeMap<String, Box<RawValue>>;
 
 /// Returns a glTF file's bytes with the name of a shadow file.
 fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<Vec<u8>> {
     let parts = split(path, bytes)?;
     let budget = Budget::new(path, None);
-    let Document { root: document, places, lights: kinds, faults, .. } =
-        Document::parse(path, parts.json, &budget)?;
-    let nodes = Nodes::load(path, &document, places, &kinds, &faults, &mut Casting::default())?;
+    let GltfDocument { root: document, transforms, lights: kinds, faults, .. } =
+        GltfDocument::parse(path, parts.json, &budget)?;
+    let nodes = Nodes::load(path, &document, transforms, &kinds, &faults, &mut Casting::default())?;
     let fault = |e: serde_json::Error| bad(path, e.to_string());
-    let mut root: Parts = serde_json::from_slice(parts.json).map_err(fault)?;
+    let mut root: JsonMembers = serde_json::from_slice(parts.json).map_err(fault)?;
     let mut extensions: Value = read(&root, "extensions").map_err(fault)?.unwrap_or_else(|| json!({}));
     let no_object = |what: &str| bad(path, format!("{what} is no JSON object"));
     let of_lights = member(&mut extensions, LIGHTS).ok_or_else(|| no_object("extensions"))?;
@@ -84,11 +84,11 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
 
 /// Adds a node with light `index` to the scene, and the extension to those in use. A file without scenes draws all of
 /// its nodes.
-fn add_light(path: &Path, root: &mut Parts, index: usize, scene: usize, sun: Sun) -> Result<()> {
+fn add_light(path: &Path, root: &mut JsonMembers, index: usize, scene: usize, sun: Sun) -> Result<()> {
     let fault = |e: serde_json::Error| bad(path, e.to_string());
     // Nodes and scenes keep their own text.
     let mut nodes: Vec<Box<RawValue>> = read(root, "nodes").map_err(fault)?.unwrap_or_default();
-    let mut scenes: Vec<Parts> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
+    let mut scenes: Vec<JsonMembers> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
     let mut used: Vec<Value> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
     let node = json!({
         "name": "sun", "matrix": placement(sun), "extensions": {LIGHTS: {"light": index}},
@@ -120,7 +120,7 @@ fn member<'v>(value: &'v mut Value, name: &str) -> Option<&'v mut Value> {
     Some(value.as_object_mut()?.entry(name).or_insert(Value::Null))
 }
 
-fn read<T: serde::de::DeserializeOwned>(parts: &Parts, name: &str) -> serde_json::Result<Option<T>> {
+fn read<T: serde::de::DeserializeOwned>(parts: &JsonMembers, name: &str) -> serde_json::Result<Option<T>> {
     parts
         .get(name)
         .filter(|text| text.get() != "null")

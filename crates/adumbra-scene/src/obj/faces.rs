@@ -29,7 +29,7 @@ const NONE: u32 = u32::MAX;
 
 /// The meshes of a file.
 #[derive(Default)]
-pub(super) struct Built {
+pub(super) struct ObjMeshes {
     pub(super) meshes: Vec<Mesh>,
     /// For each material of the scene, whether a face has it.
     pub(super) used: Vec<bool>,
@@ -76,7 +76,7 @@ struct Reader<'a> {
     corners: Vec<Corner>,
     points: Vec<[f32; 3]>,
     cutter: Cutter,
-    out: Built,
+    out: ObjMeshes,
 }
 
 /// Reads the faces. `uvs` are the file's texture coordinates, or none if no material needs them.
@@ -90,7 +90,7 @@ pub(super) fn read(
     uvs: &[[f32; 2]],
     library: &Library,
     options: &LoadOptions,
-) -> Result<Built> {
+) -> Result<ObjMeshes> {
     let mut reader = Reader {
         sources,
         survey,
@@ -103,7 +103,7 @@ pub(super) fn read(
         corners: Vec::new(),
         points: Vec::new(),
         cutter: Cutter::default(),
-        out: Built { used: vec![false; library.list.len() + 1], ..Built::default() },
+        out: ObjMeshes { used: vec![false; library.list.len() + 1], ..ObjMeshes::default() },
     };
     let vertices = survey.positions.len();
     make_room(&sources.budget, &mut reader.welder.plain, vertices, || format!("{vertices} vertices"))?;
@@ -151,7 +151,7 @@ impl Welder {
 }
 
 impl Reader<'_> {
-    fn read(mut self, text: &[u8]) -> Result<Built> {
+    fn read(mut self, text: &[u8]) -> Result<ObjMeshes> {
         let mut numbers: HashMap<Vec<u8>, usize> = HashMap::new();
         let mut object = self.object(&mut numbers, &[])?;
         let mut material = self.library.default_index();
@@ -346,7 +346,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Built> {
+    fn finish(mut self) -> Result<ObjMeshes> {
         let budget = &self.sources.budget;
         self.out.untriangulated = self.cutter.failed;
         for mesh in &mut self.out.meshes {

@@ -15,7 +15,7 @@ const SHEAR: [f64; 2] = [0.007_320_508_075_688_772, 0.004_142_135_623_730_951];
 const BLOCK: usize = 64;
 
 /// A mesh cut into components.
-pub(super) struct Parts<'a> {
+pub(super) struct Components<'a> {
     pub(super) mesh: &'a Mesh,
     /// Component c has `members[starts[c]..starts[c + 1]]`.
     pub(super) starts: &'a [u32],
@@ -23,7 +23,7 @@ pub(super) struct Parts<'a> {
     pub(super) boxes: &'a [PartBounds],
 }
 
-impl Parts<'_> {
+impl Components<'_> {
     fn triangles(&self, component: u32) -> &[u32] {
         let c = component as usize;
         &self.members[self.starts[c] as usize..self.starts[c + 1] as usize]
@@ -44,7 +44,11 @@ struct Probe {
 ///
 /// Cost: box tests first, by blocks of solids sorted along x. Then, for each solid, one pass over its triangles, each
 /// tested against the probes in its range of u.
-pub(super) fn shells_inside_solids(parts: &Parts<'_>, components: &[Component], shells: &[u32]) -> Vec<u32> {
+pub(super) fn shells_inside_solids(
+    parts: &Components<'_>,
+    components: &[Component],
+    shells: &[u32],
+) -> Vec<u32> {
     let mut found = Vec::new();
     for (solid, mut probes) in candidates(parts, components, shells) {
         probes.sort_unstable_by(|a, b| a.u.total_cmp(&b.u));
@@ -59,7 +63,7 @@ pub(super) fn shells_inside_solids(parts: &Parts<'_>, components: &[Component], 
 }
 
 /// For each solid, the probes of the shells whose boxes are strictly inside its box.
-fn candidates(parts: &Parts<'_>, components: &[Component], shells: &[u32]) -> Vec<(u32, Vec<Probe>)> {
+fn candidates(parts: &Components<'_>, components: &[Component], shells: &[u32]) -> Vec<(u32, Vec<Probe>)> {
     if shells.is_empty() {
         return Vec::new();
     }
@@ -94,7 +98,7 @@ fn candidates(parts: &Parts<'_>, components: &[Component], shells: &[u32]) -> Ve
 }
 
 /// The centroid of the shell's largest triangle, which is less likely than a corner to touch surrounding geometry.
-fn probe_of(parts: &Parts<'_>, shell: u32) -> Probe {
+fn probe_of(parts: &Components<'_>, shell: u32) -> Probe {
     let mut best = (f64::NEG_INFINITY, [[0.0; 3]; 3]);
     for &t in parts.triangles(shell) {
         let [a, b, c] = corners(parts.mesh, t);

@@ -12,12 +12,12 @@ use crate::kit::{TRIANGLE, png};
 const ANYWHERE: fn() -> LoadOptions = || LoadOptions { allow_outside: true, ..LoadOptions::default() };
 
 /// A folder that holds `secret.bin`, which contains a triangle, and the subfolder `scenes`.
-struct Place {
+struct SceneFolder {
     folder: TempDir,
     scenes: PathBuf,
 }
 
-impl Place {
+impl SceneFolder {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let scenes = folder.path().join("scenes");
@@ -84,7 +84,7 @@ fn assert_outside(result: Result<Scene>, place: &str, named: &str) {
 
 #[test]
 fn buffers_stay_in_the_scenes_folder() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     for inside in ["inside.bin", "./inside.bin", "sub/../inside.bin", "%69nside.bin"] {
         assert_eq!(plain(&place.gltf(inside)).expect(inside).stored_triangles(), 1);
     }
@@ -103,7 +103,7 @@ fn buffers_stay_in_the_scenes_folder() {
 
 #[test]
 fn a_scene_in_the_working_folder_reads_what_is_beside_it() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     let path = place.gltf("inside.bin");
     let relative = pathdiff(&path);
     assert_eq!(plain(&relative).expect("loads").stored_triangles(), 1);
@@ -119,7 +119,7 @@ fn pathdiff(path: &Path) -> PathBuf {
 
 #[test]
 fn images_stay_in_the_scenes_folder() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     std::fs::write(place.folder.path().join("leaf.png"), png(&[0, 255])).expect("writes");
     let masked = place.write("scene.gltf", gltf_with_image("../leaf.png", "MASK").to_string());
     assert_outside(plain(&masked), "image 0", "../leaf.png");
@@ -137,7 +137,7 @@ const FACE: &str = "v 0 0 0\nv 0 0 1\nv 1 0 0\nusemtl m\nf 1 2 3\n";
 
 #[test]
 fn material_libraries_and_their_textures_stay_in_the_scenes_folder() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     std::fs::write(place.folder.path().join("lib.mtl"), "newmtl m\nd 0.25\n").expect("writes");
     let path = place.write("scene.obj", format!("mtllib ../lib.mtl\n{FACE}"));
     assert_outside(plain(&path), "mtllib", "../lib.mtl");
@@ -158,7 +158,7 @@ fn material_libraries_and_their_textures_stay_in_the_scenes_folder() {
 
 #[test]
 fn files_that_a_scene_names_are_listed_once() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     let names = |path: &Path| {
         let named = plain(path).expect("loads").notes.named_files;
         named.into_iter().map(|n| n.display().to_string()).collect::<Vec<_>>()
@@ -187,7 +187,7 @@ fn files_that_a_scene_names_are_listed_once() {
 
 #[test]
 fn buffers_are_read_up_to_their_stated_length() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     let long = std::fs::File::options().write(true).open(place.scenes.join("inside.bin")).expect("opens");
     // A sparse file: it uses no disk space, but is far larger than the memory of most machines.
     long.set_len(1 << 36).expect("grows");
@@ -198,7 +198,7 @@ fn buffers_are_read_up_to_their_stated_length() {
 #[cfg(unix)]
 #[test]
 fn links_that_lead_out_are_refused() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     std::os::unix::fs::symlink(place.secret(), place.scenes.join("link.bin")).expect("links");
     std::os::unix::fs::symlink("inside.bin", place.scenes.join("near.bin")).expect("links");
     std::os::unix::fs::symlink(place.folder.path(), place.scenes.join("up")).expect("links");
@@ -218,7 +218,7 @@ fn links_that_lead_out_are_refused() {
 #[cfg(unix)]
 #[test]
 fn devices_and_pipes_are_not_read() {
-    let place = Place::new();
+    let place = SceneFolder::new();
     let pipe = place.scenes.join("pipe.bin");
     let made = std::process::Command::new("mkfifo").arg(&pipe).status().expect("runs");
     assert!(made.success());

@@ -6,14 +6,14 @@ fn at(text: &str) -> f64 {
     text.parse::<Timestamp>().unwrap().as_second() as f64
 }
 
-fn sea(latitude: f64, longitude: f64) -> Place {
-    Place::new(latitude, longitude, 0.0).unwrap()
+fn sea(latitude: f64, longitude: f64) -> Location {
+    Location::new(latitude, longitude, 0.0).unwrap()
 }
 
 /// The worked example of NREL/TP-560-34302, appendix A.5.
 #[test]
 fn position_of_the_report_is_reproduced() {
-    let golden = Place::new(39.742_476, -105.178_6, 1830.14).unwrap();
+    let golden = Location::new(39.742_476, -105.178_6, 1830.14).unwrap();
     let air = Atmosphere { pressure_hpa: 820.0, temperature_celsius: 11.0 };
     let found = position(&golden, at("2003-10-17T12:30:30-07:00"), Some(&air)).unwrap();
     assert!((90.0 - found.elevation_degrees - 50.111_62).abs() < 1e-4, "{found:?}");
@@ -57,9 +57,9 @@ fn position_at_sunrise_and_sunset_is_50_minutes_below_the_horizon() {
 
 #[test]
 fn position_is_lifted_by_air_most_at_the_horizon() {
-    let place = sea(51.507, -0.128);
+    let location = sea(51.507, -0.128);
     let lift = |time: &str| {
-        let of = |air| position(&place, at(time), air).unwrap().elevation_degrees;
+        let of = |air| position(&location, at(time), air).unwrap().elevation_degrees;
         of(Some(&Atmosphere::STANDARD)) - of(None)
     };
     let (low, high) = (lift("2024-06-21T03:50:00Z"), lift("2024-06-21T12:00:00Z"));
@@ -68,22 +68,22 @@ fn position_is_lifted_by_air_most_at_the_horizon() {
 
 #[test]
 fn position_gives_a_sun_only_above_the_horizon() {
-    let place = sea(0.0, 0.0);
-    assert!(position(&place, at("2024-03-20T00:00:00Z"), None).unwrap().sun().is_none());
-    let noon = position(&place, at("2024-03-20T12:07:00Z"), None).unwrap().sun().unwrap();
+    let location = sea(0.0, 0.0);
+    assert!(position(&location, at("2024-03-20T00:00:00Z"), None).unwrap().sun().is_none());
+    let noon = position(&location, at("2024-03-20T12:07:00Z"), None).unwrap().sun().unwrap();
     assert!(noon.towards()[1] > 0.999);
     assert!(Position { azimuth_degrees: 0.0, elevation_degrees: 0.0 }.sun().is_none());
     // In the morning the sun is in the east, which is +X.
-    let morning = position(&place, at("2024-03-20T08:00:00Z"), None).unwrap().sun().unwrap();
+    let morning = position(&location, at("2024-03-20T08:00:00Z"), None).unwrap().sun().unwrap();
     assert!(morning.towards()[0] > 0.8);
 }
 
 #[test]
 fn position_outside_the_algorithm_is_refused() {
-    let place = sea(0.0, 0.0);
+    let location = sea(0.0, 0.0);
     for seconds in [-1e12, 1e12, f64::NAN, f64::INFINITY] {
-        assert!(matches!(position(&place, seconds, None), Err(Error::DateRange { .. })), "{seconds}");
+        assert!(matches!(position(&location, seconds, None), Err(Error::DateRange { .. })), "{seconds}");
     }
     let vacuum = Atmosphere { pressure_hpa: 0.0, temperature_celsius: 0.0 };
-    assert!(matches!(position(&place, 0.0, Some(&vacuum)), Err(Error::Range { .. })));
+    assert!(matches!(position(&location, 0.0, Some(&vacuum)), Err(Error::Range { .. })));
 }

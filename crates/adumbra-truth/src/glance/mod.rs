@@ -30,9 +30,9 @@ const LIFT: f64 = 1e-6;
 #[derive(Clone, Debug)]
 pub struct Glance {
     /// Points on the lowest surfaces that face up, or as low as the scene where there is none.
-    pub ground: Vec<Seen>,
+    pub ground: Vec<LitPoint>,
     /// Points at a person's eyes above them.
-    pub standing: Vec<Seen>,
+    pub standing: Vec<LitPoint>,
     /// What hides the sun from nearly everything else.
     pub hider: Option<Hider>,
     /// How far the scene is spread.
@@ -41,7 +41,7 @@ pub struct Glance {
 
 /// A point, and whether rays from it reach the sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct LitPoint {
     /// The point.
     pub p_world: [f64; 3],
     /// Whether it sees the sun.
@@ -49,7 +49,7 @@ pub struct Seen {
 }
 
 /// Returns the share of points in shadow, 0 to 1, or `None` if there are no points.
-pub fn shadowed_share(points: &[Seen]) -> Option<f64> {
+pub fn shadowed_share(points: &[LitPoint]) -> Option<f64> {
     let dark = points.iter().filter(|point| !point.is_lit).count();
     (!points.is_empty()).then(|| dark as f64 / points.len() as f64)
 }
@@ -85,7 +85,7 @@ impl Glance {
         let seen = |first: usize, points: &[[f64; 3]]| {
             let all = points.iter().zip(&stopped[first..]).zip(&outside[first..]);
             let outside = all.filter(|(_, outside)| **outside);
-            outside.map(|((&p_world, stopped), _)| Seen { p_world, is_lit: !stopped }).collect()
+            outside.map(|((&p_world, stopped), _)| LitPoint { p_world, is_lit: !stopped }).collect()
         };
         let (ground, standing) = (seen(0, &feet), seen(feet.len(), &eyes));
         Self { ground, standing, hider, spread }

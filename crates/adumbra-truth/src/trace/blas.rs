@@ -3,7 +3,7 @@
 //! Rays are transformed to mesh space by the inverse of the instance's transform, with t unchanged. An instance whose
 //! transform has no usable inverse (flattened to a plane, for example) gets its own BVH over its transformed triangles.
 
-use crate::trace::bvh::{Box3, Bvh, Step, union};
+use crate::trace::bvh::{Box3, Bvh, Traversal, union};
 use crate::trace::triangle::{ShearedRay, TriangleHit};
 use crate::trace::{Ray, Scene};
 use adumbra::grid::vec3::{cross, dot};
@@ -99,14 +99,14 @@ impl TlasInstance {
         blas: &Blas,
         ray: &Ray,
         until: &mut f64,
-        mut visit: impl FnMut(usize, &TriangleHit) -> Step,
+        mut visit: impl FnMut(usize, &TriangleHit) -> Traversal,
     ) -> bool {
         let (origin, direction) = self.to_mesh(ray);
         let mut sheared = ShearedRay::new(origin, direction, ray.t_min, *until);
         blas.bvh.walk(origin, direction, (ray.t_min, *until), |slot| {
-            let Some(hit) = sheared.intersect(&blas.corners[slot]) else { return Step::On };
+            let Some(hit) = sheared.intersect(&blas.corners[slot]) else { return Traversal::On };
             let step = visit(slot, &hit);
-            if let Step::Until(t) = step {
+            if let Traversal::Until(t) = step {
                 sheared.shorten(t);
                 *until = t;
             }

@@ -37,7 +37,7 @@ const STACK: usize = 32;
 pub(super) type Box3 = [[f64; 3]; 2];
 
 /// A visitor's instruction to the traversal.
-pub(super) enum Step {
+pub(super) enum Traversal {
     /// Continue.
     On,
     /// Continue, but only up to this t.
@@ -95,7 +95,7 @@ impl Bvh {
         origin: [f64; 3],
         direction: [f64; 3],
         (t_min, t_max): (f64, f64),
-        mut visit: impl FnMut(usize) -> Step,
+        mut visit: impl FnMut(usize) -> Traversal,
     ) -> bool {
         let Some((mut ray, cut)) = self.box_ray(origin, direction, t_min, t_max) else { return false };
         let octant = [4, 2, 1].iter().zip(ray.direction.to_array());
@@ -127,9 +127,9 @@ impl Bvh {
                 let local = 31 - primitives.leading_zeros();
                 primitives &= !(1 << local);
                 match visit((node.primitive_base_idx + local) as usize) {
-                    Step::On => {}
-                    Step::Until(t) => ray.tmax = ray.tmax.min(cut.end(t)),
-                    Step::Stop => return true,
+                    Traversal::On => {}
+                    Traversal::Until(t) => ray.tmax = ray.tmax.min(cut.end(t)),
+                    Traversal::Stop => return true,
                 }
             }
         }
@@ -263,7 +263,7 @@ mod tests {
             let mut seen = Vec::new();
             tree.walk(origin, direction, range, |i| {
                 seen.push(tree.order()[i]);
-                Step::On
+                Traversal::On
             });
             seen.sort_unstable();
             seen

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use adumbra::grid::vec3::{cross, dot};
 use adumbra_scene::{AlphaMode, Mesh, Scene};
 use blas::{Blas, TlasInstance, used_positions, world_box};
-use bvh::{Bvh, Step};
+use bvh::{Bvh, Traversal};
 use triangle::TriangleHit;
 
 /// Lift relative to a position in a mesh: 2 to 4 units in the last place of `f32`, in which meshes are stored. Surfaces
@@ -167,7 +167,7 @@ impl<'s> Tracer<'s> {
 
     /// Whether the ray hits anything that casts a shadow. Cost: one traversal that ends at the first hit, about 1 µs.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.walk(ray, true, |_| Step::Stop)
+        self.walk(ray, true, |_| Traversal::Stop)
     }
 
     /// The nearest opaque surface on the ray, whether it casts or not. If several are equally near, the lowest instance
@@ -198,7 +198,7 @@ impl<'s> Tracer<'s> {
     pub fn for_each_hit(&self, ray: &Ray, mut visit: impl FnMut(&Hit)) {
         self.walk(ray, false, |found| {
             visit(&self.complete(found));
-            Step::On
+            Traversal::On
         });
     }
 
@@ -207,16 +207,16 @@ impl<'s> Tracer<'s> {
         self.walk(ray, casters_only, |found| {
             let key = (found.hit.t, found.instance.scene_instance, found.triangle);
             if best.as_ref().is_some_and(|b| (b.t, b.instance, b.triangle) <= key) {
-                return Step::On;
+                return Traversal::On;
             }
             best = Some(self.complete(found));
-            Step::Until(found.hit.t)
+            Traversal::Until(found.hit.t)
         });
         best
     }
 
     /// Calls `visit` with each accepted hit. Returns whether the visitor stopped the traversal.
-    fn walk(&self, ray: &Ray, casters_only: bool, mut visit: impl FnMut(&Found<'_>) -> Step) -> bool {
+    fn walk(&self, ray: &Ray, casters_only: bool, mut visit: impl FnMut(&Found<'_>) -> Traversal) -> bool {
         let finite = ray.origin.iter().chain(&ray.direction).all(|c| c.is_finite());
         let in_order = ray.t_min <= ray.t_max;
         if !finite || !in_order {
@@ -225,21 +225,22 @@ impl<'s> Tracer<'s> {
         let mut until = ray.t_max;
         let mut enter = |instance: &TlasInstance| {
             if casters_only && !instance.casts {
-                return Step::On;
+                return Traversal::On;
             }
             let blas = &self.blases[instance.blas as usize];
             let before = until;
             let stopped = instance.walk(blas, ray, &mut until, |slot, hit| {
-                self.accept(instance, blas.triangle(slot), hit, casters_only).map_or(Step::On, |f| visit(&f))
+                self.accept(instance, blas.triangle(slot), hit, casters_only)
+                    .map_or(Traversal::On, |f| visit(&f))
             });
             match stopped {
-                true => Step::Stop,
-                false if until < before => Step::Until(until),
-                false => Step::On,
+                true => Traversal::Stop,
+                false if until < before => Traversal::Until(until),
+                false => Traversal::On,
             }
         };
         if self.instances.len() <= MAX_LISTED_INSTANCES {
-            return self.instances.iter().any(|instance| matches!(enter(instance), Step::Stop));
+            return self.instances.iter().any(|instance| matches!(enter(instance), Traversal::Stop));
         }
         let range = (ray.t_min, ray.t_max);
         self.tlas.walk(ray.origin, ray.direction, range, |slot| {

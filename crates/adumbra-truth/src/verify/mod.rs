@@ -20,8 +20,8 @@
 
 mod answers;
 mod classes;
-mod place;
 mod points;
+mod sample;
 
 use adumbra_scene::random::Random;
 use adumbra_scene::{Scene, topology};
@@ -36,7 +36,7 @@ pub use points::{GroundSampler, Sample, Solids, SurfaceSampler, VolumeSampler};
 use crate::trace::Tracer;
 use adumbra::query::receiver;
 use classes::{ClassCounts, DIFFERENCE_STEPS};
-use place::Place;
+use sample::TracedSample;
 
 /// Options of a verification.
 #[derive(Clone, Copy, Debug)]
@@ -195,7 +195,7 @@ impl<'a, A: Answers> Verifier<'a, A> {
             return;
         }
         let grid = answers.grid_at(sample.p_world, sample.normal);
-        let place = Place {
+        let sample = TracedSample {
             grid,
             tracer: self.tracer,
             solids: self.solids,
@@ -204,21 +204,21 @@ impl<'a, A: Answers> Verifier<'a, A> {
             receiver: receiver(&grid, &answers.bias(), sample.p_world, sample.normal),
             thickness_voxels,
         };
-        if !answers.covers(grid.to_world(place.receiver.p_grid)) {
+        if !answers.covers(grid.to_world(sample.receiver.p_grid)) {
             c.outside_bounds += 1;
             return;
         }
-        if answers.insides_are_free() && place.is_inside_solid() {
+        if answers.insides_are_free() && sample.is_inside_solid() {
             c.inside_solids += 1;
             return;
         }
-        let truth = place.truth();
+        let truth = sample.truth();
         c.shadowed += u64::from(!truth);
         let value = f64::from(answers.visibility(sample.p_world, sample.normal));
-        let taps = answers.taps(&place.receiver);
+        let taps = answers.taps(&sample.receiver);
         let own = f64::from(u8::from(truth));
-        let expected = if taps.is_empty() { own } else { place.mean_lit(&taps) };
-        let class = match place.class(truth, &answers.baked_bias()) {
+        let expected = if taps.is_empty() { own } else { sample.mean_lit(&taps) };
+        let class = match sample.class(truth, &answers.baked_bias()) {
             // The taps of a filter count as neighbours too.
             Class::Interior | Class::Grazing if expected != own => Class::Edge,
             Class::Interior | Class::Grazing if thickness_voxels.is_some() => Class::Ground,
@@ -234,7 +234,7 @@ impl<'a, A: Answers> Verifier<'a, A> {
         counts.acne += u64::from(value < expected - 0.5);
         counts.leak += u64::from(value > expected + 0.5);
         if taps.is_empty() && (value - expected).abs() > 0.5 {
-            counts.misplaced += u64::from(!place.is_answer_of_its_texel(value > 0.5));
+            counts.misplaced += u64::from(!sample.is_answer_of_its_texel(value > 0.5));
         }
     }
 }

@@ -2,7 +2,8 @@
 
 use adumbra_render::layers::{Layer, LayerPass, ShownPicture};
 use adumbra_render::{
-    Baked, FrameTimes, Given, Gpu, Prepared, Reads, RenderError, Renderer, Result, Shot, TechniqueSpec, build,
+    FrameTimes, Given, Gpu, Prepared, Reads, RenderError, Renderer, Result, Shot, TechniqueFiles,
+    TechniqueSpec, build,
 };
 
 use crate::shadow_file::ShownFile;
@@ -92,7 +93,8 @@ impl SideView {
             self.picture = ShownPicture::new(&self.gpu, size)?;
         }
         if self.nothing.is_none() {
-            self.nothing = Some(renderer.prepare(build(&self.gpu, &"none".parse()?, Baked::default())?)?);
+            self.nothing =
+                Some(renderer.prepare(build(&self.gpu, &"none".parse()?, TechniqueFiles::default())?)?);
         }
         if spec.is_traced() {
             return self.prepare_truth(renderer, spec, traced);

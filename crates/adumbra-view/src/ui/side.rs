@@ -1,7 +1,7 @@
 //! The technique of one side: its name, its parameters, and its notes.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
-use adumbra_render::{Baked, Reads, SpecText, TECHNIQUES, TechniqueSpec};
+use adumbra_render::{Reads, SpecText, TECHNIQUES, TechniqueFiles, TechniqueSpec};
 
 use super::parameters;
 use crate::app::App;
@@ -10,8 +10,8 @@ use crate::shadow_file::ShownFile;
 
 /// Returns the technique's parameters. They include those that the current file does not support, such as penumbrae,
 /// because another file is baked if they are requested.
-fn describe(spec: &TechniqueSpec, baked: Baked<'_>) -> Vec<Parameter> {
-    let of_any = spec.describe(Baked::default()).unwrap_or_default();
+fn describe(spec: &TechniqueSpec, baked: TechniqueFiles<'_>) -> Vec<Parameter> {
+    let of_any = spec.describe(TechniqueFiles::default()).unwrap_or_default();
     let Ok(mut of_file) = spec.describe(baked) else { return of_any };
     for p in &mut of_file {
         if let (ParameterKind::Word { .. }, Some(any)) = (&p.kind, of_any.iter().find(|any| any.key == p.key))
@@ -46,7 +46,7 @@ pub(super) fn show(ui: &mut egui::Ui, app: &App, side: Side, commands: &mut Vec<
     if let Some(changed) = parameters::show(ui, &format!("{side:?}"), &describe(spec, baked), &of_nested) {
         let next = changed.of(spec.text(), |key, value| {
             let change = |baked| spec.change(baked, key, value);
-            change(baked).or_else(|_| change(Baked::default())).map(|next| next.text().clone())
+            change(baked).or_else(|_| change(TechniqueFiles::default())).map(|next| next.text().clone())
         });
         commands.push(Command::Shadow { side, technique: next.to_string() });
     }

@@ -234,9 +234,9 @@ impl Coder for Decoder<'_> {
 ///
 /// The symbol with the interval from 0x123 of length 0x456 is 0x08ac048d.
 #[derive(Clone, Copy)]
-struct Step(u32);
+struct CodingStep(u32);
 
-impl Step {
+impl CodingStep {
     fn bit([start, frequency]: [u32; 2]) -> Self {
         Self(start << 2 | frequency << 17)
     }
@@ -263,7 +263,7 @@ impl Step {
 /// Writes coded bytes. Steps are undone in reverse order, so all are kept until the end.
 #[derive(Default)]
 pub(super) struct Encoder {
-    steps: Vec<Step>,
+    steps: Vec<CodingStep>,
 }
 
 impl Encoder {
@@ -294,13 +294,13 @@ impl Coder for Encoder {
     fn bit(&mut self, model: &mut Bit, bit: u32) -> u32 {
         let ones = model.frequency();
         let interval = if bit == 1 { [0, ones] } else { [ones, (1 << BIT_SCALE) - ones] };
-        self.steps.push(Step::bit(interval));
+        self.steps.push(CodingStep::bit(interval));
         model.adapt(bit);
         bit
     }
 
     fn symbol(&mut self, model: &mut Symbol, symbol: u32) -> u32 {
-        self.steps.push(Step::symbol(model.interval(symbol)));
+        self.steps.push(CodingStep::symbol(model.interval(symbol)));
         model.adapt(symbol);
         symbol
     }
@@ -310,7 +310,7 @@ impl Coder for Encoder {
         while left > 0 {
             let bits = left.min(16);
             left -= bits;
-            self.steps.push(Step::plain(bits, number >> left & ((1 << bits) - 1)));
+            self.steps.push(CodingStep::plain(bits, number >> left & ((1 << bits) - 1)));
         }
         number
     }
@@ -322,10 +322,10 @@ mod tests {
 
     #[test]
     fn steps_of_an_encoder_are_packed_as_described() {
-        assert_eq!(Step::symbol([0x123, 0x456]).0, 0x08ac_048d);
-        assert_eq!(Step::symbol([0x123, 0x456]).interval(), (0x123, 0x456, SYMBOL_SCALE));
-        assert_eq!(Step::bit([0xfff, 0x7fff]).interval(), (0xfff, 0x7fff, BIT_SCALE));
-        assert_eq!(Step::plain(16, 0xffff).interval(), (0xffff, 1, 16));
-        assert_eq!(Step::plain(1, 1).interval(), (1, 1, 1));
+        assert_eq!(CodingStep::symbol([0x123, 0x456]).0, 0x08ac_048d);
+        assert_eq!(CodingStep::symbol([0x123, 0x456]).interval(), (0x123, 0x456, SYMBOL_SCALE));
+        assert_eq!(CodingStep::bit([0xfff, 0x7fff]).interval(), (0xfff, 0x7fff, BIT_SCALE));
+        assert_eq!(CodingStep::plain(16, 0xffff).interval(), (0xffff, 1, 16));
+        assert_eq!(CodingStep::plain(1, 1).interval(), (1, 1, 1));
     }
 }

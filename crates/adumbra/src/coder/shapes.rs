@@ -10,7 +10,7 @@ use super::contour::Leaf;
 pub(super) use crate::layout::depths::UNIFORM;
 use crate::layout::depths::code::{self, Code, LeafHead};
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
-use crate::layout::depths::write::{Place, PlacedChild, Writer};
+use crate::layout::depths::write::{PlacedChild, ShapeRef, Writer};
 use crate::layout::depths::{LEAF_LEVEL, NODE_LEVELS, ShapePlace};
 
 /// Stands for the shape of a child if no column of the child switches.
@@ -321,8 +321,8 @@ impl<'s> Layout<'s> {
             return Ok((UNIFORM, Vec::new()));
         }
         let root = match self.emit(root)? {
-            Place::Common(at) => at,
-            Place::Here(at) => at | IN_PAGE,
+            ShapeRef::Common(at) => at,
+            ShapeRef::Here(at) => at | IN_PAGE,
         };
         let words = std::mem::replace(&mut self.writer, Writer::page()).words();
         for own in self.written.drain(..) {
@@ -333,17 +333,17 @@ impl<'s> Layout<'s> {
     }
 
     /// Returns where a shape is. Its address is [`UNIFORM`] if it was not written.
-    fn place(&self, shape: u32) -> Place {
+    fn place(&self, shape: u32) -> ShapeRef {
         match shape.checked_sub(self.common.shapes.len()) {
-            None => Place::Common(self.common.addresses[shape as usize]),
-            Some(own) => Place::Here(self.addresses[own as usize]),
+            None => ShapeRef::Common(self.common.addresses[shape as usize]),
+            Some(own) => ShapeRef::Here(self.addresses[own as usize]),
         }
     }
 
     /// Writes a shape, after what it leads to, unless it was written.
-    fn emit(&mut self, shape: u32) -> Result<Place, Fault> {
+    fn emit(&mut self, shape: u32) -> Result<ShapeRef, Fault> {
         let place = self.place(shape);
-        if place != Place::Here(UNIFORM) {
+        if place != ShapeRef::Here(UNIFORM) {
             return Ok(place);
         }
         let at = match self.pool.get(shape) {
@@ -366,7 +366,7 @@ impl<'s> Layout<'s> {
         let own = shape - self.common.shapes.len();
         self.addresses[own as usize] = at;
         self.written.push(own);
-        Ok(Place::Here(at))
+        Ok(ShapeRef::Here(at))
     }
 }
 

@@ -23,7 +23,7 @@ impl Random {
 }
 
 /// Shapes of a part under construction, behind those of a common section.
-struct Builder<'c> {
+struct PartBuilder<'c> {
     common: &'c Common,
     own: Shapes,
     random: Random,
@@ -43,7 +43,7 @@ fn pages_of(owned: &Pages) -> [Page<'_>; BUNDLE_PAGES] {
     owned.each_ref().map(|page| Page { root: page.root, base: page.base, words: &page.words })
 }
 
-impl<'c> Builder<'c> {
+impl<'c> PartBuilder<'c> {
     fn new(common: &'c Common, seed: u32) -> Self {
         Self { common, own: Shapes::default(), random: Random(seed) }
     }
@@ -116,7 +116,7 @@ impl<'c> Builder<'c> {
 /// Returns a common section of this many leaves and a few nodes, as an encoder has it, and its words.
 fn common_of(seed: u32, leaves: usize) -> (Common, Vec<u32>) {
     let none = Common::default();
-    let mut b = Builder::new(&none, seed);
+    let mut b = PartBuilder::new(&none, seed);
     let known: Vec<u32> = (0..leaves).map(|_| b.leaf()).collect();
     let mut levels = vec![3; leaves];
     for level in [5, 5, 5, 7, 7, 9] {
@@ -177,7 +177,7 @@ fn bits_symbols_and_numbers_come_back() {
 #[test]
 fn bundle_of_uniform_pages_is_restored() {
     let none = Common::default();
-    let b = Builder::new(&none, 1);
+    let b = PartBuilder::new(&none, 1);
     check(&b.pages(&[]), &none);
     check(&b.pages(&[(0, UNIFORM), (7, UNIFORM), (NEVER - 1, UNIFORM)]), &none);
 }
@@ -186,7 +186,7 @@ fn bundle_of_uniform_pages_is_restored() {
 fn bundle_of_random_pages_is_restored() {
     for seed in 1..8 {
         let none = Common::default();
-        let mut b = Builder::new(&none, seed);
+        let mut b = PartBuilder::new(&none, seed);
         let mut known = Vec::new();
         let roots: Vec<_> =
             (0..16).map(|i| (i * 1000, b.random_node(9, &mut known, seed % 2 == 0))).collect();
@@ -203,7 +203,7 @@ fn references_to_the_common_section_are_restored() {
     let (decoded, found) = decode_common(&bytes, words.len()).unwrap();
     assert_eq!(found, words);
     // A root in the common section, and nodes of its leaves far and near, with small and large differences.
-    let mut b = Builder::new(&common, 9);
+    let mut b = PartBuilder::new(&common, 9);
     let mut roots = vec![(50, list(9)[0])];
     let leaves = list(3);
     for k in 0..4 {
@@ -223,7 +223,7 @@ fn references_to_the_common_section_are_restored() {
 #[test]
 fn far_pointers_of_a_large_page_are_restored() {
     let none = Common::default();
-    let mut b = Builder::new(&none, 77);
+    let mut b = PartBuilder::new(&none, 77);
     let first = b.leaf();
     let mut seven = [Child::NEVER; 16];
     let mut nine = [Child::NEVER; 16];
@@ -247,7 +247,7 @@ fn far_pointers_of_a_large_page_are_restored() {
 #[test]
 fn page_that_is_not_written_in_order_is_not_coded() {
     let none = Common::default();
-    let mut b = Builder::new(&none, 3);
+    let mut b = PartBuilder::new(&none, 3);
     let leaf = b.leaf();
     let mut root = leaf;
     for level in [5, 7, 9] {
@@ -273,7 +273,7 @@ fn page_that_is_not_written_in_order_is_not_coded() {
 #[test]
 fn garbage_is_refused_and_bounded() {
     let (common, common_words) = common_of(11, 40);
-    let mut b = Builder::new(&common, 21);
+    let mut b = PartBuilder::new(&common, 21);
     let mut known = common.shapes.of_level(7).to_vec();
     let roots: Vec<_> = (0..3).map(|i| (i, b.random_node(9, &mut known, true))).collect();
     let pages = b.pages(&roots);
@@ -312,7 +312,7 @@ fn garbage_is_refused_and_bounded() {
 #[test]
 fn part_that_would_be_too_short_ends_with_zeros() {
     let none = Common::default();
-    let mut b = Builder::new(&none, 1);
+    let mut b = PartBuilder::new(&none, 1);
     let mut leaf = Leaf { last: 1, ..Leaf::EMPTY };
     leaf.differences[0] = 5;
     leaf.ranks[32..].fill(1);
@@ -337,7 +337,7 @@ fn part_that_would_be_too_short_ends_with_zeros() {
     }
 
     // Pages that are equal.
-    let mut b = Builder::new(&none, 5);
+    let mut b = PartBuilder::new(&none, 5);
     let root = b.random_node(9, &mut Vec::new(), false);
     let pages = b.pages(&[(0, root); BUNDLE_PAGES]);
     let bytes = check(&pages, &none);
@@ -358,7 +358,7 @@ fn outline_of_a_deep_leaf_is_risen_where_its_columns_switch() {
 fn children_are_counted_while_they_are_decoded() {
     // A node whose children all switch at a depth of their own: 3 half-words and 16.
     let none = Common::default();
-    let mut b = Builder::new(&none, 2);
+    let mut b = PartBuilder::new(&none, 2);
     let mut root = b.node(5, [Child { shape: UNIFORM, delta: 3 }; 16]);
     for level in [7, 9] {
         root = b.node(

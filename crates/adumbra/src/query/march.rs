@@ -19,7 +19,7 @@
 //! border of columns. (16384 · 24576) >> 16 = 6144 = 1.5.
 
 use crate::grid::LightGrid;
-use crate::layout::depths::code::{Node, Place};
+use crate::layout::depths::code::{ColumnNode, Node};
 use crate::layout::depths::{NEVER, TreeWords};
 use crate::query::finite;
 use crate::query::fixed::{FIXED_BITS, FIXED_ONE, MARGIN_VOXELS};
@@ -152,7 +152,7 @@ struct Descent {
 impl Descent {
     const START: Self = Self { parent: Node { at: 0, base: 0, level: 0 }, parent_block: [u32::MAX; 2] };
 
-    fn place(&mut self, tree: TreeWords<'_>, [i, j]: [u32; 2]) -> (Place, u32) {
+    fn place(&mut self, tree: TreeWords<'_>, [i, j]: [u32; 2]) -> (ColumnNode, u32) {
         let is_within = [i, j].map(|c| c >> self.parent.level) == self.parent_block;
         let from = if is_within { self.parent } else { tree.root(i, j) };
         tree.shapes().descend_through(from, [i, j], |node| {
@@ -174,7 +174,7 @@ pub fn march(tree: TreeWords<'_>, slope: MarchSlope, start: [i64; 3]) -> Marched
     let mut behind: Option<i64> = None;
     // The block that the ray is in, and bounds of its depths. It passes several columns of a leaf.
     let (mut block, mut level) = ([u32::MAX; 2], 0);
-    let (mut place, mut bounds) = (Place::Uniform(NEVER), [NEVER; 2]);
+    let (mut place, mut bounds) = (ColumnNode::Uniform(NEVER), [NEVER; 2]);
     let mut descent = Descent::START;
     let mut rise = 0_i64;
     loop {
@@ -191,8 +191,8 @@ pub fn march(tree: TreeWords<'_>, slope: MarchSlope, start: [i64; 3]) -> Marched
             (place, level) = descent.place(tree, [i, j]);
             block = [i, j].map(|c| c >> level);
             bounds = match place {
-                Place::Uniform(value) => [value; 2],
-                Place::Leaf { at, base } => tree.shapes().leaf(at, base).bounds(),
+                ColumnNode::Uniform(value) => [value; 2],
+                ColumnNode::Leaf { at, base } => tree.shapes().leaf(at, base).bounds(),
             };
         }
         let [nearest, farthest] = bounds;
@@ -213,8 +213,8 @@ pub fn march(tree: TreeWords<'_>, slope: MarchSlope, start: [i64; 3]) -> Marched
             continue;
         }
         let (value, to_border) = match place {
-            Place::Uniform(value) => (value, to_border),
-            Place::Leaf { at: leaf, base } => {
+            ColumnNode::Uniform(value) => (value, to_border),
+            ColumnNode::Leaf { at: leaf, base } => {
                 let column = (j & 7) * 8 + (i & 7);
                 (tree.shapes().leaf(leaf, base).value(column), slope.rise_to_border(at, 0))
             }

@@ -4,7 +4,7 @@
 mod damage;
 
 use adumbra::layout::depths::Switches;
-use adumbra::layout::depths::code::Place;
+use adumbra::layout::depths::code::ColumnNode;
 use adumbra::{Encoding, FormatError, ShadowFile};
 pub(crate) use damage::{interpret, mutate};
 
@@ -81,8 +81,8 @@ fn is_lit_in_every_way(file: &ShadowFile, [i, j, k]: [u32; 3]) -> bool {
     let Switches { nearest, farthest, leaf } = tree.words().switches(i, j);
     assert!((nearest..=farthest).contains(&depth), "{nearest} to {farthest}: ({i}, {j})");
     let (place, _) = tree.place(i, j);
-    let Place::Leaf { at, base } = place else {
-        assert_eq!((place, leaf), (Place::Uniform(depth), None), "({i}, {j})");
+    let ColumnNode::Leaf { at, base } = place else {
+        assert_eq!((place, leaf), (ColumnNode::Uniform(depth), None), "({i}, {j})");
         return lit;
     };
     assert_eq!(leaf, Some([at, base]), "({i}, {j})");

@@ -15,7 +15,7 @@ use bevy::time::{Real, Time};
 
 use super::gather::{Placed, SceneAssets, gather};
 use super::progress::{BakeError, BakeProgress};
-use super::{BakeSettings, Keys, Meshes, RuntimeBake, Seen, StaticKeys, fail, is_still};
+use super::{BakeInputs, BakeSettings, Keys, Meshes, RuntimeBake, StaticKeys, fail, is_still};
 use crate::components::BakedShadow;
 use crate::moving::SunKeys;
 
@@ -78,7 +78,8 @@ pub(crate) fn follow_suns(
         }
         let towards_light = transform.back().as_vec3();
         // Keys do not depend on where the light is now.
-        let now = Seen { settings: bake.settings, towards_light: Vec3::ZERO, keys: Arc::clone(&keys.keys) };
+        let now =
+            BakeInputs { settings: bake.settings, towards_light: Vec3::ZERO, keys: Arc::clone(&keys.keys) };
         if bake.seen.as_ref().is_some_and(|seen| seen.is_like(&now)) {
             bake.pending = None;
         } else if is_still(&mut bake.pending, &now, bake.seen.is_none(), time.elapsed()) {

@@ -85,7 +85,7 @@ pub struct RuntimeBake {
     // Work under way is no data, so reflection leaves the rest out.
     /// What the newest bake saw, and the bake itself while it is under way.
     #[reflect(ignore)]
-    seen: Option<Seen>,
+    seen: Option<BakeInputs>,
     #[reflect(ignore)]
     job: Option<Job>,
     /// What bakes keys ahead of the light, if it is followed.
@@ -96,7 +96,7 @@ pub struct RuntimeBake {
     cache: Arc<MemoryCache>,
     /// What there is now if the newest bake saw something else, and since when.
     #[reflect(ignore)]
-    pending: Option<(Seen, Duration)>,
+    pending: Option<(BakeInputs, Duration)>,
     /// Whether the app has removed what was baked.
     #[reflect(ignore)]
     is_paused: bool,
@@ -124,13 +124,13 @@ type Keys = EntityHashMap<u64>;
 
 /// What a bake depends on.
 #[derive(Clone, Debug)]
-struct Seen {
+struct BakeInputs {
     settings: BakeSettings,
     towards_light: Vec3,
     keys: Arc<Keys>,
 }
 
-impl Seen {
+impl BakeInputs {
     /// Whether a bake of one is one of the other. A light that is set anew in each frame differs by rounding.
     fn is_like(&self, other: &Self) -> bool {
         (Arc::ptr_eq(&self.keys, &other.keys) || self.keys == other.keys)
@@ -277,7 +277,7 @@ pub(crate) fn bake_shadows(
             progress.set_if_neq(BakeProgress::Waiting);
             continue;
         }
-        let now = Seen {
+        let now = BakeInputs {
             settings: bake.settings,
             towards_light: transform.back().as_vec3(),
             keys: Arc::clone(&keys.keys),
@@ -347,7 +347,12 @@ pub(crate) fn bake_shadows(
 }
 
 /// Whether what there is now has not changed for long enough.
-fn is_still(pending: &mut Option<(Seen, Duration)>, now: &Seen, is_first: bool, at: Duration) -> bool {
+fn is_still(
+    pending: &mut Option<(BakeInputs, Duration)>,
+    now: &BakeInputs,
+    is_first: bool,
+    at: Duration,
+) -> bool {
     if now.keys.is_empty() {
         return false;
     }

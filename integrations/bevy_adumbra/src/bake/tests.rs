@@ -77,7 +77,7 @@ impl Stage {
         let keys = Arc::clone(&self.world.resource::<StaticKeys>().keys);
         let towards_light = self.world.get::<GlobalTransform>(self.light).unwrap().back().as_vec3();
         let mut light = self.world.get_mut::<RuntimeBake>(self.light).unwrap();
-        light.seen = Some(Seen { settings: light.settings, towards_light, keys });
+        light.seen = Some(BakeInputs { settings: light.settings, towards_light, keys });
         light.job = Some(Job::of_test(results));
         self.update();
     }

@@ -35,7 +35,7 @@ export interface BakedShadowNodeOptions extends BakedShadowOptions {
 }
 
 /** A builder with what its types leave out. */
-type Builder = NodeBuilder & {
+type ShaderBuilder = NodeBuilder & {
   addSequentialNode(node: Node): void;
   isFlatShading(): boolean;
   readonly context: { readonly shadowPositionWorld?: Node<'vec3'> };
@@ -152,15 +152,15 @@ export class BakedShadowNode extends Base implements BakedShadow {
   /** For three: builds the shadow's node. */
   override build(builder: NodeBuilder, output: string | null = null): Node | string | null {
     // Before the nodes of `movers`, so that a shadow map is drawn with the casters of the same frame.
-    (builder as Builder).addSequentialNode(this);
+    (builder as ShaderBuilder).addSequentialNode(this);
     return super.build(builder, output);
   }
 
   /** For three: the shadow's node in a material. */
   override setup(builder: NodeBuilder): Node {
-    const { context, material } = builder as Builder;
+    const { context, material } = builder as ShaderBuilder;
     // A flat normal faces the camera as it is.
-    const isFront = material.side === FrontSide || (builder as Builder).isFlatShading();
+    const isFront = material.side === FrontSide || (builder as ShaderBuilder).isFlatShading();
     const normal = TSL.normalWorldGeometry;
     const baked = visibilityNode(builder, this.#baked, {
       pWorld: material.receivedShadowPositionNode ?? context.shadowPositionWorld ?? TSL.positionWorld,

@@ -19,7 +19,7 @@ const BACKENDS = IS_FULL ? (['webgpu', 'webgl2', 'webgl'] as const) : (['webgpu'
 const NODE_BACKENDS = ['webgpu', 'webgl2'] as const;
 
 /** Visibility at the named points of the world, and how often wall and box were drawn into shadow maps. */
-type Seen = Record<'wallA' | 'wallB' | 'wallNone' | 'boxA' | 'boxB' | 'boxNone' | 'open', number> & {
+type SceneFactors = Record<'wallA' | 'wallB' | 'wallNone' | 'boxA' | 'boxB' | 'boxNone' | 'open', number> & {
   casters: { wall: number; mover: number };
 };
 
@@ -107,7 +107,7 @@ function playOn<T>(on: Page, name: string, ...options: unknown[]): Promise<T> {
 }
 
 /** Expects points to be in full shadow, and all others of those under the same suns to be lit. */
-function expectShadows(seen: Partial<Seen>, ...shadowed: string[]): void {
+function expectShadows(seen: Partial<SceneFactors>, ...shadowed: string[]): void {
   const { casters: _, ...points } = seen;
   const wanted = Object.fromEntries(Object.keys(points).map((name) => [name, shadowed.includes(name) ? 0 : 1]));
   expect(points).toEqual(wanted);
@@ -115,7 +115,7 @@ function expectShadows(seen: Partial<Seen>, ...shadowed: string[]): void {
 
 describe.each(BACKENDS)('%s', (backend) => {
   test('what moves casts beside the file, and alone in the shadow map', async () => {
-    const { beside, half, cast, gone } = await play<Record<'beside' | 'half' | 'gone', Seen> & { cast: boolean }>('movers', backend);
+    const { beside, half, cast, gone } = await play<Record<'beside' | 'half' | 'gone', SceneFactors> & { cast: boolean }>('movers', backend);
     expectShadows(beside, 'wallA', 'boxA');
     expect(beside.casters.mover).toBeGreaterThan(0);
     expect(beside.casters.wall).toBe(0);
@@ -125,7 +125,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   });
 
   test('a file alone draws no shadow map, and intensity and receiveShadow count', async () => {
-    const { seen, faint, without, hasMap } = await play<{ seen: Seen; faint: Seen; without: Seen; hasMap: boolean }>(
+    const { seen, faint, without, hasMap } = await play<{ seen: SceneFactors; faint: SceneFactors; without: SceneFactors; hasMap: boolean }>(
       'filesAlone',
       backend,
     );
@@ -137,7 +137,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   });
 
   test('a light that turns away gives the casters back in the same frame', async () => {
-    const states = await play<(Seen & { isActive: boolean })[]>('turning', backend);
+    const states = await play<(SceneFactors & { isActive: boolean })[]>('turning', backend);
     expect(states.map(({ isActive }) => isActive)).toEqual([true, false, true, false]);
     expect(states.map(({ casters }) => casters.wall > 0)).toEqual([false, true, false, true]);
     const shadowed = [['wallA', 'boxA'], ['wallNone', 'boxNone'], ['wallA', 'boxA'], ['wallB', 'boxB']];
@@ -145,13 +145,13 @@ describe.each(BACKENDS)('%s', (backend) => {
   });
 
   test('what comes below a static root casts no more, and casts again once it goes', async () => {
-    const states = await play<Seen[]>('comingAndGoing', backend);
+    const states = await play<SceneFactors[]>('comingAndGoing', backend);
     states.forEach((seen) => expectShadows(seen, 'wallA', 'boxA'));
     expect(states.map(({ casters }) => casters.wall > 0)).toEqual([false, false, true]);
   });
 
   test('the file of the light’s sun is used', async () => {
-    const states = await play<(Seen & { isActive: boolean })[]>('severalSuns', backend);
+    const states = await play<(SceneFactors & { isActive: boolean })[]>('severalSuns', backend);
     expect(states.map(({ isActive }) => isActive)).toEqual([true, true, false, true]);
     const shadowed = [['wallA'], ['wallB'], [], ['wallB']];
     states.forEach(({ isActive: _, ...seen }, i) => expectShadows(seen, ...shadowed[i]!));
@@ -159,9 +159,9 @@ describe.each(BACKENDS)('%s', (backend) => {
 
   test('two lights have a file each', async () => {
     interface Two {
-      red: Seen;
-      green: Seen;
-      casters: Seen['casters'];
+      red: SceneFactors;
+      green: SceneFactors;
+      casters: SceneFactors['casters'];
     }
     const { both, oneTurned, back, first, none } = await play<Record<'both' | 'oneTurned' | 'back' | 'first' | 'none', Two>>('twoLights', backend);
     for (const { red, green, casters } of [both, back]) {
@@ -181,8 +181,8 @@ describe.each(BACKENDS)('%s', (backend) => {
   test('a SunLight has a file too', async () => {
     const { refusal, aligned, turned, isActive } = await play<{
       refusal: string;
-      aligned: Seen;
-      turned: Seen;
+      aligned: SceneFactors;
+      turned: SceneFactors;
       isActive: boolean;
     }>('sunLight', backend);
     expect(refusal).toContain(backend === 'webgl' ? '' : 'sunShadow(light)');
@@ -193,7 +193,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   });
 
   test('settings and files change while it runs', async () => {
-    const { states, refusal } = await play<{ states: Seen[]; refusal: string }>('runTime', backend);
+    const { states, refusal } = await play<{ states: SceneFactors[]; refusal: string }>('runTime', backend);
     // After the second file, the light is where the app has set it.
     const shadowed = [['wallA'], ['wallA'], ['wallB'], ['wallA'], ['wallA']];
     states.forEach((seen, i) => expectShadows(seen, ...shadowed[i]!));
@@ -203,7 +203,7 @@ describe.each(BACKENDS)('%s', (backend) => {
 
   test('an app may go on as if there were no file', async () => {
     type Name = 'atFirst' | 'late' | 'followed' | 'two' | 'other' | 'frozen' | 'night' | 'disposed';
-    const { clones, ...states } = await play<Record<Name, Seen> & { clones: number }>('afterwards', backend);
+    const { clones, ...states } = await play<Record<Name, SceneFactors> & { clones: number }>('afterwards', backend);
     for (const each of ['atFirst', 'late', 'two', 'frozen'] as const) {
       expectShadows(states[each], 'wallA', 'boxA');
       expect(states[each].casters.wall).toBe(0);
@@ -248,10 +248,10 @@ describe.each(BACKENDS)('%s', (backend) => {
       'world.obj': 'Magic',
     };
     const { before, errors, after, another } = await play<{
-      before: Seen;
+      before: SceneFactors;
       errors: Record<string, Rejection>;
-      after: Seen;
-      another: Seen;
+      after: SceneFactors;
+      another: SceneFactors;
     }>('badFiles', backend, Object.keys(wanted));
     expect(Object.fromEntries(Object.entries(errors).map(([url, { kind }]) => [url, kind]))).toEqual(wanted);
     for (const [name, error] of Object.entries(errors)) {
@@ -266,7 +266,7 @@ describe.each(BACKENDS)('%s', (backend) => {
 
 describe.each(NODE_BACKENDS)('%s', (backend) => {
   test('CSMShadowNode has the shadows of what moves', async () => {
-    const { beside, turned, gone, lightsLeft } = await play<{ beside: Seen; turned: Seen; gone: Seen; lightsLeft: number }>(
+    const { beside, turned, gone, lightsLeft } = await play<{ beside: SceneFactors; turned: SceneFactors; gone: SceneFactors; lightsLeft: number }>(
       'cascades',
       backend,
     );
@@ -278,7 +278,7 @@ describe.each(NODE_BACKENDS)('%s', (backend) => {
   });
 
   test('a light that stops casting for a while has its file afterwards, and another one in its place', async () => {
-    const [on, off, again, other, gone] = await play<Seen[]>('switchedOff', backend);
+    const [on, off, again, other, gone] = await play<SceneFactors[]>('switchedOff', backend);
     expectShadows(on!, 'wallA', 'boxA');
     expectShadows(off!);
     expectShadows(again!, 'wallA', 'boxA');
@@ -289,14 +289,14 @@ describe.each(NODE_BACKENDS)('%s', (backend) => {
   });
 
   test('compiles beforehand', async () => {
-    expectShadows(await play<Seen>('compileAsync', backend), 'wallA');
+    expectShadows(await play<SceneFactors>('compileAsync', backend), 'wallA');
   });
 });
 
 test.each(Object.entries(VERSIONS).filter(([version]) => IS_FULL || version !== '0.183.0'))('CSM of the addons of %s has the shadows of what moves', async (_, three) => {
   // It changes three's chunks for the whole page.
   const other = await stage.open(three, 'scene.js');
-  const seen = await playOn<Record<'beside' | 'faded' | 'alone' | 'turned' | 'gone', Seen>>(other.page, 'cascadesOfWebGL');
+  const seen = await playOn<Record<'beside' | 'faded' | 'alone' | 'turned' | 'gone', SceneFactors>>(other.page, 'cascadesOfWebGL');
   for (const each of [seen.beside, seen.faded]) {
     expectShadows(each, 'wallA', 'boxA');
     expect(each.casters.mover).toBeGreaterThan(0);
@@ -348,7 +348,7 @@ test.each([
 });
 
 test('hooks of others in a material are called', async () => {
-  type Three = Record<'red' | 'green' | 'blue', Seen>;
+  type Three = Record<'red' | 'green' | 'blue', SceneFactors>;
   const states = await play<Record<'earlier' | 'gone' | 'again' | 'later' | 'laterGone', Three>>('hooks');
   const shadowed = { earlier: ['wallA'], gone: [], again: ['wallA'], later: ['wallA'], laterGone: [] };
   for (const [name, { red, green, blue }] of Object.entries(states)) {
@@ -367,7 +367,7 @@ test('the shadows of two lights go in either order', async () => {
 });
 
 test('a ShaderMaterial with three’s lights has the shadows, and one without is left alone', async () => {
-  const { covered, skipped, bare, late } = await play<Record<'covered' | 'bare' | 'late', Seen> & { skipped: string[] }>('shaderMaterials');
+  const { covered, skipped, bare, late } = await play<Record<'covered' | 'bare' | 'late', SceneFactors> & { skipped: string[] }>('shaderMaterials');
   expect(covered.wallA).toBe(0.5);
   expect(skipped).toEqual([]);
   expectShadows(bare, 'wallA');
@@ -377,7 +377,7 @@ test('a ShaderMaterial with three’s lights has the shadows, and one without is
 test('masks of all shadows have those of the file', async () => {
   for (const version of IS_FULL ? (['0.187.0', '0.166.0'] as const) : (['0.187.0'] as const)) {
     const other = await stage.open(VERSIONS[version], 'scene.js');
-    const states = await playOn<Seen[]>(other.page, 'masks');
+    const states = await playOn<SceneFactors[]>(other.page, 'masks');
     expect(states).toHaveLength(8);
     states.forEach(({ wallA, boxA, open, wallB }, i) => {
       const visibility = [0, 0.5, 1, 1][i % 4];

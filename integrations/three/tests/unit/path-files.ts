@@ -9,12 +9,12 @@ import type { Vec3 } from '../../src/index.js';
 const [HEADER_BYTES, ENTRY_BYTES] = [128, 32];
 
 /** A moment and where the sun is. */
-export type Step = readonly [seconds: number, towardsSun: Vec3];
+export type PathStep = readonly [seconds: number, towardsSun: Vec3];
 /** A moment and the bytes of its shadow file. */
 export type Key = readonly [seconds: number, bytes: Uint8Array];
 
 /** Returns a path file of no place. */
-export function pathFile(steps: readonly Step[], keys: readonly Key[]): Uint8Array<ArrayBuffer> {
+export function pathFile(steps: readonly PathStep[], keys: readonly Key[]): Uint8Array<ArrayBuffer> {
   const aligned = (at: number): number => Math.ceil(at / 8) * 8;
   const frontBytes = HEADER_BYTES + ENTRY_BYTES * (steps.length + keys.length);
   let end = frontBytes;

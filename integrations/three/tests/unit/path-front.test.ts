@@ -7,12 +7,12 @@ import { parsePathHeader, parsePathTables } from '../../src/path/front.js';
 import type { PathFront } from '../../src/path/front.js';
 import { keysAt, sunAt, wantedAt } from '../../src/path/sun.js';
 import { pathFile, repairPath } from './path-files.js';
-import type { Step } from './path-files.js';
+import type { PathStep } from './path-files.js';
 import { caught, scatter, validBytes } from './vectors.js';
 
 const KEY = validBytes('cliff_depths');
 const [NOON, EVENING, NIGHT] = [[0, 1, 0], [0.6, 0.8, 0], [1, 0, 0]] as const;
-const STEPS: Step[] = [[0, NOON], [100, EVENING], [200, NIGHT]];
+const STEPS: PathStep[] = [[0, NOON], [100, EVENING], [200, NIGHT]];
 const VALID = pathFile(STEPS, [[0, KEY], [100, KEY]]);
 const KEYS_AT = 128 + 32 * STEPS.length;
 

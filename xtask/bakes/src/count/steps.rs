@@ -16,17 +16,17 @@ use adumbra_testing::{add_box, scene_of};
 
 /// The displayed name of a step, and two strings that identify the symbols of its functions: one that they contain, and
 /// one that they end with.
-pub(super) struct Step {
+pub(super) struct HotStep {
     pub(super) name: &'static str,
     pub(super) symbol: [&'static str; 2],
 }
 
-const fn step(name: &'static str, symbol: [&'static str; 2]) -> Step {
-    Step { name, symbol }
+const fn step(name: &'static str, symbol: [&'static str; 2]) -> HotStep {
+    HotStep { name, symbol }
 }
 
 /// All steps. Those of the library are counted over all bakes.
-pub(super) const STEPS: [Step; 19] = [
+pub(super) const STEPS: [HotStep; 19] = [
     step("bake into the graph", ["count::steps", "bake_graph"]),
     step("bake into depths", ["count::steps", "bake_depths"]),
     step("surfaces of the root blocks", ["fast::gather", "gather"]),

@@ -16,7 +16,7 @@ enum Child {
 }
 
 /// Merges equal nodes and leaf masks while it builds.
-struct Builder<'a> {
+struct GraphMerger<'a> {
     lit: &'a Voxels,
     /// Size of the grid. Voxels outside are never looked up: those to the sides count as lit, those behind the far end
     /// as shadowed.
@@ -33,7 +33,7 @@ struct Builder<'a> {
 pub(super) fn build(size: [u32; 3], root_level: u32, lit: &Voxels) -> Dag {
     let (node_ids, leaf_mask_ids) = (HashMap::new(), HashMap::new());
     let mut builder =
-        Builder { lit, size, nodes: Vec::new(), leaf_masks: Vec::new(), node_ids, leaf_mask_ids };
+        GraphMerger { lit, size, nodes: Vec::new(), leaf_masks: Vec::new(), node_ids, leaf_mask_ids };
     let top_dims = top_dims(size, root_level);
     let mut dag = Dag { size, root_level, top_dims, ..Dag::default() };
     let mut roots = Vec::new();
@@ -56,7 +56,7 @@ pub(super) fn build(size: [u32; 3], root_level: u32, lit: &Voxels) -> Dag {
     dag
 }
 
-impl Builder<'_> {
+impl GraphMerger<'_> {
     fn node(&mut self, at: [u32; 3], level: u32) -> Child {
         if (0..2).any(|a| at[a] >= self.size[a]) {
             return Child::Lit;
@@ -113,7 +113,7 @@ struct Placed {
 }
 
 impl Placed {
-    fn node(&mut self, from: &Builder<'_>, dag: &mut Dag, id: usize, level: u32) -> u32 {
+    fn node(&mut self, from: &GraphMerger<'_>, dag: &mut Dag, id: usize, level: u32) -> u32 {
         if let Some(&at) = self.nodes.get(&id) {
             return at;
         }

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use adumbra_bake::{BakeOptions, Watch, Written, link};
+use adumbra_bake::{BakeOptions, BakeSummary, Watch, link};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
@@ -62,7 +62,7 @@ pub(crate) fn run(args: &Link) -> Outcome {
             staged(output, |out| link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), out));
         let (staged, written) = guard.end("linking", &share, linked)?;
         StagedFile::place([staged])?;
-        let Written { levels, bytes: file_bytes, report, .. } = written;
+        let BakeSummary { levels, bytes: file_bytes, report, .. } = written;
         let seconds = start.elapsed().as_secs_f64();
         let peak_bytes = memory::peak_bytes().unwrap_or(report.accounted_bytes);
         if args.run.json {

@@ -60,8 +60,8 @@ impl HoursFile {
         });
         Self {
             scene: scene.display().to_string(),
-            latitude_degrees: day.place.latitude_degrees(),
-            longitude_degrees: day.place.longitude_degrees(),
+            latitude_degrees: day.location.latitude_degrees(),
+            longitude_degrees: day.location.longitude_degrees(),
             date: day.date.to_string(),
             from: day.from.to_string(),
             to: day.to.to_string(),

@@ -37,7 +37,7 @@ fn page(
     let map = |cells: &[Option<f64>], title: &str, legend| embed(&draw(cells, grid.size, title, legend));
     let own = map(cells, name, Legend::Hours(most))?;
     let when = design.when();
-    let place = design.day.place;
+    let place = design.day.location;
     let mut opening = Body::default();
     opening.paragraph(&format!(
         "{when}, at {}° north, {}° east, by steps of {} s. The sun is above the horizon for {:.2} hours. Cells are {} wide in the unit of the scene; north is up.",

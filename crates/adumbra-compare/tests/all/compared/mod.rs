@@ -4,7 +4,7 @@ use adumbra::grid::vec3::dot;
 use adumbra::{ShadowFile, Sun};
 use adumbra_compare::compare::{Comparison, Contender, Reference, compare, truth_for};
 use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
-use adumbra_render::{Baked, Renderer, TechniqueSpec, build};
+use adumbra_render::{Renderer, TechniqueFiles, TechniqueSpec, build};
 use adumbra_scene::{Camera, Scene};
 
 /// Moves a file's grid. The lattice of texels is anchored at the world's origin, so a bake over there would have them
@@ -31,7 +31,8 @@ pub(crate) fn comparisons(
     let reference = Reference { truth: &truth, cache: &cache, scene: &key, towards_sun, disc: (0.53, 16) };
     let contender = |name: &&str| {
         let spec: TechniqueSpec = name.parse().unwrap();
-        let technique = build(renderer.gpu(), &spec, file.map(Baked::of).unwrap_or_default()).unwrap();
+        let technique =
+            build(renderer.gpu(), &spec, file.map(TechniqueFiles::of).unwrap_or_default()).unwrap();
         Contender { prepared: Some(renderer.prepare(technique).unwrap()), truth: truth_for(&spec), spec }
     };
     let mut contenders: Vec<Contender> = names.iter().map(contender).collect();

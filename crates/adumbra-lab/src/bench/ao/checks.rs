@@ -2,7 +2,7 @@
 
 use adumbra_render::occlusion::Estimator;
 
-use super::{Document, SceneFigures, peers};
+use super::{AoResults, SceneFigures, peers};
 use crate::occlusion::{Claims, SCENES};
 use crate::peers::RowSource;
 use crate::peers::occlusion::{OcclusionRow, SCENES as PEER_SCENES};
@@ -18,7 +18,7 @@ const AHEAD: usize = 4;
 /// The estimators that the paper compares.
 const PAPER: [Estimator; 4] = [Estimator::Ssao, Estimator::Hbao, Estimator::Alchemy, Estimator::Issao];
 
-pub(super) fn all(document: &Document) -> Vec<Check> {
+pub(super) fn all(document: &AoResults) -> Vec<Check> {
     let scenes = &document.scenes;
     let mut checks = vec![lowest(scenes), time(scenes), equal_time(scenes), engines(document)];
     let claim = |text: &str, beside, lower, of: &dyn Fn(&Claims) -> Option<f64>| {
@@ -111,7 +111,7 @@ fn equal_time(scenes: &[SceneFigures]) -> Check {
     }
 }
 
-fn engines(document: &Document) -> Check {
+fn engines(document: &AoResults) -> Check {
     let requirement =
         "on the truth cameras, `issao` with filter has a lower RMSE than every engine".to_owned();
     let Some(rows) = &document.peers else {

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use adumbra_render::occlusion::Estimator;
 
 use super::variants::{FIG_3, FIG_4, FIG_5, Variant, WITHOUT_ATTENUATION};
-use super::{Document, SceneFigures};
+use super::{AoResults, SceneFigures};
 use crate::occlusion::{BLUR_PIXELS, Claims, EDGE_COSINE, EDGE_PIXELS, EDGE_STEP, FLAT, OPEN};
 
 /// Milliseconds on a GTS 450 for the Dragon, with and without the bilateral filter.
@@ -20,7 +20,7 @@ const PAPER_TIMES: [(Estimator, [f64; 2]); 4] = [
 
 // Writing to a `String` never fails, so the results of `write!` are discarded throughout.
 
-pub(super) fn text(document: &Document) -> String {
+pub(super) fn text(document: &AoResults) -> String {
     let mut text = format!(
         "## The paper's claims\n\nThe high pass of a picture is the picture minus its Gaussian blur with a \
         standard deviation of {BLUR_PIXELS} pixels. *Detail*: the correlation of the high pass with the truth's \
@@ -94,7 +94,7 @@ impl Pick {
 }
 
 /// Returns a table of issao with and without the attenuation, as in figure 4.
-fn ablation(document: &Document) -> String {
+fn ablation(document: &AoResults) -> String {
     let mut text = String::from(
         "Figure 4, the attenuation: issao with and without it, all else equal. RMSE with the mean signed error \
         in brackets, then self-occlusion and noise; first with filter, then without.\n\n\
@@ -125,7 +125,7 @@ fn ablation(document: &Document) -> String {
 }
 
 /// Returns a table of the paper's times and ours for the Dragon.
-pub(super) fn times(document: &Document) -> String {
+pub(super) fn times(document: &AoResults) -> String {
     let Some(dragon) = document.scenes.iter().find(|s| s.name == "dragon") else { return String::new() };
     let mut text = format!(
         "## The paper's times\n\nMilliseconds for the Dragon with {} samples. The paper's were measured on a GTS \
@@ -153,7 +153,7 @@ pub(super) fn times(document: &Document) -> String {
 }
 
 /// Returns a table of the variants of issao by scene.
-pub(super) fn variants(document: &Document) -> String {
+pub(super) fn variants(document: &AoResults) -> String {
     let mut text = String::from(
         "## Variants of issao\n\nTuned parameters, except for presets, which use the paper's. Time is in \
         milliseconds, with the ratio to plain issao's in brackets. RMSE is with filter, with the mean signed \

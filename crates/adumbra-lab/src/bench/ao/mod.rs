@@ -46,7 +46,7 @@ const ERROR_STEP: usize = 37;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct AoResults {
     /// How the pictures were drawn and timed.
     #[serde(flatten)]
     pub(crate) setup: Setup,
@@ -138,7 +138,7 @@ impl Bench<'_, '_, '_> {
 
 pub(super) fn run(args: &BenchAo) -> Result<Code> {
     make_folder(&args.common.output)?;
-    let mut document = Document::new(args);
+    let mut document = AoResults::new(args);
     let asked = |scene: &&OcclusionScene| args.only.is_empty() || args.only.iter().any(|n| n == scene.name);
     for scene in SCENES.iter().filter(asked) {
         adumbra_program::note!("{}:", scene.title);
@@ -153,7 +153,7 @@ pub(super) fn run(args: &BenchAo) -> Result<Code> {
     Ok(Code::Fine)
 }
 
-impl Document {
+impl AoResults {
     fn new(args: &BenchAo) -> Self {
         let [width, height] = args.common.size;
         let only =
@@ -188,7 +188,7 @@ fn path_size(args: &BenchAo) -> [u32; 2] {
 }
 
 /// Measures a scene and draws its sheets.
-fn one(args: &BenchAo, scene: &OcclusionScene, document: &mut Document) -> Result<()> {
+fn one(args: &BenchAo, scene: &OcclusionScene, document: &mut AoResults) -> Result<()> {
     let view: OcclusionView = scene.open(&args.scenes)?;
     let truth = TruthTracer::build(&view.scene, false);
     let (cache, key) = (args.common.cache.cache(&args.common.output), scene_key(&view.scene, false));
@@ -249,7 +249,7 @@ fn one(args: &BenchAo, scene: &OcclusionScene, document: &mut Document) -> Resul
 }
 
 /// Writes the results measured so far.
-fn write(args: &BenchAo, document: &mut Document) -> Result<()> {
+fn write(args: &BenchAo, document: &mut AoResults) -> Result<()> {
     document.checks = checks::all(document);
     if !document.scenes.is_empty() {
         sweep::plot(&args.common.output.join("ao-time.svg"), document)?;

@@ -8,7 +8,7 @@ use adumbra_render::occlusion::{Estimator, OcclusionPasses};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::{Bench, Document, SceneFigures};
+use super::{AoResults, Bench, SceneFigures};
 use crate::results::or_nan;
 use adumbra_compare::Result;
 use adumbra_compare::compare::{median_ratio, median_time};
@@ -137,7 +137,7 @@ pub(super) fn mean(scenes: &[SceneFigures], estimator: Estimator, samples: u32) 
 }
 
 /// Draws both plots: error against time, and against taps.
-pub(super) fn plot(path: &Path, document: &Document) -> Result<()> {
+pub(super) fn plot(path: &Path, document: &AoResults) -> Result<()> {
     let series = |of: &dyn Fn(u32, [f64; 2]) -> (f64, f64)| {
         let one = |e: Estimator| Series {
             name: e.name().to_owned(),

@@ -7,7 +7,7 @@ use adumbra_render::occlusion::Estimator;
 
 use super::measure::Row;
 use super::sweep::{self, SAMPLES};
-use super::{Document, FLOOR_FRAMES, SceneFigures, claims};
+use super::{AoResults, FLOOR_FRAMES, SceneFigures, claims};
 use crate::occlusion::{Flicker, OcclusionErrors};
 use crate::peers::occlusion;
 use crate::results::Check;
@@ -16,7 +16,7 @@ use adumbra_compare::report::{figure, percent};
 
 // Writing to a `String` never fails, so the results of `write!` are discarded throughout.
 
-pub(super) fn markdown(document: &Document) -> String {
+pub(super) fn markdown(document: &AoResults) -> String {
     let mut text = head(document);
     let _ = writeln!(text, "## Requirements\n\n{}", Check::markdown(&document.checks));
     if !document.scenes.is_empty() {
@@ -56,7 +56,7 @@ fn is_of(file: &str, scene: &SceneFigures) -> bool {
     file == format!("ao-{}.png", scene.name) || (scene.name == "dragon" && file.starts_with("ao-figure"))
 }
 
-fn head(document: &Document) -> String {
+fn head(document: &AoResults) -> String {
     let setup = &document.setup;
     let [width, height] = setup.size;
     let [path_width, path_height] = document.path_size;
@@ -92,7 +92,7 @@ fn head(document: &Document) -> String {
 }
 
 /// Returns a table of RMSE by scene, and of the time relative to alchemy's.
-fn summary(document: &Document) -> String {
+fn summary(document: &AoResults) -> String {
     let names = Estimator::ALL.map(|e| format!("`{e}`")).join(" | ");
     let columns = "---|".repeat(Estimator::ALL.len());
     let mut text = format!(
@@ -128,7 +128,7 @@ fn summary(document: &Document) -> String {
     text + "\n"
 }
 
-fn equal_time(document: &Document) -> String {
+fn equal_time(document: &AoResults) -> String {
     let scenes = document.scenes.iter().filter_map(|s| Some((&*s.title, s.equal_time.as_ref()?)));
     let table = Table::of(
         "",
@@ -150,7 +150,7 @@ fn equal_time(document: &Document) -> String {
     )
 }
 
-fn against_time(document: &Document) -> String {
+fn against_time(document: &AoResults) -> String {
     let mut text = format!(
         "## Error against time\n\n![Error against time](ao-time.svg)\n\nWith filter: milliseconds, and RMSE \
         relative to no occlusion, both means over {} scenes. Parameters are those tuned for 12 samples.\n\n| samples | {} |\n|---|{}\n",

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::rows::{
     BOX_CITY, EIGHT, EIGHT_RESOLUTION, Figure, INTERIOR, Limit, QUERY, RATIO, RATIO_OF, SUM, rows,
 };
-use super::{Document, Figures};
+use super::{FastResults, Figures};
 
 /// A requirement and its outcome.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
@@ -44,7 +44,7 @@ impl Check {
 }
 
 /// Checks every requirement, measured or not.
-pub(super) fn all(document: &Document) -> Vec<Check> {
+pub(super) fn all(document: &FastResults) -> Vec<Check> {
     let found = |scene: &str, resolution: u64| {
         document.rows.iter().find(|r| r.scene == scene && r.resolution == resolution)
     };

@@ -28,7 +28,7 @@ const NO_THREADS: u64 = 0;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct FastResults {
     /// Command that measured.
     command: String,
     /// Threads.
@@ -89,7 +89,7 @@ pub(super) fn run(args: &BenchBake) -> Result<Code> {
         .into());
     }
     make_folder(&args.output)?;
-    let mut document = Document {
+    let mut document = FastResults {
         command: command(args),
         threads: NO_THREADS,
         samples: args.samples,
@@ -147,7 +147,7 @@ fn command(args: &BenchBake) -> String {
 }
 
 /// Bakes a row into `file` and compares it with rays.
-fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut Document) -> Result<Figures> {
+fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut FastResults) -> Result<Figures> {
     let scene = scene_file(args, row.scene);
     let sun = row.sun.map(|c| c.to_string()).join(",");
     let (resolution, thickness) = (row.resolution.to_string(), row.thickness.to_string());
@@ -178,7 +178,7 @@ fn bake(args: &BenchBake, row: &Row, file: &Path, document: &mut Document) -> Re
 }
 
 /// Writes the results measured so far.
-fn write(args: &BenchBake, document: &mut Document) -> Result<()> {
+fn write(args: &BenchBake, document: &mut FastResults) -> Result<()> {
     document.checks = checks::all(document);
     super::write(&args.output, "fast", &tables::markdown(document), document)
 }

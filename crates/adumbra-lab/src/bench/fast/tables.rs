@@ -2,12 +2,12 @@
 
 use super::checks::Check;
 use super::speed::Scan;
-use super::{Document, Figures};
+use super::{FastResults, Figures};
 use adumbra_compare::page::Table;
 use adumbra_compare::report::{figure, percent};
 
 /// Returns the whole page.
-pub(super) fn markdown(document: &Document) -> String {
+pub(super) fn markdown(document: &FastResults) -> String {
     let mut text = format!(
         "# The fast bake\n\n`{}`: {} threads, one run, one process per bake. Seconds are wall time, including \
         loading and writing. Peak is the process's peak resident memory; a row with a limit on it is baked with \

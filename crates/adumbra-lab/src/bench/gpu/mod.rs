@@ -21,7 +21,7 @@ use adumbra_compare::Result;
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "GpuDocument")]
-pub(crate) struct Document {
+pub(crate) struct GpuResults {
     /// Adapter and driver.
     adapter: String,
     /// Whether the adapter runs in software, so that its times say nothing about a GPU.
@@ -85,13 +85,13 @@ struct Bench<'a> {
     args: &'a BenchGpu,
     gpu: Gpu,
     end: Instant,
-    document: Document,
+    document: GpuResults,
 }
 
 pub(super) fn run(args: &BenchGpu) -> Result<Code> {
     make_folder(&args.output)?;
     let gpu = Gpu::request(&args.device.gpu_options())?;
-    let document = Document {
+    let document = GpuResults {
         adapter: gpu.name(),
         software: gpu.is_software(),
         size: args.size,

@@ -15,7 +15,7 @@ const EYE_HEIGHT: f64 = 1.7;
 const FOV_DEGREES: f64 = 60.0;
 
 /// A named view.
-pub(super) struct Seen {
+pub(super) struct NamedView {
     pub(super) name: &'static str,
     pub(super) shot: Shot,
 }
@@ -25,12 +25,15 @@ pub(super) fn city() -> Scene {
 }
 
 /// Returns the overview of a city, and a view along one of its streets.
-pub(super) fn views(city: &Scene, sun: Sun, [width, height]: [u32; 2]) -> Result<Vec<Seen>> {
+pub(super) fn views(city: &Scene, sun: Sun, [width, height]: [u32; 2]) -> Result<Vec<NamedView>> {
     let street = StreetOptions { eye_height_world: EYE_HEIGHT, fov_degrees: FOV_DEGREES, width, height };
     let street = street_camera(&TruthTracer::build(city, false), sun.towards(), &street)?;
     let overview = Camera { width, height, ..Camera::overview(&city.bounds(), FOV_DEGREES) };
     let shot = |camera| Shot { camera, towards_sun: sun.towards(), number: 0 };
-    Ok(vec![Seen { name: "overview", shot: shot(overview) }, Seen { name: "street", shot: shot(street) }])
+    Ok(vec![
+        NamedView { name: "overview", shot: shot(overview) },
+        NamedView { name: "street", shot: shot(street) },
+    ])
 }
 
 /// Returns `side` × `side` copies of a city, the one in the middle where it was.

@@ -4,13 +4,13 @@ use adumbra::Sun;
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
 use adumbra_papers::techniques::PaperFiles;
 use adumbra_render::occlusion::{Estimator, Filter, OcclusionPasses, OcclusionSettings};
-use adumbra_render::{Baked, Renderer, SceneOptions, TechniqueSpec};
+use adumbra_render::{Renderer, SceneOptions, TechniqueFiles, TechniqueSpec};
 
 use crate::TECHNIQUES;
 use crate::light_file::{Kind, LightFile};
 use adumbra_scene::Scene;
 
-use super::scenes::{Seen, city, movers, tiled, triangles, views};
+use super::scenes::{NamedView, city, movers, tiled, triangles, views};
 use super::{Bench, Row, Section};
 use crate::bench::DEFAULT_SUN;
 use adumbra_compare::Result;
@@ -27,7 +27,7 @@ struct OnDevice<'s> {
     name: String,
     scene: &'s Scene,
     renderer: Renderer,
-    views: &'s [Seen],
+    views: &'s [NamedView],
     sun: Sun,
 }
 
@@ -157,7 +157,7 @@ fn hybrid(bench: &mut Bench<'_>, on: &mut OnDevice<'_>) -> Result<()> {
         let hybrid = [1, 5].map(|filter| format!("hrsm:{start}-{}:filter={filter}", start / 4));
         for technique in plain.iter().chain(&hybrid) {
             let spec = [technique.as_str(), ""];
-            rows.push(bench.technique(&mut on.renderer, on.views, spec, Baked::default(), None)?);
+            rows.push(bench.technique(&mut on.renderer, on.views, spec, TechniqueFiles::default(), None)?);
         }
     }
     bench.section("Hybrid-resolution maps against plain ones", on, rows)

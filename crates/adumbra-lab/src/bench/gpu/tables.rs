@@ -2,10 +2,10 @@
 
 use std::fmt::Write as _;
 
-use super::{Document, Row, Section};
+use super::{GpuResults, Row, Section};
 
-pub(super) fn markdown(document: &Document) -> String {
-    let Document { adapter, software, size: [width, height], frames, seconds, .. } = document;
+pub(super) fn markdown(document: &GpuResults) -> String {
+    let GpuResults { adapter, software, size: [width, height], frames, seconds, .. } = document;
     let mut text = format!(
         "# Measured on {adapter}\n\n`adumbra-lab bench gpu -o DIR`: {width} × {height} pixels, medians of up to {frames} \
          frames, GPU timestamps, in milliseconds; in brackets each pass. Scenes are generated and baked on the way; \

@@ -3,10 +3,10 @@
 use std::time::{Duration, Instant};
 
 use adumbra_render::occlusion::OcclusionPasses;
-use adumbra_render::{Answer, Baked, FrameTimes, Renderer, Stage, build};
+use adumbra_render::{Answer, FrameTimes, Renderer, Stage, TechniqueFiles, build};
 use adumbra_scene::Scene;
 
-use super::scenes::{Seen, moved};
+use super::scenes::{NamedView, moved};
 use super::{Bench, Row, View};
 use adumbra_compare::Result;
 use adumbra_compare::compare::median_time;
@@ -34,9 +34,9 @@ impl Bench<'_> {
     pub(super) fn technique(
         &mut self,
         renderer: &mut Renderer,
-        views: &[Seen],
+        views: &[NamedView],
         [technique, file]: [&str; 2],
-        baked: Baked<'_>,
+        baked: TechniqueFiles<'_>,
         movers: Option<&Scene>,
     ) -> Result<Option<Row>> {
         let named = if file.is_empty() { technique.to_owned() } else { format!("{technique}, {file}") };
@@ -53,7 +53,7 @@ impl Bench<'_> {
             }
         };
         let mut found = Vec::new();
-        for Seen { name, shot } in views {
+        for NamedView { name, shot } in views {
             let times = self.frames(|number| {
                 if let Some(movers) = movers {
                     renderer.move_movers(&moved(movers, number));
@@ -71,16 +71,16 @@ impl Bench<'_> {
     pub(super) fn occlusion(
         &mut self,
         renderer: &mut Renderer,
-        views: &[Seen],
+        views: &[NamedView],
         name: &str,
         mut passes: OcclusionPasses,
     ) -> Result<Option<Row>> {
         if self.is_over(name) {
             return Ok(None);
         }
-        let mut none = renderer.prepare(build(&self.gpu, &"none".parse()?, Baked::default())?)?;
+        let mut none = renderer.prepare(build(&self.gpu, &"none".parse()?, TechniqueFiles::default())?)?;
         let mut found = Vec::new();
-        for Seen { name, shot } in views {
+        for NamedView { name, shot } in views {
             renderer.draw(shot, &mut none, Answer::Visibility)?;
             let times = self.frames(|_| Ok(renderer.occlude(shot, &mut passes)?))?;
             found.push(view(name, &times, AMBIENT, FrameTimes::ambient));

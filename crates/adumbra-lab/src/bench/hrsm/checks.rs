@@ -2,7 +2,7 @@
 
 use super::measure::{Group, Row, hybrid, plain};
 use super::models::{MODELS, PAPER_STARTS};
-use super::{Document, FILTERS, ModelFigures};
+use super::{FILTERS, HybridResults, ModelFigures};
 use crate::results::Check;
 
 /// Share of wrong pixels in excess of that of the shadow map at START.
@@ -44,7 +44,7 @@ impl Case<'_> {
 }
 
 /// Returns the cases of every model, start and filter.
-pub(super) fn cases(document: &Document) -> Vec<Case<'_>> {
+pub(super) fn cases(document: &HybridResults) -> Vec<Case<'_>> {
     let groups = document.models.iter().flat_map(|m| m.groups.iter().map(move |g| (m, g)));
     groups
         .filter_map(|(model, group)| {
@@ -78,7 +78,7 @@ impl Bound {
 }
 
 /// Checks every requirement, measured or not.
-pub(super) fn all(document: &Document) -> Vec<Check> {
+pub(super) fn all(document: &HybridResults) -> Vec<Check> {
     let cases = required(document);
     let percent = |v: f64| format!("{:.3} %", 100.0 * v);
     let points = |v: f64| format!("{:+.3} points", 100.0 * v);
@@ -100,7 +100,7 @@ pub(super) fn all(document: &Document) -> Vec<Check> {
 }
 
 /// Describes which models, starts and cases were measured, and which are missing.
-pub(super) fn covers(document: &Document) -> String {
+pub(super) fn covers(document: &HybridResults) -> String {
     let cases = required(document);
     let (mut titles, mut starts) = (Vec::new(), Vec::new());
     for case in &cases {
@@ -140,7 +140,7 @@ pub(super) fn covers(document: &Document) -> String {
 }
 
 /// Returns every case except those of foliage.
-pub(super) fn required(document: &Document) -> Vec<Case<'_>> {
+pub(super) fn required(document: &HybridResults) -> Vec<Case<'_>> {
     cases(document).into_iter().filter(|c| !c.model.foliage).collect()
 }
 

@@ -1,7 +1,7 @@
 //! Sheets of the paper's figures 4 to 7, of foliage, and of the levels.
 
 use adumbra_render::layers::LEVEL_COLORS;
-use adumbra_render::{Answer, Baked, Given, Prepared, Renderer, Shot, build};
+use adumbra_render::{Answer, Given, Prepared, Renderer, Shot, TechniqueFiles, build};
 use adumbra_scene::Camera;
 use adumbra_truth::picture::Picture;
 
@@ -145,7 +145,7 @@ impl Stage<'_, '_, '_> {
     }
 
     fn prepare(&self, name: &str) -> Result<Prepared> {
-        let built = build(self.renderer.gpu(), &name.parse()?, Baked::default())?;
+        let built = build(self.renderer.gpu(), &name.parse()?, TechniqueFiles::default())?;
         Ok(self.renderer.prepare(built)?)
     }
 

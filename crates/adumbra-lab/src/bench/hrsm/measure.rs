@@ -4,7 +4,9 @@ use std::rc::Rc;
 
 use adumbra_program::exit::Failure;
 use adumbra_render::hybrid::twin::level_shares;
-use adumbra_render::{Answer, Baked, FrameTimes, Prepared, RenderError, Renderer, Shot, Stage, build};
+use adumbra_render::{
+    Answer, FrameTimes, Prepared, RenderError, Renderer, Shot, Stage, TechniqueFiles, build,
+};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -177,7 +179,8 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
         let sun = (reference.towards_sun, SunShape::Hard);
         let truth =
             reference.cache.factors(reference.truth, reference.scene, &shot.camera, &surfaces, sun.0, sun.1);
-        let mut none = renderer.prepare(build(renderer.gpu(), &"none".parse()?, Baked::default())?)?;
+        let mut none =
+            renderer.prepare(build(renderer.gpu(), &"none".parse()?, TechniqueFiles::default())?)?;
         renderer.draw(&shot, &mut none, Answer::Visibility)?;
         let (pixels, counted) = reference.count(&surfaces, &renderer.read_surface(&shot)?);
         Ok(Self {
@@ -233,7 +236,7 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
     /// Builds a technique and draws the frames that create what later frames reuse.
     fn ready(&mut self, name: &str, beside: String) -> Result<Pair, RenderError> {
         let mut make = |text: String, frames: u32| {
-            let built = build(self.renderer.gpu(), &text.parse()?, Baked::default())?;
+            let built = build(self.renderer.gpu(), &text.parse()?, TechniqueFiles::default())?;
             let mut prepared = self.renderer.prepare(built)?;
             for _ in 0..frames {
                 self.renderer.draw(&self.shot, &mut prepared, Answer::Visibility)?;

@@ -37,7 +37,7 @@ const FILTERS: [u32; 2] = [1, 5];
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct HybridResults {
     /// How the pictures were drawn and timed.
     #[serde(flatten)]
     pub(crate) setup: Setup,
@@ -95,7 +95,7 @@ pub(super) fn run(args: &BenchHrsm) -> Result<Code> {
         starts.join(","),
         args.common.frames
     );
-    let mut document = Document {
+    let mut document = HybridResults {
         setup: Setup::new(command, args.common.frames, args.common.size),
         sun: Sun::from_direction(SUN)?.towards(),
         starts: args.starts.clone(),
@@ -119,7 +119,7 @@ pub(super) fn run(args: &BenchHrsm) -> Result<Code> {
 }
 
 /// Measures a model and draws its figures.
-fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Levels) -> Result<()> {
+fn one(args: &BenchHrsm, model: &Model, document: &mut HybridResults, levels: &mut Levels) -> Result<()> {
     let standing = model.stand(&args.scenes)?;
     let truth = TruthTracer::build(&standing.scene, false);
     let gpu = Gpu::request(&args.common.device.gpu_options())?;
@@ -168,7 +168,7 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut Document, levels: &mut Le
 }
 
 /// Returns what was drawn. If it exceeds the device's limits, returns `None` and records `what` as skipped.
-fn fitting<T>(drawn: Result<T>, what: String, document: &mut Document) -> Result<Option<T>> {
+fn fitting<T>(drawn: Result<T>, what: String, document: &mut HybridResults) -> Result<Option<T>> {
     match drawn {
         Ok(drawn) => Ok(Some(drawn)),
         Err(Error::Render(why)) if matches!(*why, RenderError::TooLarge { .. }) => {
@@ -180,6 +180,6 @@ fn fitting<T>(drawn: Result<T>, what: String, document: &mut Document) -> Result
 }
 
 /// Writes the results measured so far.
-fn write(args: &BenchHrsm, document: &Document) -> Result<()> {
+fn write(args: &BenchHrsm, document: &HybridResults) -> Result<()> {
     super::write(&args.common.output, "hrsm", &tables::markdown(document), document)
 }

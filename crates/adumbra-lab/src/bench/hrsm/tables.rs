@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use super::checks::cases;
 use super::measure::{Group, Row, hybrid, plain};
 use super::models::PAPER_STARTS;
-use super::{Document, FILTERS, ModelFigures, why};
+use super::{FILTERS, HybridResults, ModelFigures, why};
 use crate::results::Check;
 use adumbra_compare::compare::CLEAR_TEXELS;
 use adumbra_compare::page::Table;
@@ -15,7 +15,7 @@ const LOADS: [(&str, &str); 2] = [("", "unfiltered"), ("PCF 5 × 5, ", "PCF 5 ×
 
 // Writing to a `String` never fails, so the results of `write!` are discarded throughout.
 
-pub(super) fn markdown(document: &Document) -> String {
+pub(super) fn markdown(document: &HybridResults) -> String {
     let mut text = head(document);
     let _ = writeln!(
         text,
@@ -42,7 +42,7 @@ pub(super) fn markdown(document: &Document) -> String {
     text
 }
 
-fn head(document: &Document) -> String {
+fn head(document: &HybridResults) -> String {
     let setup = &document.setup;
     let [width, height] = setup.size;
     format!(
@@ -74,7 +74,7 @@ fn head(document: &Document) -> String {
 }
 
 /// Compares START-START/4 with the shadow maps at both ends of its range.
-fn case_table(document: &Document) -> String {
+fn case_table(document: &HybridResults) -> String {
     let table = Table::of(
         "",
         &cases(document),
@@ -106,7 +106,7 @@ fn case_table(document: &Document) -> String {
 }
 
 /// Compares the paper's tables 1 and 2 with our whole frames.
-fn paper_table(document: &Document) -> String {
+fn paper_table(document: &HybridResults) -> String {
     let mut text = String::from(
         "## The paper's tables 1 and 2\n\nThe paper's milliseconds (dual-core Xeon E5620, Quadro K5000) compared \
         with whole frames here: G-buffer, depth, build, look-up and composite, for SM at START and for HRSM \

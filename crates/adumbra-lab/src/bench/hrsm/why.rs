@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use super::measure::{Row, hybrid, plain};
-use super::{Document, FILTERS};
+use super::{FILTERS, HybridResults};
 
 /// Numbers of merges that are compared: that of the paper's tables, and that of the requirements.
 const MERGES: [u32; 2] = [1, 2];
@@ -35,7 +35,7 @@ impl Spent {
 }
 
 /// Returns the section's text, empty if nothing was measured.
-pub(super) fn text(document: &Document) -> String {
+pub(super) fn text(document: &HybridResults) -> String {
     let mut rows = String::new();
     for &start in &document.starts {
         for (filter, merges) in FILTERS.into_iter().flat_map(|f| MERGES.map(|m| (f, m))) {
@@ -68,7 +68,7 @@ pub(super) fn text(document: &Document) -> String {
 }
 
 /// Returns the paper's claims, each with its measurement, or an empty text if nothing was measured.
-pub(super) fn claims(document: &Document) -> String {
+pub(super) fn claims(document: &HybridResults) -> String {
     let models = || document.models.iter().filter(|m| !m.foliage);
     let range = |values: Vec<f64>| {
         let least = values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -123,7 +123,7 @@ pub(super) fn claims(document: &Document) -> String {
 }
 
 /// Sums the times over all models with both maps, except foliage.
-fn spent(document: &Document, start: u32, filter: u32, merges: u32) -> Option<Spent> {
+fn spent(document: &HybridResults, start: u32, filter: u32, merges: u32) -> Option<Spent> {
     let groups = document.models.iter().filter(|m| !m.foliage).filter_map(|m| m.group(start, filter));
     let pairs = groups.filter_map(|g| {
         Some((g.row(&hybrid(start, start >> merges, filter))?, g.row(&plain(start, filter))?))

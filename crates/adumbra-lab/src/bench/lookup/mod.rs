@@ -18,7 +18,8 @@ use adumbra_program::exit::Code;
 use adumbra_program::output::{make_folder, note_input};
 use adumbra_program::scene::load_scene;
 use adumbra_render::{
-    Answer, Baked, FrameTimes, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage, build,
+    Answer, FrameTimes, Gpu, Prepared, RenderError, Renderer, SceneOptions, Shot, Stage, TechniqueFiles,
+    build,
 };
 use adumbra_scene::{Camera, LoadOptions};
 use schemars::JsonSchema;
@@ -42,7 +43,7 @@ const EYE_HEIGHT: f64 = 1.7;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct LookUpResults {
     /// Texels along the longest side of the files.
     resolution: u64,
     /// Width and height of the pictures in pixels.
@@ -131,7 +132,7 @@ impl Counts {
 pub(super) fn run(args: &BenchLookup) -> Result<Code> {
     make_folder(&args.common.output)?;
     let gpu = Gpu::request(&args.common.device.gpu_options())?;
-    let mut document = Document {
+    let mut document = LookUpResults {
         resolution: args.common.resolutions.resolution,
         size: args.size,
         every: args.every,
@@ -149,13 +150,13 @@ pub(super) fn run(args: &BenchLookup) -> Result<Code> {
 }
 
 /// A view of a scene.
-struct Seen {
+struct SceneView {
     name: &'static str,
     shot: Shot,
     groups: Vec<Group>,
 }
 
-fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -> Result<()> {
+fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut LookUpResults) -> Result<()> {
     let truth = args.common.truth.join(format!("{name}.npz"));
     note_input("the truth file itself", &truth);
     let (camera, sun) = truth_camera(&truth)?;
@@ -166,7 +167,7 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
     let street = street_camera(&tracer, sun.towards(), &options)?;
     let views =
         [("truth camera", Camera { width, height, ..camera }), ("street", street)].map(|(name, camera)| {
-            Seen {
+            SceneView {
                 name,
                 shot: Shot { camera, towards_sun: sun.towards(), number: 0 },
                 groups: groups(&tracer.surfaces(&camera), sun, args.every),
@@ -174,8 +175,8 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
         });
     let mut renderer = Renderer::new(gpu.clone(), &scene, SceneOptions::default())?;
     for filter in CASCADE_FILTERS {
-        let mut technique = prepare(&renderer, &format!("csm:filter={filter}"), Baked::default())?;
-        for Seen { name: view, shot, groups } in &views {
+        let mut technique = prepare(&renderer, &format!("csm:filter={filter}"), TechniqueFiles::default())?;
+        for SceneView { name: view, shot, groups } in &views {
             let times = time(&mut renderer, shot, &mut technique, args.frames)?;
             let Some(map) = technique.technique().map() else { continue };
             let figures = cascades::count(map, shot.camera.eye, groups).figures(groups.len(), &times);
@@ -191,7 +192,7 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut Document) -
             let file = LightFile::bake(&scene, &options, kind)?;
             for &filter in &args.filter {
                 let mut technique = prepare(&renderer, &file.technique(filter), file.baked())?;
-                for Seen { name: view, shot, groups } in &views {
+                for SceneView { name: view, shot, groups } in &views {
                     let times = time(&mut renderer, shot, &mut technique, args.frames)?;
                     let counts = match voxels::count(gpu, &file, groups, Filter::try_from(filter)?) {
                         Err(Error::Render(error)) if matches!(*error, RenderError::VoxelLimit { .. }) => {
@@ -223,7 +224,7 @@ fn say(scene: &str, view: &str, what: &str, figures: &Figures) {
     );
 }
 
-fn prepare(renderer: &Renderer, technique: &str, baked: Baked<'_>) -> Result<Prepared> {
+fn prepare(renderer: &Renderer, technique: &str, baked: TechniqueFiles<'_>) -> Result<Prepared> {
     let spec = TECHNIQUES.parse(technique)?;
     Ok(renderer.prepare(build(renderer.gpu(), &spec, baked)?)?)
 }
@@ -239,8 +240,8 @@ fn time(
     Ok(interleaved(renderer, shot, &mut [technique], frames)?.remove(0))
 }
 
-fn markdown(document: &Document) -> String {
-    let Document { resolution, size: [width, height], every, adapter, frames, .. } = document;
+fn markdown(document: &LookUpResults) -> String {
+    let LookUpResults { resolution, size: [width, height], every, adapter, frames, .. } = document;
     let of_frames =
         if *frames == 1 { "of one frame".to_owned() } else { format!("medians of {frames} frames") };
     let mut text = format!(

@@ -36,7 +36,7 @@ const STOPS: usize = 6;
 
 /// All results of one file.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct StreamResults {
     /// Name of the scene.
     scene: String,
     /// Texels along the longest side.
@@ -147,7 +147,7 @@ fn measure(
     whole: &ShadowFile,
     flight: &Flight,
     scene: String,
-) -> Result<Document> {
+) -> Result<StreamResults> {
     let views: Vec<View> = flight.cameras.iter().map(view_of).collect();
     // What the first picture and sharpness take, from nothing.
     let begun = Instant::now();
@@ -206,7 +206,7 @@ fn measure(
     }
     let longest_ms = times_ms.iter().copied().fold(0.0, f64::max);
     times_ms.sort_by(f64::total_cmp);
-    Ok(Document {
+    Ok(StreamResults {
         scene,
         resolution: whole.settings.resolution,
         file_bytes: streamer.counts().file_bytes,
@@ -265,9 +265,10 @@ fn compare(
     Stop { frame, points: points.len(), wrong, wrong_of_whole_file, equal }
 }
 
-fn markdown(document: &Document) -> String {
-    let Document { scene, resolution, first, sharp, frames, counts, frame_ms: [longest, median], .. } =
-        document;
+fn markdown(document: &StreamResults) -> String {
+    let StreamResults {
+        scene, resolution, first, sharp, frames, counts, frame_ms: [longest, median], ..
+    } = document;
     let mega = |bytes: u64| bytes as f64 / f64::from(1 << 20);
     let mean = frames.iter().map(|f| f.coarser_percent).sum::<f64>() / frames.len().max(1) as f64;
     let worst = frames.iter().map(|f| f.coarser_percent).fold(0.0, f64::max);
@@ -309,7 +310,7 @@ fn markdown(document: &Document) -> String {
     text
 }
 
-fn panels(document: &Document) -> Vec<Panel> {
+fn panels(document: &StreamResults) -> Vec<Panel> {
     let panel = |title: &str, y_label, name: &str, value: &dyn Fn(&FrameRow) -> f64| Panel {
         title: title.to_owned(),
         along: Along::Numbers("frame"),

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use adumbra_papers::tree::{Builder, TreeOptions};
+use adumbra_papers::tree::{TreeBuilder, TreeOptions};
 
-use super::document::{BuilderRow, ByBuilder, Part};
+use super::results::{BuilderRow, ByBuilder, Part};
 use super::{
     BenchScene, FIRST_PRUNED_DEPTH, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no,
 };
@@ -31,7 +31,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Bui
 fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<BuilderRow> {
     let prune = depth >= FIRST_PRUNED_DEPTH;
     let base = TreeOptions { prune, ..tree_options(depth)? };
-    let variants = Builder::ALL.map(|builder| TreeOptions { builder, ..base.clone() });
+    let variants = TreeBuilder::ALL.map(|builder| TreeOptions { builder, ..base.clone() });
     let InTurn { seconds, agree, last } = build_in_turn(args, scene, &variants)?;
     let report = last[0].report;
     let resolution = (1_u64 << depth).to_string();

@@ -11,7 +11,7 @@ use adumbra_truth::picture;
 use adumbra_truth::picture::{Picture, Shadows};
 use adumbra_truth::verify::{Answers, Class, Replaced};
 
-use super::document::{FilterRow, Part};
+use super::results::{FilterRow, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;

@@ -11,7 +11,7 @@ use adumbra_papers::tree::{Reduction, TreeOptions};
 use adumbra_program::output::write_png;
 use adumbra_truth::verify::{LightAnswers, Verification};
 
-use super::document::{ClosedRow, FrameRow, FrameRows, Part};
+use super::results::{ClosedRow, FrameRow, FrameRows, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;

@@ -3,11 +3,11 @@
 //! Tables are written as Markdown and JSON, plots as SVG, pictures as PNG.
 
 mod builders;
-mod document;
 mod filters;
 mod frames;
 mod options;
 mod reductions;
+mod results;
 
 use adumbra::IoError;
 use adumbra_bake::Watch;
@@ -15,8 +15,8 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-use self::document::Part;
-pub(crate) use self::document::{Document, FrameRow, OptionRow, ReductionRow};
+use self::results::Part;
+pub(crate) use self::results::{FrameRow, OptionRow, ReductionRow, TreeResults};
 use adumbra::Sun;
 use adumbra_bake::Size;
 use adumbra_files::{TEXT_BYTES, read_whole};
@@ -79,7 +79,7 @@ pub(super) fn run(args: &BenchTree) -> Result<Code> {
     }
     // Sections that this run does not measure keep their earlier results.
     let mut document =
-        if args.only.is_empty() { Document::default() } else { earlier(&args.output.join("tree.json"))? };
+        if args.only.is_empty() { TreeResults::default() } else { earlier(&args.output.join("tree.json"))? };
     document.measure(args, &scenes, "builders", builders::measure, |d| &mut d.builders)?;
     document.measure(args, &scenes, "reductions", reductions::measure, |d| &mut d.reductions)?;
     document.measure(args, &scenes, "frames", frames::measure, |d| &mut d.frames)?;
@@ -89,7 +89,7 @@ pub(super) fn run(args: &BenchTree) -> Result<Code> {
     Ok(Code::Fine)
 }
 
-impl Document {
+impl TreeResults {
     /// Measures a section if the arguments ask for it.
     ///
     /// What was measured is saved after every section, so that a failure loses only the section in progress.
@@ -112,7 +112,7 @@ impl Document {
 }
 
 /// Writes tables, figures and plots of the sections measured so far.
-fn save(args: &BenchTree, document: &Document) -> Result<()> {
+fn save(args: &BenchTree, document: &TreeResults) -> Result<()> {
     write(&args.output, "tree", &markdown(document), document)?;
     if let Some(part) = &document.builders {
         builders::plots(&args.output, &part.rows)?;
@@ -134,10 +134,10 @@ fn scene_names<'r>(rows: impl Iterator<Item = &'r String>) -> Vec<String> {
 }
 
 /// Reads what an earlier run wrote. Returns an empty document if there is no such file.
-fn earlier(path: &Path) -> Result<Document> {
+fn earlier(path: &Path) -> Result<TreeResults> {
     let bytes = match read_whole(path, TEXT_BYTES) {
         Ok(bytes) => bytes,
-        Err(e) if e.source.kind() == ErrorKind::NotFound => return Ok(Document::default()),
+        Err(e) if e.source.kind() == ErrorKind::NotFound => return Ok(TreeResults::default()),
         Err(e) => return Err(e.into()),
     };
     let other = |e| {
@@ -149,7 +149,7 @@ fn earlier(path: &Path) -> Result<Document> {
     Ok(serde_json::from_slice(&bytes).map_err(other)?)
 }
 
-fn markdown(document: &Document) -> String {
+fn markdown(document: &TreeResults) -> String {
     let parts = [
         document.builders.as_ref().map(builders::markdown),
         document.reductions.as_ref().map(reductions::markdown),

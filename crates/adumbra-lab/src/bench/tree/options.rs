@@ -14,7 +14,7 @@ use adumbra_papers::tree::{BakedTree, PreparedTree};
 use adumbra_scene::random::Random;
 use adumbra_truth::verify::{Solids, SurfaceSampler};
 
-use super::document::{OptionRow, Part};
+use super::results::{OptionRow, Part};
 use super::{BenchScene, SUN, scene_names, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use adumbra_papers::tree::{Builder, Reduction, TreeOptions};
+use adumbra_papers::tree::{Reduction, TreeBuilder, TreeOptions};
 
-use super::document::{ByReduction, Part, ReductionRow};
+use super::results::{ByReduction, Part, ReductionRow};
 use super::{BenchScene, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
@@ -29,7 +29,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Red
 }
 
 fn row(args: &BenchTree, scene: &BenchScene, depth: u32) -> Result<ReductionRow> {
-    let base = TreeOptions { builder: Builder::Recursive, ..tree_options(depth)? };
+    let base = TreeOptions { builder: TreeBuilder::Recursive, ..tree_options(depth)? };
     let variants = VARIANTS.map(|(_, reduction)| TreeOptions { reduction, ..base.clone() });
     let InTurn { seconds, agree, last } = build_in_turn(args, scene, &variants)?;
     let (sort, hash, tree_hash) = (&last[0].report, &last[1].report, &last[2].report);

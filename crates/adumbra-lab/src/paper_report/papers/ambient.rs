@@ -3,9 +3,9 @@
 use serde_json::Value;
 
 use super::super::data::Data;
-use super::super::seen::{Seen, checks};
+use super::super::inputs::{PageInputs, checks};
 use super::{Printed, Realised, Show, Verdict};
-use crate::bench::ao::{Document, Row, SceneFigures};
+use crate::bench::ao::{AoResults, Row, SceneFigures};
 use crate::occlusion::SCENES;
 use adumbra_compare::page::{Body, Table};
 
@@ -29,9 +29,9 @@ pub(super) const PAPER: Realised = Realised {
             "figure 2",
             Show::Nothing("a drawing; as it requires, samples out of range contribute nothing here"),
         ),
-        ("figure 3", Show::Below(|seen, body| DETAIL.show(seen, body))),
-        ("figure 4", Show::Below(|seen, body| ATTENUATION.show(seen, body))),
-        ("figure 5", Show::Below(|seen, body| EDGES.show(seen, body))),
+        ("figure 3", Show::Below(|inputs, body| DETAIL.show(inputs, body))),
+        ("figure 4", Show::Below(|inputs, body| ATTENUATION.show(inputs, body))),
+        ("figure 5", Show::Below(|inputs, body| EDGES.show(inputs, body))),
         ("figure 6", Show::Below(everything)),
     ],
     claims: &[
@@ -43,7 +43,7 @@ pub(super) const PAPER: Realised = Realised {
 };
 
 /// Returns the paper's scene if it was measured, else the first one.
-fn scene(document: &Document) -> Option<&SceneFigures> {
+fn scene(document: &AoResults) -> Option<&SceneFigures> {
     document.scenes.iter().find(|s| s.name == "dragon").or(document.scenes.first())
 }
 
@@ -52,16 +52,16 @@ fn row<'v>(scene: &'v SceneFigures, estimator: &str) -> Option<&'v Row> {
 }
 
 /// Returns the benchmark's results, or `None` if there are none.
-fn document(data: &Data) -> Option<Document> {
+fn document(data: &Data) -> Option<AoResults> {
     data.results(FILE)
 }
 
-fn scenes(document: Option<&Document>) -> &[SceneFigures] {
+fn scenes(document: Option<&AoResults>) -> &[SceneFigures] {
     document.map_or(&[], |d| &d.scenes)
 }
 
-fn times(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
-    let document = document(seen.data);
+fn times(inputs: &mut PageInputs<'_>, printed: &Printed, body: &mut Body) {
+    let document = document(inputs.data);
     let measured = document.as_ref().and_then(scene);
     let title = measured.map_or("", |s| &*s.title);
     let mut table = Table::new(
@@ -101,19 +101,19 @@ fn times(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
     }
     body.table(&table);
     if measured.is_none() {
-        seen.missing(SECTION, body);
+        inputs.missing(SECTION, body);
         return;
     }
     body.paragraph(
         "All estimators take 12 samples in the same chain of passes. RMSE is against rays of the same radius. Ratios are comparable; \
          milliseconds are not, because the paper's are from a GTS 450.",
     );
-    seen.made_by(SECTION, SECTION, body);
+    inputs.made_by(SECTION, SECTION, body);
     checks(document.as_ref().map_or(&[], |d| &d.checks), body);
 }
 
-fn settings(seen: &mut Seen<'_>, body: &mut Body) {
-    let document = document(seen.data);
+fn settings(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    let document = document(inputs.data);
     let mut table = Table::new(
         "Ours: ISSAO with these settings, as fractions of R, compared with the tuned ones",
         &["scene", "settings", "RMSE", "mean signed error"],
@@ -136,7 +136,7 @@ fn settings(seen: &mut Seen<'_>, body: &mut Body) {
         }
     }
     let remark = "The paper prints these numbers in scene units that it does not specify. Taken as fractions of R, they make the picture too dark or too light by the mean signed error.";
-    seen.table(SECTION, SECTION, &table, Some(remark), body);
+    inputs.table(SECTION, SECTION, &table, Some(remark), body);
 }
 
 fn file(name: &str) -> String {
@@ -144,13 +144,13 @@ fn file(name: &str) -> String {
 }
 
 /// Adds a pair of pictures of the room.
-fn pair(seen: &mut Seen<'_>, left: &str, right: &str, body: &mut Body) {
+fn pair(inputs: &mut PageInputs<'_>, left: &str, right: &str, body: &mut Body) {
     let [a, b] = [left, right].map(|n| file(&n.replace([':', '='], "-")));
     let caption = format!("Ambient visibility of {ROOM}, radius 1");
     let name = |n: &str| if n == "truth" { "rays".to_owned() } else { format!("`{n}`") };
-    seen.pair(SECTION, (&a, &name(left)), (&b, &name(right)), &caption, body);
+    inputs.pair(SECTION, (&a, &name(left)), (&b, &name(right)), &caption, body);
     for picture in [left, right] {
-        seen.made_by(SECTION, picture, body);
+        inputs.made_by(SECTION, picture, body);
     }
 }
 
@@ -179,29 +179,29 @@ const EDGES: Figure = Figure {
 };
 
 impl Figure {
-    fn show(&self, seen: &mut Seen<'_>, body: &mut Body) {
-        seen.sheet(SECTION, &file(self.sheet), self.alt, body);
+    fn show(&self, inputs: &mut PageInputs<'_>, body: &mut Body) {
+        inputs.sheet(SECTION, &file(self.sheet), self.alt, body);
         for left in self.left {
-            pair(seen, left, "issao", body);
+            pair(inputs, left, "issao", body);
         }
     }
 }
 
-fn everything(seen: &mut Seen<'_>, body: &mut Body) {
-    let document = document(seen.data);
+fn everything(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    let document = document(inputs.data);
     for SceneFigures { name, title, .. } in scenes(document.as_ref()) {
         let alt = format!("{title}: ambient visibility by rays and by every estimator");
-        seen.picture(SECTION, &file(&format!("ao-{name}")), &alt, &alt, body);
+        inputs.picture(SECTION, &file(&format!("ao-{name}")), &alt, &alt, body);
     }
-    pair(seen, "truth", "gtao", body);
-    seen.plot(
+    pair(inputs, "truth", "gtao", body);
+    inputs.plot(
         SECTION,
         "ao/ao-time.svg",
         "RMSE over milliseconds, one line per estimator",
         "Error against time, 4 to 64 samples",
         body,
     );
-    seen.made_by(SECTION, SECTION, body);
+    inputs.made_by(SECTION, SECTION, body);
 }
 
 /// Describes how many of the benchmark's scenes a verdict is based on.

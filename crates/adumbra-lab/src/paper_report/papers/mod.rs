@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::Value;
 
 use super::data::Data;
-use super::seen::{Seen, pages};
+use super::inputs::{PageInputs, pages};
 use adumbra_compare::page::{Body, Section, Table};
 use adumbra_compare::report::grouped;
 
@@ -80,9 +80,9 @@ pub(super) struct Realised {
 #[derive(Clone, Copy)]
 pub(super) enum Show {
     /// Content below the paper's own.
-    Below(fn(&mut Seen<'_>, &mut Body)),
+    Below(fn(&mut PageInputs<'_>, &mut Body)),
     /// Content in one table together with the paper's own, which it shows too.
-    Beside(fn(&mut Seen<'_>, &Printed, &mut Body)),
+    Beside(fn(&mut PageInputs<'_>, &Printed, &mut Body)),
     /// Nothing, with the reason.
     Nothing(&'static str),
 }
@@ -148,12 +148,12 @@ pub(super) fn all() -> Vec<Paper> {
 }
 
 /// Returns one section per paper.
-pub(super) fn sections(seen: &mut Seen<'_>) -> Vec<Section> {
+pub(super) fn sections(inputs: &mut PageInputs<'_>) -> Vec<Section> {
     let beside = |p: &Paper| REALISED.into_iter().find(|r| r.key == p.key);
-    all().iter().filter_map(|p| Some(section(p, beside(p)?, seen))).collect()
+    all().iter().filter_map(|p| Some(section(p, beside(p)?, inputs))).collect()
 }
 
-fn section(paper: &Paper, realised: &Realised, seen: &mut Seen<'_>) -> Section {
+fn section(paper: &Paper, realised: &Realised, inputs: &mut PageInputs<'_>) -> Section {
     let mut body = Body::default();
     body.paragraph(&format!(
         "{}: “{}”. {}, {}.",
@@ -170,7 +170,7 @@ fn section(paper: &Paper, realised: &Realised, seen: &mut Seen<'_>) -> Section {
     let mut table = Table::new("", &["claim", "page", "result\u{a0}here", ""]);
     for claim in &paper.claims {
         let evaluate = realised.claims.iter().find(|(begins, _)| claim.text.starts_with(begins));
-        let verdict = evaluate.map_or(Verdict::Unmeasured, |(_, evaluate)| evaluate(seen.data));
+        let verdict = evaluate.map_or(Verdict::Unmeasured, |(_, evaluate)| evaluate(inputs.data));
         let [verdict, found] = verdict.words();
         let page = claim.page.map_or_else(String::new, |p| p.to_string());
         table.row([claim.text.clone(), page, verdict, found]);
@@ -188,10 +188,10 @@ fn section(paper: &Paper, realised: &Realised, seen: &mut Seen<'_>) -> Section {
         body.paragraph(&pages(printed.page, printed.note.as_deref()));
         let show = realised.items.iter().find(|(id, _)| *id == printed.id).map(|(_, show)| *show);
         match show {
-            Some(Show::Beside(show)) => show(seen, printed, &mut body),
+            Some(Show::Beside(show)) => show(inputs, printed, &mut body),
             Some(Show::Below(show)) => {
                 as_printed(printed, &mut body);
-                show(seen, &mut body);
+                show(inputs, &mut body);
             }
             Some(Show::Nothing(why)) => {
                 as_printed(printed, &mut body);

@@ -1,9 +1,9 @@
 //! Counterpart to the notes on soft shadows: `bench blur`, a street, and the same city from afar.
 
 use super::super::data::Data;
-use super::super::seen::Seen;
+use super::super::inputs::PageInputs;
 use super::{Realised, Show, Verdict};
-use crate::bench::blur::{Bleeding, Cost, Document};
+use crate::bench::blur::{Bleeding, BlurResults, Cost};
 use adumbra_compare::page::{Body, Table};
 use adumbra_compare::report::{Report, TechniqueRow, figure, megabytes, percent};
 
@@ -30,7 +30,7 @@ fn street(name: &str) -> String {
     format!("shadows/street/{}.png", name.replace(':', "_"))
 }
 
-fn blur(seen: &mut Seen<'_>, body: &mut Body) {
+fn blur(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let truth = "shadows/street/truth-disc.png";
     for (name, what) in [
         ("blur", "The plain blur: shadows bleed across silhouettes"),
@@ -38,20 +38,20 @@ fn blur(seen: &mut Seen<'_>, body: &mut Body) {
         ("blur-bilateral", "Weights by depth and normal, which fix it"),
     ] {
         let caption = format!("{what}. A street in a generated city; rays towards a sun disc of 0.53°");
-        seen.pair("shadows", (truth, "rays"), (&street(name), &format!("`{name}`")), &caption, body);
+        inputs.pair("shadows", (truth, "rays"), (&street(name), &format!("`{name}`")), &caption, body);
     }
-    seen.made_by("shadows", "street", body);
-    techniques(seen, "shadows/street/report.json", "All techniques in this street", body);
+    inputs.made_by("shadows", "street", body);
+    techniques(inputs, "shadows/street/report.json", "All techniques in this street", body);
     body.heading("Cost and artefacts of the blur");
     let alt = "Milliseconds by number of samples, in two passes and in one";
-    seen.plot(
+    inputs.plot(
         "blur",
         "blur/blur.svg",
         alt,
         "Milliseconds of the blur's own passes by number of samples along a line",
         body,
     );
-    if let Some(document) = seen.data.results::<Document>(FILE) {
+    if let Some(document) = inputs.data.results::<BlurResults>(FILE) {
         let mut table = Table::new(
             "Pixels that a blur of 32 samples changes although nothing on their own surface differs",
             &["", "halo", "gap", "largest change"],
@@ -61,12 +61,12 @@ fn blur(seen: &mut Seen<'_>, body: &mut Body) {
         }
         body.table(&table);
     }
-    seen.made_by("blur", "blur", body);
+    inputs.made_by("blur", "blur", body);
 }
 
 /// Adds a table of the errors and times of a comparison.
-fn techniques(seen: &mut Seen<'_>, file: &str, caption: &str, body: &mut Body) {
-    let Some(report) = seen.data.results::<Report>(file) else { return };
+fn techniques(inputs: &mut PageInputs<'_>, file: &str, caption: &str, body: &mut Body) {
+    let Some(report) = inputs.data.results::<Report>(file) else { return };
     body.table(&Table::of(
         caption,
         &report.techniques,
@@ -84,40 +84,40 @@ fn techniques(seen: &mut Seen<'_>, file: &str, caption: &str, body: &mut Body) {
 }
 
 /// Adds a pair of pictures of the city from afar.
-fn from_afar(seen: &mut Seen<'_>, left: &str, right: &str, caption: &str, body: &mut Body) {
+fn from_afar(inputs: &mut PageInputs<'_>, left: &str, right: &str, caption: &str, body: &mut Body) {
     let file = |n: &str| match n {
         "rays" => "shadows/far/truth-hard.png".to_owned(),
         n => format!("shadows/far/{}.png", n.replace(':', "_")),
     };
     let name = |n: &str| if n == "rays" { n.to_owned() } else { format!("`{n}`") };
-    seen.pair("shadows", (&file(left), &name(left)), (&file(right), &name(right)), caption, body);
+    inputs.pair("shadows", (&file(left), &name(left)), (&file(right), &name(right)), caption, body);
 }
 
-fn cascades(seen: &mut Seen<'_>, body: &mut Body) {
-    from_afar(seen, "rays", "csm:filter=1", "Ours: four unfiltered cascades, a city from a distance", body);
-    seen.made_by("shadows", "far", body);
+fn cascades(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    from_afar(inputs, "rays", "csm:filter=1", "Ours: four unfiltered cascades, a city from a distance", body);
+    inputs.made_by("shadows", "far", body);
 }
 
-fn variance(seen: &mut Seen<'_>, body: &mut Body) {
-    from_afar(seen, "rays", "csm-vsm", "Ours: four cascades of variance shadow maps", body);
-    seen.made_by("shadows", "far", body);
+fn variance(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    from_afar(inputs, "rays", "csm-vsm", "Ours: four cascades of variance shadow maps", body);
+    inputs.made_by("shadows", "far", body);
 }
 
-fn far(seen: &mut Seen<'_>, body: &mut Body) {
-    from_afar(seen, "csm:filter=1", "csm-vsm", "Ours: without and with variance shadow maps", body);
+fn far(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    from_afar(inputs, "csm:filter=1", "csm-vsm", "Ours: without and with variance shadow maps", body);
     from_afar(
-        seen,
+        inputs,
         "csm-vsm",
         "voxel:filter=5",
         "The same, compared with one baked file, which needs no cascades",
         body,
     );
-    techniques(seen, "shadows/far/report.json", "From a distance", body);
-    seen.made_by("shadows", "far", body);
+    techniques(inputs, "shadows/far/report.json", "From a distance", body);
+    inputs.made_by("shadows", "far", body);
 }
 
 fn bleeding(data: &Data, name: &str) -> Option<Bleeding> {
-    data.results::<Document>(FILE)?.bleeding.into_iter().find(|s| s.name == name)
+    data.results::<BlurResults>(FILE)?.bleeding.into_iter().find(|s| s.name == name)
 }
 
 fn gap(data: &Data) -> Verdict {
@@ -134,7 +134,7 @@ fn gap(data: &Data) -> Verdict {
 }
 
 fn cost(data: &Data) -> Verdict {
-    let Some(document) = data.results::<Document>(FILE) else { return Verdict::Unmeasured };
+    let Some(document) = data.results::<BlurResults>(FILE) else { return Verdict::Unmeasured };
     let growth = |costs: &[Cost]| {
         let Cost { samples, milliseconds, .. } = costs.first()?;
         let times = milliseconds.last()? / milliseconds.first()?;

@@ -17,7 +17,7 @@ mod pack;
 mod sink;
 pub mod store;
 
-use adumbra_bake::structure::{Built, build};
+use adumbra_bake::structure::{BuiltStructure, build};
 use adumbra_bake::{BakeOptions, Report, Watch};
 use adumbra_scene::Scene;
 
@@ -50,7 +50,7 @@ pub struct BakedDag {
 /// Returns the errors of [`adumbra_bake::bake`], and [`Error::Pack`](crate::dag::Error::Pack) if the graph has no packed
 /// form. Nothing goes to disk: what does not fit the memory limit is an error.
 pub fn bake(scene: &Scene, options: &DagOptions, watch: Watch<'_>) -> Result<BakedDag> {
-    let Built { grid, settings, made, report } = build(scene, &options.bake, watch, GraphSink::new)?;
+    let BuiltStructure { grid, settings, made, report } = build(scene, &options.bake, watch, GraphSink::new)?;
     let body = convert::body_in(options.layout, made)?;
     Ok(BakedDag { file: DagFile { grid, settings, body }, report })
 }

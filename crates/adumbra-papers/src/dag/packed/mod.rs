@@ -71,7 +71,7 @@ mod validate;
 
 pub use validate::PackedError;
 
-use crate::dag::descend::{Descend, Step};
+use crate::dag::descend::{Descend, Descent};
 use adumbra::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL};
 use node::{NO_FOLLOWER, bits_below, high_bits, plane_count, pointers_in};
 
@@ -130,32 +130,32 @@ impl Descend for PackedDag {
         self.root_level
     }
 
-    fn root(&self, i: u32, j: u32, k: u32) -> Step {
+    fn root(&self, i: u32, j: u32, k: u32) -> Descent {
         let [gx, gy, gz] = [i, j, k].map(|c| c >> self.root_level);
         if gx >= self.top_dims[0] || gy >= self.top_dims[1] || gz >= self.top_dims[2] {
-            return Step::Uniform(true);
+            return Descent::Uniform(true);
         }
         let column = POOL_WORDS + 2 * (gy as usize * self.top_dims[0] as usize + gx as usize);
         let [first, z0, end] = [self.top[column], self.top[column + 1], self.top[column + 2]];
         if gz < z0 {
-            return Step::Uniform(true);
+            return Descent::Uniform(true);
         }
         let root = first + (gz - z0);
         if root >= end {
-            return Step::Uniform(false);
+            return Descent::Uniform(false);
         }
-        Step::Into(self.pool(self.root_level) + self.top[self.roots_at() + root as usize])
+        Descent::Into(self.pool(self.root_level) + self.top[self.roots_at() + root as usize])
     }
 
-    fn child(&self, at: u32, level: u32, i: u32, j: u32, k: u32) -> Step {
+    fn child(&self, at: u32, level: u32, i: u32, j: u32, k: u32) -> Descent {
         let bit = level - 1;
         let quarter = (i >> bit & 1) << 1 | j >> bit & 1;
         let far_half = k >> bit & 1 == 1;
         let unit = u32::from(self.units[at as usize]);
         let before = pointers_in(unit & bits_below(3 * quarter));
         let pointer = match (unit >> (3 * quarter) & 7, far_half) {
-            (0, _) | (2 | 5, true) => return Step::Uniform(false),
-            (1, _) | (2 | 4, false) => return Step::Uniform(true),
+            (0, _) | (2 | 5, true) => return Descent::Uniform(false),
+            (1, _) | (2 | 4, false) => return Descent::Uniform(true),
             (3, true) => before + 1,
             _ => before,
         };
@@ -177,11 +177,11 @@ impl Descend for PackedDag {
         }
         // Pointer 7 is never the follower, because that value of the field means that there is none.
         if pointer == follower && pointer != NO_FOLLOWER {
-            return Step::Into(slots_at + slots);
+            return Descent::Into(slots_at + slots);
         }
         let slot = slots_at + pointer - u32::from(pointer > follower);
         let value = u32::from(self.units[slot as usize]);
-        Step::Into(if wide >> pointer & 1 == 1 {
+        Descent::Into(if wide >> pointer & 1 == 1 {
             self.pool(level - 1) + (high << 16 | value)
         } else if value < NEAR_UNITS {
             slots_at + slots + value

@@ -2,7 +2,7 @@
 
 use super::node::{Cube, Inner, Target, high_bits};
 use super::{POOL_WORDS, PackedDag};
-use crate::dag::descend::{Descend, Step};
+use crate::dag::descend::{Descend, Descent};
 
 #[test]
 fn packed_worked_values() {
@@ -34,7 +34,7 @@ fn packed_worked_values() {
     let packed = PackedDag { top: vec![0; POOL_WORDS], units, ..PackedDag::default() };
     for c in 0..8 {
         assert!(
-            matches!(packed.child(0, 4, c >> 2 << 3, (c >> 1 & 1) << 3, (c & 1) << 3), Step::Into(p) if p == c)
+            matches!(packed.child(0, 4, c >> 2 << 3, (c >> 1 & 1) << 3, (c & 1) << 3), Descent::Into(p) if p == c)
         );
     }
 
@@ -75,7 +75,7 @@ fn packed_wide_slots_reach_as_far_as_the_pool_asks() {
         let packed = PackedDag { top, units, ..PackedDag::default() };
         for (c, &target) in (0_u32..).zip(&targets) {
             let step = packed.child(0, 4, c >> 2 << 3, (c >> 1 & 1) << 3, (c & 1) << 3);
-            assert!(matches!(step, Step::Into(unit) if unit == target), "{pool_units} {c}");
+            assert!(matches!(step, Descent::Into(unit) if unit == target), "{pool_units} {c}");
         }
     }
 }

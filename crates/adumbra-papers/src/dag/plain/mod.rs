@@ -22,7 +22,7 @@ pub use validate::{GraphError, GraphPlace};
 
 use adumbra::layout::Composition;
 
-use super::descend::{Descend, Step, uniform};
+use super::descend::{Descend, Descent, uniform};
 
 /// Top-grid entry of a root cube that is all lit.
 pub const LIT: u32 = u32::MAX;
@@ -57,15 +57,15 @@ pub struct Dag {
 
 impl Dag {
     /// Returns child `child` of the node at `word`: its state, or the index of its header, at level 3 of its leaf mask.
-    fn step(&self, word: u32, child: u32) -> Step {
+    fn step(&self, word: u32, child: u32) -> Descent {
         let header = self.nodes[word as usize];
         match header >> (2 * child) & 3 {
-            STATE_SHADOWED => return Step::Uniform(false),
-            STATE_LIT => return Step::Uniform(true),
+            STATE_SHADOWED => return Descent::Uniform(false),
+            STATE_LIT => return Descent::Uniform(true),
             _ => {}
         }
         let mixed_before = (header & 0xaaaa & ((1 << (2 * child)) - 1)).count_ones();
-        Step::Into(self.nodes[(word + 1 + mixed_before) as usize])
+        Descent::Into(self.nodes[(word + 1 + mixed_before) as usize])
     }
 
     /// Returns the number of headers in [`Dag::nodes`].
@@ -89,29 +89,29 @@ impl Descend for Dag {
         self.root_level
     }
 
-    fn root(&self, i: u32, j: u32, k: u32) -> Step {
+    fn root(&self, i: u32, j: u32, k: u32) -> Descent {
         let root = [i, j, k].map(|c| c >> self.root_level);
         if (0..3).any(|a| root[a] >= self.top_dims[a]) {
-            return Step::Uniform(true);
+            return Descent::Uniform(true);
         }
         let [tx, ty, tz] = root.map(|c| c as usize);
         let [nx, ny] = [self.top_dims[0] as usize, self.top_dims[1] as usize];
         match self.top[(tz * ny + ty) * nx + tx] {
-            LIT => Step::Uniform(true),
-            SHADOWED => Step::Uniform(false),
-            word => Step::Into(word),
+            LIT => Descent::Uniform(true),
+            SHADOWED => Descent::Uniform(false),
+            word => Descent::Into(word),
         }
     }
 
-    fn child(&self, word: u32, level: u32, i: u32, j: u32, k: u32) -> Step {
+    fn child(&self, word: u32, level: u32, i: u32, j: u32, k: u32) -> Descent {
         let bit = level - 1;
         self.step(word, (i >> bit & 1) << 2 | (j >> bit & 1) << 1 | k >> bit & 1)
     }
 
     fn leaf_mask_of_cube(&self, word: u32, k: u32) -> u64 {
         match self.step(word, k) {
-            Step::Uniform(lit) => uniform(lit),
-            Step::Into(leaf_mask) => self.leaf_masks[leaf_mask as usize],
+            Descent::Uniform(lit) => uniform(lit),
+            Descent::Into(leaf_mask) => self.leaf_masks[leaf_mask as usize],
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Compares values found through the graph with values found in the tree that the graph was made from.
 
 use crate::tree::attribute::*;
-use crate::tree::build::Builder;
+use crate::tree::build::TreeBuilder;
 use crate::tree::kit::{all_voxels, noisy_spaces};
 use crate::tree::lossy;
 use crate::tree::reduce::sort;
@@ -32,7 +32,7 @@ fn cell(tree: &VoxelTree, xyz: [u32; 3]) -> Option<([u32; 3], u32)> {
 proptest! {
     #[test]
     fn attributes_survive_the_reduction(space in noisy_spaces()) {
-        let whole = Builder::Recursive.tree(&space, space.depth, true).unwrap();
+        let whole = TreeBuilder::Recursive.tree(&space, space.depth, true).unwrap();
         let graph = sort(whole.clone()).0.number(space.depth);
         let whole = whole.number(space.depth);
         let [in_whole, in_graph] = [&whole, &graph].map(|t| AttributeIndex::of(t).unwrap());
@@ -60,7 +60,7 @@ proptest! {
 
     #[test]
     fn attributes_of_a_lossy_graph_are_at_its_own_leaf_voxels(space in noisy_spaces(), share in 0.0..0.5_f64) {
-        let graph = sort(Builder::Pooled.tree(&space, space.depth, true).unwrap()).0.number(space.depth);
+        let graph = sort(TreeBuilder::Pooled.tree(&space, space.depth, true).unwrap()).0.number(space.depth);
         let graph = lossy::merge_similar(&graph, share).unwrap().tree;
         let index = AttributeIndex::of(&graph).unwrap();
         let values = gather(&graph, &index, &by_position);

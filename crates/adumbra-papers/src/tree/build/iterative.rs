@@ -1,7 +1,7 @@
 //! Builds the tree with an explicit stack: each push allocates a frame on the heap and each pop frees it (the paper's
 //! §3.1.4).
 
-use crate::tree::build::{Built, Classify, Work};
+use crate::tree::build::{BuiltNode, Classify, Work};
 use crate::tree::error::Result;
 use crate::tree::morton::child_corner;
 use crate::tree::reduce::Sink;
@@ -12,7 +12,7 @@ pub(crate) struct Frame {
     pub(crate) level: u32,
     /// Number of children that are already known; they precede this one.
     pub(crate) progress: u32,
-    pub(crate) children: [Built; 8],
+    pub(crate) children: [BuiltNode; 8],
 }
 
 impl Frame {
@@ -40,7 +40,7 @@ impl Frames for Heap {
     }
 }
 
-pub(crate) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32) -> Result<Built> {
+pub(crate) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32) -> Result<BuiltNode> {
     walk(work, depth, &mut Heap)
 }
 
@@ -49,7 +49,7 @@ pub(crate) fn walk<C: Classify, S: Sink>(
     work: &mut Work<'_, C, S>,
     depth: u32,
     frames: &mut impl Frames,
-) -> Result<Built> {
+) -> Result<BuiltNode> {
     if let Some(decided) = work.decide([0; 3], depth) {
         return Ok(decided);
     }

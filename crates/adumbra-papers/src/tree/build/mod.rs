@@ -2,8 +2,8 @@
 //!
 //! Each cube is tested with a [`Classify`]. A cube that it cannot decide is subdivided, down to cells that are tested
 //! at their centre. Eight children that agree, ignoring free ones, collapse into their parent, all the way up (§3.1.2,
-//! §3.1.3). The three builders differ only in where they keep pending nodes: [`Builder::Recursive`] on the call stack,
-//! [`Builder::Iterative`] in one heap frame per push (§3.1.4), [`Builder::Pooled`] in frames that are reused.
+//! §3.1.3). The three builders differ only in where they keep pending nodes: [`TreeBuilder::Recursive`] on the call stack,
+//! [`TreeBuilder::Iterative`] in one heap frame per push (§3.1.4), [`TreeBuilder::Pooled`] in frames that are reused.
 //! Departure: the paper pushes a frame for each voxel too; here all three builders test the eight voxels below a node
 //! within its frame.
 
@@ -63,7 +63,7 @@ pub trait Classify {
 /// The builder to use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Builder {
+pub enum TreeBuilder {
     /// A recursive function.
     Recursive,
     /// An explicit stack, one heap frame per push.
@@ -72,7 +72,7 @@ pub enum Builder {
     Pooled,
 }
 
-impl Builder {
+impl TreeBuilder {
     /// All three, in the order of the paper.
     pub const ALL: [Self; 3] = [Self::Recursive, Self::Iterative, Self::Pooled];
 
@@ -103,7 +103,7 @@ impl Builder {
     /// Builds the whole tree, without sharing subtrees.
     ///
     /// # Errors
-    /// Returns the errors of [`Builder::build`].
+    /// Returns the errors of [`TreeBuilder::build`].
     pub fn tree(self, space: &impl Classify, depth: u32, prune: bool) -> Result<Blocks> {
         let mut blocks = Vec::new();
         let root = self.build(space, depth, prune, &mut blocks, &|_, _| Ok(()))?;
@@ -115,7 +115,7 @@ impl Builder {
 const NODES_BETWEEN_WATCHES: u32 = 1 << 16;
 
 /// A built node; `None` if all of it is free.
-type Built = Option<Word>;
+type BuiltNode = Option<Word>;
 
 /// The part that the three builders share: classifying cubes, and joining eight children.
 struct Work<'w, C, S> {
@@ -129,7 +129,7 @@ struct Work<'w, C, S> {
 
 impl<C: Classify, S: Sink> Work<'_, C, S> {
     /// Returns the node if it needs no subdivision, else `None`.
-    fn decide(&self, xyz: [u32; 3], level: u32) -> Option<Built> {
+    fn decide(&self, xyz: [u32; 3], level: u32) -> Option<BuiltNode> {
         if self.space.is_cell(xyz, level) {
             return Some(built(self.space.cell(xyz, level)));
         }
@@ -151,7 +151,7 @@ impl<C: Classify, S: Sink> Work<'_, C, S> {
     }
 
     /// Returns the node at `xyz` with these children: merged upward if possible, else a new block.
-    fn join(&mut self, xyz: [u32; 3], children: &[Built; 8]) -> Result<Built> {
+    fn join(&mut self, xyz: [u32; 3], children: &[BuiltNode; 8]) -> Result<BuiltNode> {
         self.until_watch -= 1;
         if self.until_watch == 0 {
             self.until_watch = NODES_BETWEEN_WATCHES;
@@ -177,7 +177,7 @@ impl<C: Classify, S: Sink> Work<'_, C, S> {
     }
 }
 
-fn built(state: State) -> Built {
+fn built(state: State) -> BuiltNode {
     match state {
         State::Lit => Some(Word::LIT),
         State::Shadowed => Some(Word::SHADOWED),

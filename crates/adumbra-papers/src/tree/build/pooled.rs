@@ -1,7 +1,7 @@
 //! Builds the tree with an explicit stack whose frames are kept and reused (the paper's §3.1.4).
 
 use crate::tree::build::iterative::{Frame, Frames, walk};
-use crate::tree::build::{Built, Classify, Work};
+use crate::tree::build::{BuiltNode, Classify, Work};
 use crate::tree::error::Result;
 use crate::tree::reduce::Sink;
 
@@ -28,6 +28,6 @@ impl Frames for Pool {
     }
 }
 
-pub(crate) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32) -> Result<Built> {
+pub(crate) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32) -> Result<BuiltNode> {
     walk(work, depth, &mut Pool::default())
 }

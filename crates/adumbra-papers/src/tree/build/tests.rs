@@ -11,8 +11,8 @@ proptest! {
     #[test]
     fn tree_builders_agree_and_answer_every_defined_voxel(space in spaces()) {
         let depth = space.depth;
-        let tree = Builder::Recursive.tree(&space, depth, false).unwrap();
-        for builder in Builder::ALL {
+        let tree = TreeBuilder::Recursive.tree(&space, depth, false).unwrap();
+        for builder in TreeBuilder::ALL {
             for prune in [false, true] {
                 prop_assert_eq!(&builder.tree(&space, depth, prune).unwrap(), &tree);
             }
@@ -31,7 +31,7 @@ proptest! {
     #[test]
     fn tree_reductions_agree_and_keep_every_voxel(space in spaces()) {
         let depth = space.depth;
-        let tree = Builder::Recursive.tree(&space, depth, false).unwrap();
+        let tree = TreeBuilder::Recursive.tree(&space, depth, false).unwrap();
         let (sorted, _) = sort(tree.clone());
         let numbered = sorted.number(depth);
         prop_assert_eq!(VoxelTree::from_words(depth, numbered.words().to_vec()), Ok(numbered.clone()));
@@ -40,11 +40,11 @@ proptest! {
         distinct.dedup();
         prop_assert_eq!(distinct.len(), sorted.blocks.len());
         let mut interned = Interned::default();
-        let root = Builder::Pooled.build(&space, depth, true, &mut interned, &|_, _| Ok(())).unwrap();
+        let root = TreeBuilder::Pooled.build(&space, depth, true, &mut interned, &|_, _| Ok(())).unwrap();
         prop_assert_eq!(&interned.finish(root).number(depth), &numbered);
         for modulus in [2, 251, crate::tree::reduce::tree_hash::MODULUS] {
             let mut hashed = TreeHashed::with_modulus(modulus);
-            let root = Builder::Iterative.build(&space, depth, false, &mut hashed, &|_, _| Ok(())).unwrap();
+            let root = TreeBuilder::Iterative.build(&space, depth, false, &mut hashed, &|_, _| Ok(())).unwrap();
             prop_assert_eq!(&hashed.finish(root).number(depth), &numbered);
         }
         prop_assert_eq!(&Blocks::of(&numbered).number(depth), &numbered);
@@ -64,7 +64,7 @@ fn tree_hash_collisions_are_counted_and_change_nothing() {
     };
     let reduce = |modulus| {
         let mut hashed = TreeHashed::with_modulus(modulus);
-        let root = Builder::Recursive.build(&space, 4, false, &mut hashed, &|_, _| Ok(())).unwrap();
+        let root = TreeBuilder::Recursive.build(&space, 4, false, &mut hashed, &|_, _| Ok(())).unwrap();
         let collisions = hashed.collisions();
         (hashed.finish(root).number(4), collisions)
     };

@@ -1,6 +1,6 @@
 //! Compares lossy merging with the voxels themselves.
 
-use crate::tree::build::Builder;
+use crate::tree::build::TreeBuilder;
 use crate::tree::error::Error;
 use crate::tree::kit::{Spelled, all_voxels, noisy_spaces};
 use crate::tree::lossy::*;
@@ -12,7 +12,8 @@ use std::collections::HashSet;
 
 fn reduced(space: &Spelled) -> VoxelTree {
     let mut interned = Interned::default();
-    let root = Builder::Recursive.build(space, space.depth, false, &mut interned, &|_, _| Ok(())).unwrap();
+    let root =
+        TreeBuilder::Recursive.build(space, space.depth, false, &mut interned, &|_, _| Ok(())).unwrap();
     interned.finish(root).number(space.depth)
 }
 

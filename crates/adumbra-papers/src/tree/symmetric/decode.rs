@@ -11,7 +11,7 @@ use crate::tree::symmetric::{SymmetricTree, node};
 use crate::tree::word::{Node, Word};
 
 /// An image of a node, with the position of the walk in it.
-struct Step {
+struct WalkFrame {
     image: (u32, u8),
     next: u32,
     words: [Word; 8],
@@ -28,12 +28,12 @@ impl SymmetricTree {
         // Finished images. Two images of a node may be equal; interning the blocks merges them.
         let mut done: HashMap<(u32, u8), Word> = HashMap::new();
         let mut path = Vec::new();
-        let step = |at, mirror| Step { image: (at, mirror), next: 0, words: [Word::SHADOWED; 8] };
+        let step = |at, mirror| WalkFrame { image: (at, mirror), next: 0, words: [Word::SHADOWED; 8] };
         let mut root = Word(node::word_at(&self.bytes, 4));
         if let Node::Inner(at) = root.node() {
             path.push(step(at, 0));
         }
-        while let Some(Step { image: (at, mirror), next, words }) = path.last_mut() {
+        while let Some(WalkFrame { image: (at, mirror), next, words }) = path.last_mut() {
             if *next == 8 {
                 let word = blocks.block(words)?;
                 done.insert((*at, *mirror), word);

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use crate::tree::blocks::Blocks;
-use crate::tree::build::{Builder, State};
+use crate::tree::build::{State, TreeBuilder};
 use crate::tree::graph::VoxelTree;
 use crate::tree::kit::{Spelled, all_voxels, spaces};
 use crate::tree::reduce::Interned;
@@ -13,7 +13,7 @@ use crate::tree::word::{Node, Word};
 
 fn reduced(space: &Spelled) -> VoxelTree {
     let mut blocks = Interned::default();
-    let root = Builder::Pooled.build(space, space.depth, true, &mut blocks, &|_, _| Ok(())).unwrap();
+    let root = TreeBuilder::Pooled.build(space, space.depth, true, &mut blocks, &|_, _| Ok(())).unwrap();
     blocks.finish(root).number(space.depth)
 }
 

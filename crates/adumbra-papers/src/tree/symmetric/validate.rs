@@ -15,7 +15,7 @@ const UNVISITED: u8 = 1;
 const OPEN: u8 = 255;
 
 /// Position of a walk within a node.
-struct Step {
+struct WalkFrame {
     at: u32,
     next: u32,
     height: u8,
@@ -42,14 +42,14 @@ pub(crate) fn check(depth: u32, bytes: &[u8]) -> Result<u64, SymmetricError> {
         return Err(E::Root { root });
     }
     let mut met = 0;
-    let mut path: Vec<Step> = Vec::new();
-    let mut enter = |at: u32, path: &mut Vec<Step>, known: &mut [u8]| {
+    let mut path: Vec<WalkFrame> = Vec::new();
+    let mut enter = |at: u32, path: &mut Vec<WalkFrame>, known: &mut [u8]| {
         if path.len() as u32 + 1 >= depth {
             return Err(E::TooDeep { at, depth });
         }
         met += 1;
         known[at as usize] = OPEN;
-        path.push(Step { at, next: 0, height: 0 });
+        path.push(WalkFrame { at, next: 0, height: 0 });
         Ok(())
     };
     if let Node::Inner(at) = Word(root).node() {
@@ -61,7 +61,7 @@ pub(crate) fn check(depth: u32, bytes: &[u8]) -> Result<u64, SymmetricError> {
     loop {
         let open = path.len() as u32;
         let Some(step) = path.last_mut() else { break };
-        let Step { at, next, height } = *step;
+        let WalkFrame { at, next, height } = *step;
         if next == 8 {
             path.pop();
             known[at as usize] = height + 1;

@@ -15,7 +15,7 @@ use adumbra_files::{StagedFile, check_output, first_same};
 
 /// The result of [`write()`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Written {
+pub struct ExportSummary {
     /// Size and number of the pages.
     pub layout: Layout,
     /// Total bytes of all PNGs.
@@ -40,7 +40,7 @@ pub fn page_path(path: &Path, page: u32) -> PathBuf {
 /// # Errors
 /// Returns [`Error::Io`] if the operating system refuses or two pages are the same file, in which case an earlier
 /// export is unchanged. Returns [`Error::WordTexture`] if the words do not fit.
-pub fn write(path: &Path, words: &[u32], rest: &[u8], max_side: u32) -> Result<Written> {
+pub fn write(path: &Path, words: &[u32], rest: &[u8], max_side: u32) -> Result<ExportSummary> {
     let refused = |source| Error::WordTexture { path: path.to_owned(), source };
     let stream = Stream::new(words, rest, max_side).map_err(refused)?;
     let layout = stream.layout;
@@ -67,7 +67,7 @@ pub fn write(path: &Path, words: &[u32], rest: &[u8], max_side: u32) -> Result<W
     }
     let bytes = staged.iter().map(StagedFile::bytes).sum();
     StagedFile::place(staged)?;
-    Ok(Written { layout, bytes })
+    Ok(ExportSummary { layout, bytes })
 }
 
 /// Keeps the first error of a writer.

@@ -17,7 +17,7 @@ mod png;
 mod signature;
 
 pub use crate::tree::page_limits::{MAX_PAGES, MAX_SIDE, MIN_SIDE};
-pub use files::{Written, page_path, read, write};
+pub use files::{ExportSummary, page_path, read, write};
 pub use layout::Layout;
 
 use crate::tree::error::TextureError;

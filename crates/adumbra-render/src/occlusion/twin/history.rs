@@ -6,7 +6,7 @@ use super::{Ambient, Surfaces, direction, dot, index, made_normals, point_at, te
 use crate::occlusion::settings::OcclusionSettings;
 
 /// Visibility, view depth, number of frames.
-pub(super) type Seen = [f32; 3];
+pub(super) type HistoryTexel = [f32; 3];
 
 const WHOLE_WEIGHT: f32 = 0.25;
 
@@ -14,8 +14,8 @@ pub(super) fn mean(
     settings: &OcclusionSettings,
     surfaces: &Surfaces<'_>,
     estimate: &[Ambient],
-    before: Option<&(Frame, Vec<Seen>)>,
-) -> Vec<Seen> {
+    before: Option<&(Frame, Vec<HistoryTexel>)>,
+) -> Vec<HistoryTexel> {
     let frame = &surfaces.frame;
     let before = before.filter(|(old, _)| old.size == frame.size);
     let history = settings.history_params(frame, before.map(|(old, _)| old));

@@ -36,7 +36,7 @@ pub type Ambient = [f32; 2];
 /// Ambient visibility over successive frames, matching the GPU.
 pub struct Twin {
     settings: OcclusionSettings,
-    before: Option<(Frame, Vec<history::Seen>)>,
+    before: Option<(Frame, Vec<history::HistoryTexel>)>,
 }
 
 impl Twin {

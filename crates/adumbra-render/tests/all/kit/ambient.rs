@@ -4,14 +4,14 @@ use adumbra_render::frame::frame;
 use adumbra_render::occlusion::twin::{Ambient, Surfaces, Twin, estimate};
 use adumbra_render::occlusion::{OcclusionInput, OcclusionPasses, OcclusionSettings};
 use adumbra_render::readback::read_floats;
-use adumbra_render::{Answer, Baked, Gpu, Renderer, Shot, build};
+use adumbra_render::{Answer, Gpu, Renderer, Shot, TechniqueFiles, build};
 use adumbra_scene::Camera;
 use adumbra_shaders::layout::{DepthToZ, Frame};
 
 use super::buffers::Buffers;
 
 /// The G-buffer of a frame.
-pub(crate) struct Seen {
+pub(crate) struct GBuffer {
     pub(crate) frame: Frame,
     pub(crate) depth: Vec<f32>,
     pub(crate) normal: Vec<[f32; 3]>,
@@ -30,10 +30,10 @@ pub(crate) fn settings(text: &str, radius_world: f64) -> OcclusionSettings {
     OcclusionSettings::from_spec(&text.parse().unwrap(), radius_world).unwrap()
 }
 
-impl Seen {
+impl GBuffer {
     /// Draws a frame of a scene.
     pub(crate) fn drawn(renderer: &mut Renderer, camera: Camera, number: u32) -> Self {
-        let none = build(renderer.gpu(), &"none".parse().unwrap(), Baked::default()).unwrap();
+        let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
         let mut none = renderer.prepare(none).unwrap();
         let shot = Shot { camera, towards_sun: super::sun(), number };
         renderer.draw(&shot, &mut none, Answer::Visibility).unwrap();

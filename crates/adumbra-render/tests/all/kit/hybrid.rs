@@ -2,7 +2,7 @@
 
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::HybridTree;
-use adumbra_render::{Baked, Prepared, Renderer, SceneOptions, Shot, build};
+use adumbra_render::{Prepared, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, Scene};
 
 /// Width and height of these frames, pixels.
@@ -15,7 +15,7 @@ pub(crate) fn renderer(scene: &Scene) -> Renderer {
 
 /// Builds a technique that needs no baked file from its text.
 pub(crate) fn prepare(renderer: &Renderer, name: &str) -> Prepared {
-    let technique = build(renderer.gpu(), &name.parse().unwrap(), Baked::default()).unwrap();
+    let technique = build(renderer.gpu(), &name.parse().unwrap(), TechniqueFiles::default()).unwrap();
     renderer.prepare(technique).unwrap()
 }
 

@@ -23,7 +23,7 @@ pub const LEAF_SLANTED: u32 = 1 << 9;
 
 /// The part of the quadtree that contains a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ColumnNode {
     /// A block of columns that all switch at this depth.
     Uniform(u32),
     /// A leaf.
@@ -214,7 +214,7 @@ impl<'c> Code<'c> {
 
     /// Descends from a node to the block or leaf that contains a column. Returns it with its level.
     #[inline]
-    pub fn descend(self, node: Node, column: [u32; 2]) -> (Place, u32) {
+    pub fn descend(self, node: Node, column: [u32; 2]) -> (ColumnNode, u32) {
         self.descend_through(node, column, |_| ())
     }
 
@@ -225,23 +225,23 @@ impl<'c> Code<'c> {
         Node { mut at, mut base, mut level }: Node,
         [i, j]: [u32; 2],
         mut passed: impl FnMut(Node),
-    ) -> (Place, u32) {
+    ) -> (ColumnNode, u32) {
         if at == UNIFORM {
-            return (Place::Uniform(base), level);
+            return (ColumnNode::Uniform(base), level);
         }
         while level > LEAF_LEVEL {
             passed(Node { at, base, level });
             level -= NODE_LEVELS;
             match self.child(at, (j >> level & 3) << 2 | i >> level & 3) {
-                Child::Never => return (Place::Uniform(NEVER), level),
-                Child::Uniform(delta) => return (Place::Uniform(base.wrapping_add(delta)), level),
+                Child::Never => return (ColumnNode::Uniform(NEVER), level),
+                Child::Uniform(delta) => return (ColumnNode::Uniform(base.wrapping_add(delta)), level),
                 Child::Shape { at: next, delta, .. } => {
                     at = next;
                     base = base.wrapping_add(delta);
                 }
             }
         }
-        (Place::Leaf { at, base }, level)
+        (ColumnNode::Leaf { at, base }, level)
     }
 
     /// Returns a reader of the leaf at `at`.

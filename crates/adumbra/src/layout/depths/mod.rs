@@ -77,7 +77,7 @@ pub use ranges::{Range, Ranges, SharedRanges};
 pub use tree_words::{ABSENT, TreeWords};
 pub use validate::{DepthsError, PageValidator, Part, Proved};
 
-use code::{Code, Place};
+use code::{Code, ColumnNode};
 use page::{BUNDLE_PAGES, PAGE_LEVEL, Page};
 use top::{block_dims, block_level, page_blocks};
 
@@ -302,7 +302,7 @@ impl DepthTree {
 
     /// Returns the block or leaf that contains a column, and its level.
     #[inline]
-    pub fn place(&self, i: u32, j: u32) -> (Place, u32) {
+    pub fn place(&self, i: u32, j: u32) -> (ColumnNode, u32) {
         self.words().place(i, j)
     }
 
@@ -316,8 +316,8 @@ impl DepthTree {
     /// The block switches at one depth and spans 2^level columns along each side. Level 0 is a single column.
     pub fn end_level(&self, i: u32, j: u32) -> u32 {
         match self.place(i, j) {
-            (Place::Uniform(_), level) => level,
-            (Place::Leaf { .. }, _) => 0,
+            (ColumnNode::Uniform(_), level) => level,
+            (ColumnNode::Leaf { .. }, _) => 0,
         }
     }
 }

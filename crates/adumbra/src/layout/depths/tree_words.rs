@@ -1,6 +1,6 @@
 //! Look-ups in the words of a quadtree, wherever the words are: in a file that was read whole, or in a pool.
 
-use crate::layout::depths::code::{Code, Node, Place};
+use crate::layout::depths::code::{Code, ColumnNode, Node};
 use crate::layout::depths::{NEVER, Switches, UNIFORM};
 
 /// Stored in place of an address if the block's page is not resident. A file that was read whole has none.
@@ -30,7 +30,7 @@ impl<'w> TreeWords<'w> {
 
     /// Returns the block or leaf that contains a column, and its level. The column's page must be resident.
     #[inline]
-    pub fn place(self, i: u32, j: u32) -> (Place, u32) {
+    pub fn place(self, i: u32, j: u32) -> (ColumnNode, u32) {
         self.shapes().descend(self.root(i, j), [i, j])
     }
 
@@ -59,8 +59,8 @@ impl<'w> TreeWords<'w> {
     #[inline(always)]
     pub fn value(self, i: u32, j: u32) -> u32 {
         match self.place(i, j).0 {
-            Place::Uniform(value) => value,
-            Place::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
+            ColumnNode::Uniform(value) => value,
+            ColumnNode::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
         }
     }
 
@@ -68,8 +68,8 @@ impl<'w> TreeWords<'w> {
     /// column must be in the grid. Columns outside the grid may have any depth.
     pub fn switches(self, i: u32, j: u32) -> Switches {
         match self.place(i, j).0 {
-            Place::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },
-            Place::Leaf { at, base } => {
+            ColumnNode::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },
+            ColumnNode::Leaf { at, base } => {
                 let [nearest, farthest] = self.shapes().leaf(at, base).bounds();
                 Switches { nearest, farthest, leaf: Some([at, base]) }
             }

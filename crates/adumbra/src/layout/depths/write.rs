@@ -5,7 +5,7 @@ use crate::layout::depths::code::{FAR, FAR_BITS, FAR_DELTA_BITS, NEAR, SHORT_BIT
 
 /// Where a shape is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum ShapeRef {
     /// At an address of the common section, seen from a page.
     Common(u32),
     /// At an address of the part that is being written.
@@ -24,7 +24,7 @@ pub enum PlacedChild {
         /// Difference that is added to the base, wrapping.
         delta: u32,
         /// Where the shape is.
-        place: Place,
+        place: ShapeRef,
     },
 }
 
@@ -84,8 +84,8 @@ impl Writer {
                 },
                 PlacedChild::Shape { delta, place } => {
                     let (address, distance) = match place {
-                        Place::Common(at) => (Some(at), None),
-                        Place::Here(at) => (self.is_common.then_some(at), Some(from - at)),
+                        ShapeRef::Common(at) => (Some(at), None),
+                        ShapeRef::Here(at) => (self.is_common.then_some(at), Some(from - at)),
                     };
                     let near = match (address, distance) {
                         (Some(at), _) if at < NEAR => Some(at as u16),
@@ -164,19 +164,19 @@ mod tests {
             (300, PlacedChild::Uniform(-32_768_i32 as u32), 1, Child::Uniform(-32_768_i32 as u32)),
             (300, PlacedChild::Uniform(32_768), 3, Child::Uniform(32_768)),
             (300, PlacedChild::Uniform(-2_097_152_i32 as u32), 3, Child::Uniform(-2_097_152_i32 as u32)),
-            (300, shape(0, Place::Here(0)), 1, read(0, 0, true)),
-            (300, shape(0, Place::Common(32_767)), 1, read(32_767, 0, false)),
-            (300, shape(0, Place::Common(32_768)), 3, read(32_768, 0, false)),
-            (300, shape(-128, Place::Here(45)), 1, read(45, -128, true)),
-            (300, shape(127, Place::Here(298)), 1, read(298, 127, true)),
-            (300, shape(128, Place::Here(298)), 2, read(298, 128, true)),
-            (300, shape(1, Place::Here(44)), 2, read(44, 1, true)),
-            (300, shape(1, Place::Common(44)), 2, read(44, 1, false)),
-            (300, shape(32_768, Place::Common(44)), 3, read(44, 32_768, false)),
-            (40_000, shape(0, Place::Here(7_233)), 1, read(7_233, 0, true)),
-            (40_000, shape(0, Place::Here(7_232)), 3, read(7_232, 0, true)),
-            (40_000, shape(2_097_151, Place::Here(3)), 3, read(3, 2_097_151, true)),
-            (40_000, shape(-2_097_152, Place::Common(1 << 24)), 3, read(1 << 24, -2_097_152, false)),
+            (300, shape(0, ShapeRef::Here(0)), 1, read(0, 0, true)),
+            (300, shape(0, ShapeRef::Common(32_767)), 1, read(32_767, 0, false)),
+            (300, shape(0, ShapeRef::Common(32_768)), 3, read(32_768, 0, false)),
+            (300, shape(-128, ShapeRef::Here(45)), 1, read(45, -128, true)),
+            (300, shape(127, ShapeRef::Here(298)), 1, read(298, 127, true)),
+            (300, shape(128, ShapeRef::Here(298)), 2, read(298, 128, true)),
+            (300, shape(1, ShapeRef::Here(44)), 2, read(44, 1, true)),
+            (300, shape(1, ShapeRef::Common(44)), 2, read(44, 1, false)),
+            (300, shape(32_768, ShapeRef::Common(44)), 3, read(44, 32_768, false)),
+            (40_000, shape(0, ShapeRef::Here(7_233)), 1, read(7_233, 0, true)),
+            (40_000, shape(0, ShapeRef::Here(7_232)), 3, read(7_232, 0, true)),
+            (40_000, shape(2_097_151, ShapeRef::Here(3)), 3, read(3, 2_097_151, true)),
+            (40_000, shape(-2_097_152, ShapeRef::Common(1 << 24)), 3, read(1 << 24, -2_097_152, false)),
         ] {
             assert_eq!(there_and_back(Writer::page(), filler, child), (fields, expected), "{child:?}");
         }
@@ -184,7 +184,7 @@ mod tests {
 
     #[test]
     fn common_section_prefers_addresses() {
-        let shape = |at| PlacedChild::Shape { delta: 0, place: Place::Here(at) };
+        let shape = |at| PlacedChild::Shape { delta: 0, place: ShapeRef::Here(at) };
         for (at, fields, is_relative) in [(300, 1, false), (32_768, 1, true), (39_999, 1, true)] {
             let expected = Child::Shape { at, delta: 0, is_relative };
             assert_eq!(there_and_back(Writer::common(), 40_000, shape(at)), (fields, expected));
@@ -198,8 +198,8 @@ mod tests {
         let mut writer = Writer::page();
         for child in [
             PlacedChild::Uniform(2_097_152),
-            PlacedChild::Shape { delta: 0, place: Place::Common(1 << 25) },
-            PlacedChild::Shape { delta: 1 << 30, place: Place::Common(3) },
+            PlacedChild::Shape { delta: 0, place: ShapeRef::Common(1 << 25) },
+            PlacedChild::Shape { delta: 1 << 30, place: ShapeRef::Common(3) },
         ] {
             let mut children = [PlacedChild::Never; 16];
             children[5] = child;

@@ -2,7 +2,7 @@
 
 use super::super::Verdict;
 use super::{FILE, frames, models_of, row};
-use crate::bench::hrsm::{Document, ModelFigures, Row};
+use crate::bench::hrsm::{HybridResults, ModelFigures, Row};
 use crate::paper_report::data::Data;
 use adumbra_compare::report::Report;
 
@@ -16,7 +16,7 @@ fn range(values: &[f64], show: impl Fn(f64) -> String) -> String {
 }
 
 pub(super) fn boundary(data: &Data) -> Verdict {
-    let document = data.results::<Document>(FILE);
+    let document = data.results::<HybridResults>(FILE);
     let gains = |suffix: &str| {
         let mut values = Vec::new();
         for model in models_of(document.as_ref()) {
@@ -41,7 +41,7 @@ pub(super) fn boundary(data: &Data) -> Verdict {
 
 /// Returns the verdict on a claim of at least `percent` less time, for one model or for all.
 pub(super) fn less_time(data: &Data, title: Option<&str>, percent: f64) -> Verdict {
-    let document = data.results::<Document>(FILE);
+    let document = data.results::<HybridResults>(FILE);
     let wanted = |m: &&ModelFigures| !m.foliage && title.is_none_or(|t| m.title == t);
     let measured: Vec<[f64; 4]> = models_of(document.as_ref())
         .iter()
@@ -62,7 +62,7 @@ pub(super) fn less_time(data: &Data, title: Option<&str>, percent: f64) -> Verdi
 }
 
 pub(super) fn foliage(data: &Data) -> Verdict {
-    foliage_of(models_of(data.results::<Document>(FILE).as_ref()))
+    foliage_of(models_of(data.results::<HybridResults>(FILE).as_ref()))
 }
 
 /// Foliage is an exception if it gains less time than every other model at the same START.
@@ -104,7 +104,7 @@ fn foliage_of(models: &[ModelFigures]) -> Verdict {
 }
 
 pub(super) fn acne(data: &Data) -> Verdict {
-    let document = data.results::<Document>(FILE);
+    let document = data.results::<HybridResults>(FILE);
     let shares = |suffix: &str| {
         let mut values = Vec::new();
         for model in models_of(document.as_ref()).iter().filter(|m| !m.foliage) {
@@ -156,7 +156,7 @@ mod tests {
     /// Returns a model whose other values are taken from a result in the documents.
     fn model(foliage: bool, moving: Option<f64>, still: Option<f64>) -> ModelFigures {
         let known = include_str!("../../../../../../docs/bench/hrsm.json");
-        let known: Document = serde_json::from_str(known).unwrap();
+        let known: HybridResults = serde_json::from_str(known).unwrap();
         let mut model = known.models[0].clone();
         let mut group = model.group(1024, 1).unwrap().clone();
         group.rows.retain(|r| ["sm:size=1024", "hrsm:1024-512:filter=1"].contains(&&*r.name));

@@ -4,9 +4,9 @@ mod claims;
 
 use serde_json::Value;
 
-use super::super::seen::{Seen, checks};
+use super::super::inputs::{PageInputs, checks};
 use super::{Printed, Realised, Show, Verdict, cell};
-use crate::bench::hrsm::{Document, ModelFigures, Row};
+use crate::bench::hrsm::{HybridResults, ModelFigures, Row};
 use adumbra_compare::page::{Body, Table};
 use adumbra_compare::report::{Report, percent};
 
@@ -63,11 +63,11 @@ fn frames(model: &ModelFigures, start: u32) -> Option<[f64; 4]> {
 }
 
 /// Returns the measured models, none if there are no results.
-fn models_of(document: Option<&Document>) -> &[ModelFigures] {
+fn models_of(document: Option<&HybridResults>) -> &[ModelFigures] {
     document.map_or(&[], |d| &d.models)
 }
 
-fn model<'v>(document: Option<&'v Document>, title: &str) -> Option<&'v ModelFigures> {
+fn model<'v>(document: Option<&'v HybridResults>, title: &str) -> Option<&'v ModelFigures> {
     models_of(document).iter().find(|m| m.title == title)
 }
 
@@ -90,9 +90,9 @@ const TIMES: [&str; 7] = [
     "ours, static light",
 ];
 
-fn dragon(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
+fn dragon(inputs: &mut PageInputs<'_>, printed: &Printed, body: &mut Body) {
     let head = [&["START"][..], &TIMES].concat();
-    let document = seen.data.results::<Document>(FILE);
+    let document = inputs.data.results::<HybridResults>(FILE);
     let measured = model(document.as_ref(), "Dragon");
     let mut table =
         Table::new("Dragon, paper and ours: milliseconds, and the change in time from SM to HRSM", &head);
@@ -106,7 +106,7 @@ fn dragon(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
     }
     body.table(&table);
     explain(
-        seen,
+        inputs,
         measured.is_some(),
         "the Dragon (2.4 million triangles) is measured with `--scenes`, and all four models with `--full`",
         body,
@@ -122,17 +122,17 @@ fn of(ours: Option<[f64; 4]>) -> [String; 4] {
     }
 }
 
-fn explain(seen: &Seen<'_>, measured: bool, why: &str, body: &mut Body) {
+fn explain(inputs: &PageInputs<'_>, measured: bool, why: &str, body: &mut Body) {
     if measured {
         body.paragraph(WHY);
     } else {
         body.note(&format!("Not measured in this run: {why}."));
     }
-    seen.made_by(SECTION, SECTION, body);
+    inputs.made_by(SECTION, SECTION, body);
 }
 
-fn models(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
-    let document = seen.data.results::<Document>(FILE);
+fn models(inputs: &mut PageInputs<'_>, printed: &Printed, body: &mut Body) {
+    let document = inputs.data.results::<HybridResults>(FILE);
     let head = [&["model", "triangles", "START"][..], &TIMES].concat();
     let mut table = Table::new("All models, paper and ours, as in table 1", &head);
     for printed in &printed.rows {
@@ -151,23 +151,23 @@ fn models(seen: &mut Seen<'_>, printed: &Printed, body: &mut Body) {
     }
     body.table(&table);
     let document = document.filter(|d| !d.models.is_empty());
-    explain(seen, document.is_some(), "see above", body);
+    explain(inputs, document.is_some(), "see above", body);
     if let Some(document) = document {
         checks(&document.checks, body);
         body.paragraph(&document.covers);
     }
 }
 
-fn levels(seen: &mut Seen<'_>, body: &mut Body) {
+fn levels(inputs: &mut PageInputs<'_>, body: &mut Body) {
     body.paragraph(
         "Ours, after two merges: the map's finest texels in red, coarser ones in orange and green.",
     );
-    seen.picture(SECTION, "hrsm/hrsm-levels.png", "Models with their shadows, coloured by the level of the map that is sampled: red along outlines, green elsewhere", "Sampled levels, by model", body);
-    seen.made_by(SECTION, SECTION, body);
+    inputs.picture(SECTION, "hrsm/hrsm-levels.png", "Models with their shadows, coloured by the level of the map that is sampled: red along outlines, green elsewhere", "Sampled levels, by model", body);
+    inputs.made_by(SECTION, SECTION, body);
 }
 
-fn layout(seen: &mut Seen<'_>, body: &mut Body) {
-    let document = seen.data.results::<Document>(FILE);
+fn layout(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    let document = inputs.data.results::<HybridResults>(FILE);
     let mut table = Table::new(
         "Ours: size of the paper's layout and of the compact one, two merges",
         &["model", "START", "paper's layout, MB", "compact, MB", "shadow map at START, MB"],
@@ -184,7 +184,7 @@ fn layout(seen: &mut Seen<'_>, body: &mut Body) {
         }
     }
     let remark = "Sizes are for a static light. Both layouts give bit-identical results.";
-    seen.table(SECTION, SECTION, &table, Some(remark), body);
+    inputs.table(SECTION, SECTION, &table, Some(remark), body);
 }
 
 fn picture(name: &str) -> String {
@@ -192,13 +192,13 @@ fn picture(name: &str) -> String {
 }
 
 /// Adds a pair of pictures of a shadow map and a hybrid one.
-fn beside(seen: &mut Seen<'_>, left: &str, right: &str, caption: &str, body: &mut Body) {
+fn beside(inputs: &mut PageInputs<'_>, left: &str, right: &str, caption: &str, body: &mut Body) {
     let [a, b] = [left, right].map(picture);
-    seen.pair(SECTION, (&a, &format!("`{left}`")), (&b, &format!("`{right}`")), caption, body);
+    inputs.pair(SECTION, (&a, &format!("`{left}`")), (&b, &format!("`{right}`")), caption, body);
 }
 
-fn equal_targets(seen: &mut Seen<'_>, body: &mut Body) {
-    seen.sheet(
+fn equal_targets(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    inputs.sheet(
         SECTION,
         "hrsm/hrsm-figure-4.png",
         "The outline of the Dragon's shadow, shadow maps on the left, hybrid maps on the right",
@@ -210,13 +210,13 @@ fn equal_targets(seen: &mut Seen<'_>, body: &mut Body) {
         ["sm:size=512", "hrsm:1024-512:filter=1"],
         ["sm:size=2048", "hrsm:4096-2048:filter=1"],
     ] {
-        beside(seen, left, right, "A ring and its shadow", body);
+        beside(inputs, left, right, "A ring and its shadow", body);
     }
-    errors(seen, body);
+    errors(inputs, body);
 }
 
-fn errors(seen: &mut Seen<'_>, body: &mut Body) {
-    let Some(report) = seen.data.results::<Report>("hrsm/pictures/report.json") else { return };
+fn errors(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    let Some(report) = inputs.data.results::<Report>("hrsm/pictures/report.json") else { return };
     body.table(&Table::of(
         "Errors of these pictures, % of the compared pixels",
         &report.techniques,
@@ -226,31 +226,31 @@ fn errors(seen: &mut Seen<'_>, body: &mut Body) {
             ("shadowed called lit", |t| percent(t.wrong_lit, 3)),
         ],
     ));
-    seen.made_by(SECTION, "pictures", body);
+    inputs.made_by(SECTION, "pictures", body);
 }
 
-fn thin(seen: &mut Seen<'_>, body: &mut Body) {
+fn thin(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let alt =
         "A pavilion of thin rods and its shadow, twice: shadow map on the left, hybrid map on the right";
-    seen.picture(
+    inputs.picture(
         SECTION,
         "hrsm/hrsm-figure-5.png",
         alt,
         "Ours, a pavilion of rods: SM 2048 left, HRSM 4096-2048 right, unfiltered",
         body,
     );
-    seen.made_by(SECTION, SECTION, body);
+    inputs.made_by(SECTION, SECTION, body);
 }
 
-fn self_shadow(seen: &mut Seen<'_>, body: &mut Body) {
-    seen.sheet(
+fn self_shadow(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    inputs.sheet(
         SECTION,
         "hrsm/hrsm-figure-6.png",
         "The Dragon's shadow on itself: hybrid map, rays, the paper's test, a shadow map",
         body,
     );
     let (truth, ours) = ("hrsm/pictures/truth-hard.png", picture("hrsm:2048-1024:filter=1"));
-    seen.pair(
+    inputs.pair(
         SECTION,
         (truth, "rays"),
         (&ours, "`hrsm:2048-1024`"),
@@ -258,7 +258,7 @@ fn self_shadow(seen: &mut Seen<'_>, body: &mut Body) {
         body,
     );
     let paper = picture("hrsm:2048-1024:test=paper:filter=1");
-    seen.pair(
+    inputs.pair(
         SECTION,
         (truth, "rays"),
         (&paper, "`test=paper`"),
@@ -269,11 +269,11 @@ fn self_shadow(seen: &mut Seen<'_>, body: &mut Body) {
         "The paper's test compares differences in depth with a quarter of the distance from the light. A sun is far away, so it merges \
          nearly everything: slopes become steps that shadow themselves. The default test merges texels that one plane fits.",
     );
-    seen.made_by(SECTION, "pictures", body);
+    inputs.made_by(SECTION, "pictures", body);
 }
 
-fn finer_starts(seen: &mut Seen<'_>, body: &mut Body) {
-    seen.sheet(
+fn finer_starts(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    inputs.sheet(
         SECTION,
         "hrsm/hrsm-figure-7.png",
         "The outline of the Dragon's shadow, target 512, with finer and finer starts",
@@ -281,7 +281,7 @@ fn finer_starts(seen: &mut Seen<'_>, body: &mut Body) {
     );
     for start in [1024, 2048, 4096] {
         let right = format!("hrsm:{start}-512:filter=1");
-        beside(seen, "sm:size=512", &right, "Ours, a ring: target 512", body);
+        beside(inputs, "sm:size=512", &right, "Ours, a ring: target 512", body);
     }
-    seen.made_by(SECTION, "pictures", body);
+    inputs.made_by(SECTION, "pictures", body);
 }

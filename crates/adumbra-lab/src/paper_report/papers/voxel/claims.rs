@@ -4,12 +4,12 @@ use adumbra_papers::tree::morton;
 
 use super::super::Verdict;
 use super::{PATH, closed_bytes, document};
-use crate::bench::tree::{Document, OptionRow, ReductionRow};
+use crate::bench::tree::{OptionRow, ReductionRow, TreeResults};
 use crate::paper_report::data::Data;
 use adumbra_compare::report::Report;
 
 /// Returns a scene's reductions sorted by depth.
-fn by_depth<'d>(document: &'d Document, scene: &str) -> Vec<&'d ReductionRow> {
+fn by_depth<'d>(document: &'d TreeResults, scene: &str) -> Vec<&'d ReductionRow> {
     let mut found: Vec<_> = document.reduction_rows().iter().filter(|r| r.scene == scene).collect();
     found.sort_by_key(|r| r.depth);
     found

@@ -2,9 +2,9 @@
 
 mod claims;
 
-use super::super::seen::Seen;
+use super::super::inputs::PageInputs;
 use super::{Realised, Show, Verdict};
-use crate::bench::tree::{Document, FrameRow, ReductionRow};
+use crate::bench::tree::{FrameRow, ReductionRow, TreeResults};
 use crate::paper_report::data::Data;
 use adumbra_compare::page::{Body, Table};
 use adumbra_compare::report::{Report, figure, megabytes, percent};
@@ -27,12 +27,12 @@ pub(super) const PAPER: Realised = Realised {
         ("figure 3-3", Show::Below(closed_regions)),
         ("figure 3-4", Show::Below(builders)),
         ("figure 3-5", Show::Below(hashing)),
-        ("figure 4-1", Show::Below(|seen, body| pairs(seen, &NOTHING_DONE, body))),
+        ("figure 4-1", Show::Below(|inputs, body| pairs(inputs, &NOTHING_DONE, body))),
         ("figure 4-2", Show::Below(acne)),
-        ("figure 4-3", Show::Below(|seen, body| pairs(seen, &BIAS, body))),
+        ("figure 4-3", Show::Below(|inputs, body| pairs(inputs, &BIAS, body))),
         ("figure 4-4", Show::Below(jags)),
-        ("figure 4-5", Show::Below(|seen, body| pairs(seen, &FILTERS, body))),
-        ("figure 4-6", Show::Below(|seen, body| pairs(seen, &BIAS_AND_FILTER, body))),
+        ("figure 4-5", Show::Below(|inputs, body| pairs(inputs, &FILTERS, body))),
+        ("figure 4-6", Show::Below(|inputs, body| pairs(inputs, &BIAS_AND_FILTER, body))),
         ("figure 5-1", Show::Below(result)),
         ("figure 5-2", Show::Below(frame_times)),
         ("figure 5-3", Show::Below(ball)),
@@ -73,14 +73,14 @@ fn path(xyz: [u32; 3]) -> String {
     path.join(", ")
 }
 
-fn quadtree_path(_: &mut Seen<'_>, body: &mut Body) {
+fn quadtree_path(_: &mut PageInputs<'_>, body: &mut Body) {
     // In the plane, a child's bits of x and y are those of an octree's child without z.
     let plane: Vec<String> =
         morton::path([5, 3, 0], 3).iter().map(|child| (child >> 1).to_string()).collect();
     body.paragraph(&format!("Ours, from `adumbra_papers::tree::morton`: {}.", plane.join(", ")));
 }
 
-fn octree_path(_: &mut Seen<'_>, body: &mut Body) {
+fn octree_path(_: &mut PageInputs<'_>, body: &mut Body) {
     body.paragraph(&format!(
         "Ours, from `adumbra_papers::tree::morton`: {}; decoded: {:?}.",
         path([5, 3, 5]),
@@ -160,43 +160,43 @@ fn sheet(name: &str) -> String {
     format!("tree/tree-sheet-{name}.png")
 }
 
-fn pair(seen: &mut Seen<'_>, (of, left, right, caption): SheetPair, body: &mut Body) {
+fn pair(inputs: &mut PageInputs<'_>, (of, left, right, caption): SheetPair, body: &mut Body) {
     let [left, right] = [left, right].map(|picture| (picture.part(), picture.name()));
-    seen.pair_of_parts(SECTION, &sheet(of), left, right, caption, body);
+    inputs.pair_of_parts(SECTION, &sheet(of), left, right, caption, body);
 }
 
-fn pairs(seen: &mut Seen<'_>, shown: &[SheetPair], body: &mut Body) {
+fn pairs(inputs: &mut PageInputs<'_>, shown: &[SheetPair], body: &mut Body) {
     for sheet_pair in shown {
-        pair(seen, *sheet_pair, body);
+        pair(inputs, *sheet_pair, body);
     }
-    seen.made_by(SECTION, "others", body);
+    inputs.made_by(SECTION, "others", body);
 }
 
 /// Adds a part of a sheet.
-fn one(seen: &mut Seen<'_>, of: &str, part: [u32; 4], caption: &str, body: &mut Body) {
-    match seen.data.picture(&sheet(of), Some(part)) {
+fn one(inputs: &mut PageInputs<'_>, of: &str, part: [u32; 4], caption: &str, body: &mut Body) {
+    match inputs.data.picture(&sheet(of), Some(part)) {
         Some(picture) => body.picture(&picture, caption, caption),
-        None => seen.missing(SECTION, body),
+        None => inputs.missing(SECTION, body),
     }
-    seen.made_by(SECTION, "others", body);
+    inputs.made_by(SECTION, "others", body);
 }
 
-fn simple_scene(seen: &mut Seen<'_>, body: &mut Body) {
+fn simple_scene(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let caption = "Ours: simple solids, `adumbra generate primitives`, with ray-traced shadows";
-    one(seen, "primitives", Picture::Rays.part(), caption, body);
+    one(inputs, "primitives", Picture::Rays.part(), caption, body);
 }
 
-fn landscape(seen: &mut Seen<'_>, body: &mut Body) {
+fn landscape(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let caption = "Ours: low-poly terrain with trees, rocks and houses, `adumbra generate landscape`, with ray-traced shadows";
-    one(seen, "landscape", Picture::Rays.part(), caption, body);
+    one(inputs, "landscape", Picture::Rays.part(), caption, body);
 }
 
 /// Returns the benchmark's results, empty if there are none.
-fn document(data: &Data) -> Document {
+fn document(data: &Data) -> TreeResults {
     data.results(FILE).unwrap_or_default()
 }
 
-impl Document {
+impl TreeResults {
     fn reduction_rows(&self) -> &[ReductionRow] {
         self.reductions.as_ref().map_or(&[], |part| &part.rows)
     }
@@ -207,7 +207,7 @@ impl Document {
 }
 
 /// Returns a table of bytes before and after, row by row.
-fn shares(document: &Document, caption: &str, of: fn(&ReductionRow) -> [f64; 2]) -> Table {
+fn shares(document: &TreeResults, caption: &str, of: fn(&ReductionRow) -> [f64; 2]) -> Table {
     let mut table = Table::new(caption, &["scene", "depth", "before, MB", "after, MB", "% left"]);
     for row in document.reduction_rows() {
         let [before, after] = of(row);
@@ -222,39 +222,39 @@ fn shares(document: &Document, caption: &str, of: fn(&ReductionRow) -> [f64; 2])
     table
 }
 
-fn merging(seen: &mut Seen<'_>, body: &mut Body) {
+fn merging(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let alt = "Size after upward merging in percent of the complete tree, and after sharing in percent of the merged tree, by depth, one line per scene";
     let caption = "Ours: percent left after upward merging and, for figure 3-5, after sharing by hash";
-    seen.plot(SECTION, "tree/tree-merging.svg", alt, caption, body);
-    let document = document(seen.data);
+    inputs.plot(SECTION, "tree/tree-merging.svg", alt, caption, body);
+    let document = document(inputs.data);
     body.table(&shares(
         &document,
         "Ours: the complete tree, and the tree with equal children collapsed, in 32-bit words",
         |r| [r.complete_bytes, r.merged_bytes as f64],
     ));
-    seen.made_by(SECTION, "reductions", body);
+    inputs.made_by(SECTION, "reductions", body);
 }
 
-fn hashing(seen: &mut Seen<'_>, body: &mut Body) {
-    let document = document(seen.data);
+fn hashing(inputs: &mut PageInputs<'_>, body: &mut Body) {
+    let document = document(inputs.data);
     body.table(&shares(
         &document,
         "Ours: the merged tree, and the tree with equal subtrees stored once, in 32-bit words",
         |r| [r.merged_bytes as f64, r.graph_bytes as f64],
     ));
     let alt = "Time and memory of merging by hash divided by those of sorting, by depth";
-    seen.plot(SECTION, "tree/tree-reductions.svg", alt, "Ours: hashing compared with sorting", body);
-    seen.made_by(SECTION, "reductions", body);
+    inputs.plot(SECTION, "tree/tree-reductions.svg", alt, "Ours: hashing compared with sorting", body);
+    inputs.made_by(SECTION, "reductions", body);
 }
 
-fn closed_regions(seen: &mut Seen<'_>, body: &mut Body) {
+fn closed_regions(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let file = |what: &str| format!("tree/tree-nodes-primitives-{what}.png");
     let caption = "Ours: a layer of the tree at depth 8 from above, one square per leaf, coloured by size, dark in shadow";
     let (open, closed) = (file("open"), file("closed"));
-    seen.pair(SECTION, (&open, "all defined"), (&closed, "interiors free"), caption, body);
+    inputs.pair(SECTION, (&open, "all defined"), (&closed, "interiors free"), caption, body);
     body.table(&Table::of(
         "Ours: bytes at depth 10",
-        &closed_bytes(&document(seen.data)),
+        &closed_bytes(&document(inputs.data)),
         &[
             ("scene", |(scene, ..)| scene.clone()),
             ("all defined, MB", |(_, open, _)| figure(open / 1e6, 3)),
@@ -263,11 +263,11 @@ fn closed_regions(seen: &mut Seen<'_>, body: &mut Body) {
         ],
     ));
     body.paragraph("Closed regions are found by the winding of the triangles, not with colliders, which the paper itself calls the wrong approach.");
-    seen.made_by(SECTION, "others", body);
+    inputs.made_by(SECTION, "others", body);
 }
 
 /// Returns the bytes by scene with everything defined, and with insides free.
-fn closed_bytes(document: &Document) -> Vec<(String, f64, f64)> {
+fn closed_bytes(document: &TreeResults) -> Vec<(String, f64, f64)> {
     let all = document.frames.as_ref().map_or(&[][..], |part| &part.rows.closed_regions);
     let closed = |scene: &str| {
         let row = all.iter().find(|r| r.scene == scene && r.closed_regions)?;
@@ -277,14 +277,14 @@ fn closed_bytes(document: &Document) -> Vec<(String, f64, f64)> {
     open.filter_map(|r| Some((r.scene.clone(), r.graph_bytes as f64, closed(&r.scene)?))).collect()
 }
 
-fn builders(seen: &mut Seen<'_>, body: &mut Body) {
+fn builders(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let alt = "Build times of the three builders in seconds, one group of bars per scene, and time of the pooled builder divided by that of recursion, by depth";
     let caption =
         "Ours: seconds at the smallest depth, and the pooled builder's time divided by that of recursion";
-    seen.plot(SECTION, "tree/tree-builders.svg", alt, caption, body);
+    inputs.plot(SECTION, "tree/tree-builders.svg", alt, caption, body);
     body.table(&Table::of(
         "Ours: seconds to build and reduce, one thread",
-        document(seen.data).builders.iter().flat_map(|part| &part.rows),
+        document(inputs.data).builders.iter().flat_map(|part| &part.rows),
         &[
             ("scene", |r| r.scene.clone()),
             ("depth", |r| r.depth.to_string()),
@@ -298,15 +298,15 @@ fn builders(seen: &mut Seen<'_>, body: &mut Body) {
         "The paper's builders run in C#, where each frame on the heap is an object for the garbage collector. Here a frame \
          costs one allocation at most, so the three builders are close.",
     );
-    seen.made_by(SECTION, "builders", body);
+    inputs.made_by(SECTION, "builders", body);
 }
 
-fn acne(seen: &mut Seen<'_>, body: &mut Body) {
+fn acne(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let shown = ("landscape", Picture::Plain, Picture::Rays, "Ours: the landscape at depth 10");
-    pair(seen, shown, body);
+    pair(inputs, shown, body);
     let counts = Table::of(
         "Ours: wrong results at points on surfaces, depth 10, %",
-        document(seen.data).filters.iter().flat_map(|part| &part.rows),
+        document(inputs.data).filters.iter().flat_map(|part| &part.rows),
         &[
             ("scene", |r| r.scene.clone()),
             ("look-up", |r| r.look_up.clone()),
@@ -314,23 +314,23 @@ fn acne(seen: &mut Seen<'_>, body: &mut Body) {
             ("shadowed called lit", |r| percent(r.leak, 3)),
         ],
     );
-    seen.table(SECTION, "others", &counts, None, body);
+    inputs.table(SECTION, "others", &counts, None, body);
 }
 
-fn jags(seen: &mut Seen<'_>, body: &mut Body) {
+fn jags(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let [x, y, width, height] = Picture::Bias.part();
     let middle = [x + width / 4, y + height / 4, width / 2, height / 2];
     let caption = "Ours: a detail of figure 4-3; each step of the shadow's outline is one voxel";
-    one(seen, "primitives", middle, caption, body);
+    one(inputs, "primitives", middle, caption, body);
 }
 
-fn result(seen: &mut Seen<'_>, body: &mut Body) {
+fn result(inputs: &mut PageInputs<'_>, body: &mut Body) {
     for shown in RESULT {
-        pair(seen, shown, body);
+        pair(inputs, shown, body);
     }
     body.table(&Table::of(
         "Ours: agreement with rays, %",
-        document(seen.data).frame_rows().iter().filter(|r| r.frame == "world"),
+        document(inputs.data).frame_rows().iter().filter(|r| r.frame == "world"),
         &[
             ("scene", |r| r.scene.clone()),
             ("depth", |r| r.depth.to_string()),
@@ -339,21 +339,21 @@ fn result(seen: &mut Seen<'_>, body: &mut Body) {
             ("MB", |r| megabytes(r.bytes, 2)),
         ],
     ));
-    seen.made_by(SECTION, "others", body);
+    inputs.made_by(SECTION, "others", body);
 }
 
 const PATH: &str = "shadows/path/report.json";
 
-fn frame_times(seen: &mut Seen<'_>, body: &mut Body) {
+fn frame_times(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let alt = "Milliseconds of the shadow passes by frame along a path, for voxels with two filters and for cascades";
-    seen.plot(
+    inputs.plot(
         "shadows",
         "shadows/path/path.svg",
         alt,
         "Ours: shadow passes along a path over the landscape",
         body,
     );
-    let path = seen.data.results::<Report>(PATH).and_then(|report| report.path);
+    let path = inputs.data.results::<Report>(PATH).and_then(|report| report.path);
     let mut table = Table::new(
         "Ours: milliseconds over the path",
         &["technique", "median", "min", "max", "depth passes, median"],
@@ -372,15 +372,15 @@ fn frame_times(seen: &mut Seen<'_>, body: &mut Body) {
         ]);
     }
     body.table(&table);
-    seen.made_by("shadows", "path", body);
+    inputs.made_by("shadows", "path", body);
 }
 
-fn ball(seen: &mut Seen<'_>, body: &mut Body) {
+fn ball(inputs: &mut PageInputs<'_>, body: &mut Body) {
     let frame = |i: u32| format!("shadows/ball.{i:04}.png");
     for (from, to) in [(0, 1), (2, 3)] {
         let names = [from, to].map(|i| format!("frame {} of 4", i + 1));
         let (left, right) = (frame(from), frame(to));
-        seen.pair(
+        inputs.pair(
             "shadows",
             (&left, &names[0]),
             (&right, &names[1]),
@@ -388,5 +388,5 @@ fn ball(seen: &mut Seen<'_>, body: &mut Body) {
             body,
         );
     }
-    seen.made_by("shadows", "ball", body);
+    inputs.made_by("shadows", "ball", body);
 }

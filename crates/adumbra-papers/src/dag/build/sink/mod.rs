@@ -165,7 +165,7 @@ impl BlockSink for GraphSink {
 }
 
 impl Structure for GraphSink {
-    type Made = Dag;
+    type Output = Dag;
     const SO_FAR: &'static str = "the graph so far";
     const FINISHING: &'static str = "numbering the graph";
 

@@ -1,7 +1,7 @@
 //! Canonical numbering of a graph: pre-order of first visit over the top grid, whatever order the nodes were made in.
 
 use super::{
-    MAX_WORDS, NodeState, NodeStore, Place, Shard, children_of, encode, leaf_mask_place, node_length,
+    MAX_WORDS, NodeRef, NodeState, NodeStore, Shard, children_of, encode, leaf_mask_place, node_length,
 };
 use crate::dag::plain::{Dag, LIT, SHADOWED};
 
@@ -48,7 +48,7 @@ impl Numbering {
     /// Returns the number of a node. At the first visit, numbers the node and everything below it. Recursion depth: the
     /// number of levels.
     fn node(&mut self, reference: u32) -> u32 {
-        let Place { is_cube, shard, offset } = Place::of(reference);
+        let NodeRef { is_cube, shard, offset } = NodeRef::of(reference);
         let from = &mut self.shards[shard];
         let stored = &mut if is_cube { &mut from.cubes } else { &mut from.inner }[offset..];
         if stored[0] & COPIED != 0 {

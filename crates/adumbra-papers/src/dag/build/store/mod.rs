@@ -196,14 +196,14 @@ fn lock(shard: &Mutex<Shard>) -> MutexGuard<'_, Shard> {
 }
 
 /// The parts of a node's reference.
-struct Place {
+struct NodeRef {
     is_cube: bool,
     shard: usize,
     /// Offset of the header.
     offset: usize,
 }
 
-impl Place {
+impl NodeRef {
     fn of(reference: u32) -> Self {
         Self {
             is_cube: reference & CUBE_BIT != 0,

@@ -6,12 +6,12 @@ use crate::results::Check;
 use adumbra_compare::page::{Body, Embedded, Pair, Table};
 
 /// The record and files that the page is made from.
-pub(super) struct Seen<'a> {
+pub(super) struct PageInputs<'a> {
     pub(super) record: &'a Record,
     pub(super) data: &'a mut Data,
 }
 
-impl Seen<'_> {
+impl PageInputs<'_> {
     /// Adds the command that reproduces a figure.
     pub(super) fn made_by(&self, section: &str, step: &str, body: &mut Body) {
         let Some(measured) = self.record.section(section) else { return };

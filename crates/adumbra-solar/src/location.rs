@@ -2,16 +2,16 @@
 
 use crate::error::{Result, check};
 
-/// A place on Earth, checked.
+/// A location on Earth, checked.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct Location {
     latitude_degrees: f64,
     longitude_degrees: f64,
     height_m: f64,
 }
 
-impl Place {
-    /// Creates a place from its latitude (-90 to 90 degrees, north is positive), its longitude (-180 to 180 degrees, east
+impl Location {
+    /// Creates a location from its latitude (-90 to 90 degrees, north is positive), its longitude (-180 to 180 degrees, east
     /// is positive) and its height above the sea (-500 to 9000 m). Height moves the sun by its parallax alone, which is
     /// far below 0.001°; it does not lower the horizon or thin the air.
     ///
@@ -46,11 +46,11 @@ mod tests {
 
     #[test]
     fn places_off_the_globe_are_refused() {
-        assert!(Place::new(90.0, -180.0, 0.0).is_ok() && Place::new(-90.0, 180.0, 8849.0).is_ok());
+        assert!(Location::new(90.0, -180.0, 0.0).is_ok() && Location::new(-90.0, 180.0, 8849.0).is_ok());
         for (latitude, longitude, height) in
             [(90.1, 0.0, 0.0), (f64::NAN, 0.0, 0.0), (0.0, 181.0, 0.0), (0.0, 0.0, f64::INFINITY)]
         {
-            let error = Place::new(latitude, longitude, height).unwrap_err().to_string();
+            let error = Location::new(latitude, longitude, height).unwrap_err().to_string();
             assert!(error.contains("out of range; give -"), "{error}");
         }
     }

@@ -21,7 +21,7 @@ const ROUNDING_VOXELS: f64 = 0.5;
 const NEAR_VOXELS: f64 = 2.0;
 
 /// The ray-traced side of one sample.
-pub(super) struct Place<'a> {
+pub(super) struct TracedSample<'a> {
     pub(super) grid: LightGrid,
     pub(super) tracer: &'a Tracer<'a>,
     pub(super) solids: &'a Solids,
@@ -35,7 +35,7 @@ pub(super) struct Place<'a> {
     pub(super) thickness_voxels: Option<f64>,
 }
 
-impl Place<'_> {
+impl TracedSample<'_> {
     /// Whether the sun is visible from the lifted point.
     pub(super) fn truth(&self) -> bool {
         self.lit(self.receiver.p_grid)

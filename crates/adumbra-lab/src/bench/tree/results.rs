@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The whole file.
 #[derive(Clone, Debug, Default, Serialize, Deserialize, JsonSchema)]
-pub(crate) struct Document {
+pub(crate) struct TreeResults {
     /// Section `builders`; `None` if it was not measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) builders: Option<Part<Vec<BuilderRow>>>,

@@ -8,23 +8,23 @@ use crate::movers::Rest;
 /// A node's local transform in double precision, as JSON numbers are. The glTF crate stores `f32`, whose steps are half
 /// a metre at map coordinates.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(from = "Written")]
-pub(super) enum Place {
+#[serde(from = "TransformJson")]
+pub(super) enum NodeTransform {
     Matrix(Affine),
     Parts(Rest),
 }
 
 /// A node's transform as written in the file.
 #[derive(Deserialize)]
-struct Written {
+struct TransformJson {
     matrix: Option<[f64; 16]>,
     translation: Option<[f64; 3]>,
     rotation: Option<[f64; 4]>,
     scale: Option<[f64; 3]>,
 }
 
-impl From<Written> for Place {
-    fn from(written: Written) -> Self {
+impl From<TransformJson> for NodeTransform {
+    fn from(written: TransformJson) -> Self {
         match written.matrix {
             Some(matrix) => Self::Matrix(from_columns(&matrix)),
             None => Self::Parts(Rest {
@@ -36,7 +36,7 @@ impl From<Written> for Place {
     }
 }
 
-impl Place {
+impl NodeTransform {
     /// The node's local transform, to its parent's frame.
     pub(super) fn map(&self) -> Affine {
         match self {
