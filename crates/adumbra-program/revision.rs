@@ -1,19 +1,20 @@
-//! Finds the revision of the sources that a program is built from. The build scripts of `adumbra-cli` and `adumbra-lab`
-//! include this file. Libraries do not: a library that knew the revision would be compiled again, with everything that
-//! depends on it, whenever a source changes.
+//! Finds the revision of the sources that a program is built from. The build scripts of
+//! `adumbra-cli` and `adumbra-lab` include this file. Libraries do not: a library that knew the revision
+//! would be compiled again, with everything that depends on it, whenever a source changes.
 
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Files that are part of every program, besides the packages.
+/// Files that are part of every program, in addition to the packages.
 const SHARED: [&str; 2] = ["Cargo.toml", "Cargo.lock"];
 /// Parts of each package that go into a program.
 const OF_PACKAGE: [&str; 5] = ["Cargo.toml", "build.rs", "src", "data", "wgsl"];
 
-/// Sets `ADUMBRA_REVISION` for the package that is being built, empty if git does not know it, and `ADUMBRA_VERSION`,
-/// which has both the version and the revision. Packages in `without` are not part of the program.
+/// Sets `ADUMBRA_REVISION` for the package that is being built, empty if git does not know it, and
+/// `ADUMBRA_VERSION`, which has both the version and the revision. Packages in `without` are not part of the
+/// program.
 pub(crate) fn emit(without: &[&str]) {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=revision.rs");
@@ -27,7 +28,7 @@ pub(crate) fn emit(without: &[&str]) {
 }
 
 fn revision(folder: &Path, package: &str, without: &[&str]) -> Option<String> {
-    // In a registry's cache or a vendor folder, the surrounding repository is somebody else's.
+    // In a registry's cache or a vendor folder, the surrounding repository belongs to another project.
     if git(folder, &["rev-parse", "--show-prefix"])? != format!("crates/{package}/") {
         return None;
     }
@@ -39,7 +40,7 @@ fn revision(folder: &Path, package: &str, without: &[&str]) -> Option<String> {
     for name in [Some("HEAD"), Some("logs/HEAD"), branch.as_deref()].into_iter().flatten() {
         watch(&root.join(git(root, &["rev-parse", "--git-path", name])?));
     }
-    // Sources that were copied into another repository and are not committed there have no revision of it.
+    // Sources that were copied into another repository but not committed there have no revision.
     git(folder, &["ls-files", "--error-unmatch", "build.rs"])?;
     let head = git(root, &["rev-parse", "--short=12", "HEAD"])?;
     let mut changed = vec!["status", "--porcelain", "--untracked-files=no", "--"];
@@ -59,14 +60,16 @@ fn sources(root: &Path, without: &[&str]) -> Vec<String> {
     sources
 }
 
-/// Makes the build script run again when a file changes. A file that does not exist would make it run every time.
+/// Makes the build script run again when a file changes. A file that does not exist would make it run every
+/// time.
 fn watch(path: &Path) {
     if path.exists() {
         println!("cargo::rerun-if-changed={}", path.display());
     }
 }
 
-/// Returns git's output in `folder`, regardless of the repository that the caller works in. `None` if git fails.
+/// Returns git's output in `folder`, regardless of the repository that the caller works in. `None` if git
+/// fails.
 fn git(folder: &Path, arguments: &[&str]) -> Option<String> {
     let mut command = Command::new("git");
     command.arg("-C").arg(folder).args(arguments).env("GIT_OPTIONAL_LOCKS", "0");

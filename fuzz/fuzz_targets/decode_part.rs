@@ -1,8 +1,9 @@
-//! Any bytes as a coded part, without the checks of a file around it: the decoder refuses them, or gives as many bytes
-//! as it was asked for.
+//! Any bytes as a coded part, without the checks of a file around it: the decoder refuses them, or gives as
+//! many bytes as it was asked for.
 //!
-//! The first byte decides: odd, the part is a bundle behind the common section of a test vector; even, it is a common
-//! section, and the bundle of no bytes behind it. The next four are the raw length, which is limited as in a file.
+//! The first byte decides: odd, the part is a bundle behind the common section of a test vector; even, it is
+//! a common section, and the bundle of no bytes behind it. The next four are the raw length, which is limited
+//! as in a file.
 
 #![no_main]
 

@@ -1,6 +1,8 @@
-//! Any bytes: the reader refuses them, or gives a graph that answers everywhere and is written as the same bytes.
+//! Any bytes: the reader refuses them, or gives a graph that answers everywhere and is written as the same
+//! bytes.
 //!
-//! The first byte decides whether checksums are made right, see `Layout::interpret`; files as they are serve as seeds.
+//! The first byte decides whether checksums are made right, see `Layout::interpret`; files as they are serve
+//! as seeds.
 
 #![no_main]
 

@@ -1,7 +1,8 @@
-//! Any bytes: the reader refuses them, or gives a quadtree that answers everywhere and, if the file is raw, is written as the same
-//! bytes.
+//! Any bytes: the reader refuses them, or gives a quadtree that answers everywhere and, if the file is raw,
+//! is written as the same bytes.
 //!
-//! The first byte decides whether checksums are made right, see `interpret`; files as they are serve as seeds.
+//! The first byte decides whether checksums are made right, see `interpret`; files as they are serve as
+//! seeds.
 
 #![no_main]
 

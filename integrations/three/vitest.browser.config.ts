@@ -1,5 +1,5 @@
-// Tests that draw in a browser: `npm run test:browser`, and `npm run test:truth` for those that the machine's OpenGL draws.
-// They use what `npm run build` has made.
+// Tests that draw in a browser: `npm run test:browser`, and `npm run test:truth` for those that the machine's
+// OpenGL draws. They use what `npm run build` has made.
 
 import { defineConfig } from 'vitest/config';
 

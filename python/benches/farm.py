@@ -23,7 +23,7 @@ from distributed import Client
 
 
 def seconds(client: Client, plan: adumbra.Plan, groups: list[tuple[int, ...]]) -> float:
-    """Return the time of a bake in these tasks, with a cache of its own."""
+    """Return the time of a bake in these tasks, with a separate cache."""
     with tempfile.TemporaryDirectory() as cache:
         plan.write(plan_path(cache, plan.digest))
         start = time.perf_counter()

@@ -1,7 +1,7 @@
 //! The Rust side of `look_ups.py`: times `Sampler::par_visibilities` over the points of a file.
 //!
-//! `look_ups FILE POINTS NORMALS REPEATS`: a shadow file, its points and normals as little-endian float64 triples. Prints the
-//! seconds of each repeat, from an empty result to a full one.
+//! `look_ups FILE POINTS NORMALS REPEATS`: a shadow file, its points and normals as little-endian float64
+//! triples. Prints the seconds of each repeat, from an empty result to a full one.
 
 use std::error::Error;
 use std::path::Path;

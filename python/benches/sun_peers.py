@@ -65,13 +65,13 @@ class Day:
 
 @dataclass
 class Scene:
-    """What peers are given: the file, a raster of heights around the points, and blocks."""
+    """The input of the peers: the file, a raster of heights around the points, and blocks."""
 
     path: Path
     cell: float
     heights: Floats  # Rows from north to south, columns from west to east.
     west: float
-    north: float  # Of the raster's corner; the northing is -z.
+    north: float  # Northing of the raster's corner, which is -z.
     asked: NDArray[np.bool_]  # The cells that are points.
     blocks: list[tuple[Any, float]]  # Plans by (x, -z), and heights above the ground.
     ground: float
@@ -136,7 +136,7 @@ Hours = Callable[[Scene, Day, int], Floats]
 
 @dataclass
 class Peer:
-    """What is timed: hours of the points, or NaN where the hours are not those of the day."""
+    """A program to time. It finds hours of the points, or NaN where the hours are not those of the day."""
 
     name: str
     hours: Hours
@@ -145,7 +145,7 @@ class Peer:
     program: str = ""
 
     def absent(self) -> str:
-        """Import what the peer needs; return what is missing, or nothing."""
+        """Import the modules that the peer needs. Return a message if one is missing, or an empty text."""
         for name in self.modules:
             try:
                 importlib.import_module(name)
@@ -174,7 +174,7 @@ def adumbra(program: Path, *more: str) -> Hours:
 
 
 def trace(scene: Scene, suns: Floats, step: int) -> Floats:
-    """Return the hours by Embree's rays to suns, each an elevation and an azimuth in radians; the scene is read anew."""
+    """Read the scene, and return the hours by Embree's rays to suns (elevation and azimuth, radians)."""
     mesh = importlib.import_module("trimesh").load(scene.path, force="mesh")
     origins = scene.points + [0, 0.01, 0]
     lit = np.zeros(len(origins))
@@ -199,7 +199,7 @@ def rays_of_suncalc(scene: Scene, day: Day, step: int) -> Floats:
 
 
 def by_raster(shadows: Callable[[NDArray[np.float32], float, float, float], NDArray[Any]]) -> Hours:
-    """Return the hours by a function of heights, azimuth, elevation and cell that has 1 in the sun."""
+    """Return the hours by a function of heights, azimuth, elevation and cell that is 1 in the sun."""
 
     def hours(scene: Scene, day: Day, step: int) -> Floats:
         heights = (scene.heights - scene.ground).astype(np.float32)
@@ -232,7 +232,7 @@ def solweig(scene: Scene, day: Day, step: int) -> Floats:
 
 
 def local(day: Day) -> str:
-    """Return a plane map about the place, whose north is true."""
+    """Return a map projection centred on the place, with true north."""
     return f"+proj=tmerc +lat_0={day.lat} +lon_0={day.lon} +k=1 +x_0=0 +y_0=0 +datum=WGS84 +units=m +no_defs"
 
 
@@ -258,7 +258,7 @@ def grass(scene: Scene, day: Day, lines: list[str]) -> Floats:
 
 
 def r_sun(scene: Scene, day: Day, step: int) -> Floats:
-    """Return the hours by r.sun, asked for each instant by solar time; the ground counts as level."""
+    """Return the hours by r.sun, which is run for each instant in solar time; the ground counts as level."""
     suns = day.suns(step)
     suns = suns[suns["apparent_elevation"] > 0]
     utc = suns.index.tz_convert("UTC")
@@ -270,7 +270,7 @@ def r_sun(scene: Scene, day: Day, step: int) -> Floats:
 
 
 def r_sun_day(scene: Scene, day: Day, step: int) -> Floats:
-    """Have r.sun find the hours from sunrise to sunset, the only ones that it sums by itself."""
+    """Run r.sun for the hours from sunrise to sunset, the only span that it sums by itself."""
     day_of_year = day.suns(step).index[0].day_of_year
     return grass(scene, day, [f"r.sun elevation=heights day={day_of_year} step={step / 3600:.6f} insol_time=out"]) * np.nan
 
@@ -301,7 +301,7 @@ def processor() -> float:
 
 @contextmanager
 def timed(spent: list[float]) -> Iterator[None]:
-    """Append the seconds by the wall and of processors."""
+    """Append the wall time and the processor time, in seconds."""
     wall, work = time.perf_counter(), processor()
     yield
     spent += [time.perf_counter() - wall, processor() - work]

@@ -13,7 +13,7 @@ pub(crate) enum TriplesArray<'py> {
     F64(PyReadonlyArray2<'py, f64>),
 }
 
-/// The rows of such an array.
+/// The rows of a [`TriplesArray`].
 #[derive(Clone, Copy)]
 pub(crate) enum Triples<'a> {
     F32(&'a [[f32; 3]]),
@@ -51,7 +51,7 @@ impl<'a> Triples<'a> {
         }
     }
 
-    /// Returns rows in double precision. Those in single precision are converted into `room`.
+    /// Returns rows in double precision. Rows in single precision are converted into `room`.
     pub(crate) fn range<'r>(self, range: Range<usize>, room: &'r mut Vec<[f64; 3]>) -> &'r [[f64; 3]]
     where
         'a: 'r,

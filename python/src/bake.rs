@@ -1,14 +1,11 @@
 //! Bakes.
 
-use std::io::{Cursor, Seek, Write};
+use std::io::Cursor;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 use adumbra::{Bounds, Receivers, Sun};
-use adumbra_bake::{
-    AssumeGround, BakeCache, BakeOptions, DiskCache, FrameChoice, Size, Watch, bake_to, bake_with_cache,
-};
-use adumbra_files::{check_output, folder_of, same_file, target_of};
+use adumbra_bake::{AssumeGround, Bake, BakeOptions, DiskCache, FrameChoice, Size};
+use adumbra_files::{check_output, folder_of, same_file};
 use pyo3::prelude::*;
 
 use crate::errors::Failure;
@@ -39,11 +36,7 @@ pub(crate) struct Options {
 
 impl Options {
     /// Returns the options of a bake.
-    pub(crate) fn for_bake(
-        &self,
-        ignore_alpha: bool,
-        spill_folder: Option<PathBuf>,
-    ) -> Result<BakeOptions, Failure> {
+    pub(crate) fn for_bake(&self, ignore_alpha: bool) -> Result<BakeOptions, Failure> {
         let size = self.voxel_size.map_or(Size::Resolution(self.resolution), Size::VoxelSize);
         let frame = match (&*self.frame, self.yaw) {
             ("auto", None) => FrameChoice::Auto,
@@ -78,14 +71,13 @@ impl Options {
             receivers,
             bounds: self.bounds.map(|(min, max)| Bounds { min, max }),
             max_memory_bytes: self.max_memory,
-            spill_folder,
             ..BakeOptions::new(Sun::from_direction(self.sun)?, size)
         })
     }
 }
 
-/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished root blocks and
-/// of all.
+/// Bakes a scene, into a file if there is an `output`. `report` is called with the number of finished root
+/// blocks and the total.
 #[pyfunction]
 pub(crate) fn bake(
     py: Python<'_>,
@@ -96,19 +88,25 @@ pub(crate) fn bake(
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<File> {
-    // The system's temporary folder may be in memory. The folder of the output is on a disk.
-    let spill = output.as_deref().map(|path| folder_of(&target_of(path).unwrap_or_else(|_| path.to_owned())));
-    let options = options.for_bake(scene.ignore_alpha, spill)?;
+    let options = options.for_bake(scene.ignore_alpha)?;
     watched(py, report, |watch| {
         if let Some(output) = &output {
             check(scene, output)?;
         }
-        let cache = cache.map(DiskCache::create).transpose()?;
-        let cache = cache.map(|folder| Arc::new(folder) as Arc<dyn BakeCache>);
-        let job = Job { scene: &scene.scene, options: &options, cache: cache.as_ref(), watch };
+        let mut bake = Bake::with_options(&scene.scene, &options).watch(watch);
+        if let Some(cache) = cache {
+            bake = bake.cache(DiskCache::create(cache)?);
+        }
         pool(threads)?.install(|| match &output {
-            Some(output) => File::staged(output, |out| job.write(out)),
-            None => job.in_memory(),
+            Some(output) => {
+                bake.save(output)?;
+                File::read_back(output)
+            }
+            None => {
+                let mut bytes = Cursor::new(Vec::new());
+                bake.write_to(&mut bytes)?;
+                Ok(File::decode(&bytes.into_inner())?)
+            }
         })
     })
 }
@@ -136,29 +134,5 @@ fn refuse_scene(scene: &Scene, output: &Path) -> Result<(), Failure> {
             input.display()
         ))),
         None => Ok(()),
-    }
-}
-
-/// A bake.
-struct Job<'a> {
-    scene: &'a adumbra_scene::Scene,
-    options: &'a BakeOptions,
-    cache: Option<&'a Arc<dyn BakeCache>>,
-    watch: Watch<'a>,
-}
-
-impl Job<'_> {
-    fn in_memory(&self) -> Result<File, Failure> {
-        let mut bytes = Cursor::new(Vec::new());
-        self.write(&mut bytes)?;
-        Ok(File::decode(&bytes.into_inner())?)
-    }
-
-    fn write(&self, out: impl Write + Seek) -> adumbra_bake::Result<u64> {
-        let written = match self.cache {
-            Some(cache) => bake_with_cache(self.scene, self.options, cache, self.watch, out),
-            None => bake_to(self.scene, self.options, self.watch, out),
-        };
-        written.map(|written| written.bytes)
     }
 }

@@ -1,5 +1,6 @@
-//! Errors of the crates as Python's exceptions: `OSError` and its kinds for the operating system's, `ValueError` for values
-//! out of range, `adumbra.FormatError` for files that are not valid, `adumbra.AdumbraError` for the rest.
+//! Converts errors of the crates to Python exceptions: `OSError` and its subclasses for errors of the
+//! operating system, `ValueError` for values out of range, `adumbra.FormatError` for files that are not
+//! valid, `adumbra.AdumbraError` for all others.
 
 use std::io::{self, ErrorKind};
 
@@ -18,13 +19,13 @@ pub(crate) enum Failure {
     Reader(adumbra::Error),
     Scene(adumbra_scene::Error),
     Bake(adumbra_bake::Error),
-    /// Shadow file bytes that come from no path.
+    /// Bytes of a shadow file that have no path.
     Bytes(adumbra::FormatError),
-    /// A file that is no plan, in words.
+    /// A file that is not a plan, as a message.
     Plan(String),
-    /// A wrong value, in words.
+    /// A wrong value, as a message.
     Value(String),
-    /// What should not happen, in words.
+    /// An internal error, as a message.
     Internal(String),
 }
 
@@ -90,7 +91,8 @@ fn from_bake(error: adumbra_bake::Error) -> PyErr {
     }
 }
 
-/// Returns Python's error for what the operating system refused. Python chooses its kind by the number.
+/// Returns the Python exception for an error of the operating system. Python chooses its class by the error
+/// number.
 fn from_io(error: &IoError) -> PyErr {
     let what = format!("cannot {}: {}", error.action, error.source);
     PyOSError::new_err((number(&error.source), what, error.path.display().to_string()))

@@ -1,7 +1,7 @@
-//! Bakes in steps that many machines can share: plans, their parts, and the files that are linked of them.
+//! Bakes in steps that many machines can share: plans, their parts, and the files that are linked from them.
 //!
-//! A plan is written as the program `adumbra plan` writes it: where the scene is, how to load it, and what is to be
-//! baked.
+//! A plan is written as the program `adumbra plan` writes it: the path of the scene, how to load it, and what
+//! to bake.
 
 use std::collections::HashMap;
 use std::fs;
@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker, link};
-use adumbra_files::{check_output, folder_of, replace_file, same_file, target_of};
+use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker, link, stage};
+use adumbra_files::{StagedFile, check_output, folder_of, replace_file, same_file, target_of};
 use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -56,7 +56,7 @@ impl Loading {
     }
 }
 
-/// Bytes that may be held, and the number of threads.
+/// The memory limit in bytes, and the number of threads.
 type Limits = (Option<u64>, Option<usize>);
 
 /// The file of a plan.
@@ -68,7 +68,7 @@ struct PlanFile {
     plan: BakePlan,
 }
 
-/// A bake that is planned.
+/// A planned bake.
 #[pyclass(frozen, module = "adumbra._native")]
 pub(crate) struct Plan {
     file: Arc<PlanFile>,
@@ -85,7 +85,7 @@ impl Plan {
         Ok(Self { file: Arc::new(file), text, digest })
     }
 
-    /// Refuses an output that cannot be written, and the scene.
+    /// Rejects an output that cannot be written, or that is the scene.
     fn check(&self, output: &Path) -> Result<(), Failure> {
         if same_file(&self.file.scene, output) {
             let what = format!("output {:?} would overwrite the scene; give another path", output.display());
@@ -107,7 +107,7 @@ impl Plan {
         options: Options,
         threads: Option<usize>,
     ) -> PyResult<Self> {
-        let options = options.for_bake(scene.ignore_alpha, None)?;
+        let options = options.for_bake(scene.ignore_alpha)?;
         watched(py, None, |_| {
             let path = absolute(&path).map_err(IoError::at("find", &path))?;
             let plan = pool(threads)?.install(|| BakePlan::new(&scene.scene, &options))?;
@@ -189,13 +189,13 @@ impl Plan {
         })
     }
 
-    /// Refuses an output that a link would refuse.
+    /// Rejects an output that a link would reject.
     fn check_path(&self, py: Python<'_>, output: PathBuf) -> PyResult<()> {
         watched(py, None, |_| self.check(&output))
     }
 
-    /// Makes the file from the entries in `cache`. `sums` are the BLAKE3 of some parts' entries: one with other bytes
-    /// counts as missing.
+    /// Makes the file from the entries in `cache`. `sums` holds the BLAKE3 hashes of some parts' entries. An
+    /// entry with another hash counts as missing.
     fn link(
         &self,
         py: Python<'_>,
@@ -215,7 +215,9 @@ impl Plan {
             let spill = folder_of(&target_of(&output).unwrap_or_else(|_| output.clone()));
             let limits = BakeOptions { max_memory_bytes, spill_folder: Some(spill), ..plan.options() };
             pool(threads)?.install(|| {
-                File::staged(&output, |out| link(plan, &cache, &limits, watch, out).map(|w| w.bytes))
+                let (staged, _) = stage(&output, |out| link(plan, &cache, &limits, watch, out))?;
+                StagedFile::place([staged])?;
+                File::read_back(&output)
             })
         })
     }
@@ -225,7 +227,7 @@ impl Plan {
 type Planned = (adumbra_scene::Scene, Arc<PlanFile>);
 
 self_cell!(
-    /// A scene with a plan, and what bakes its parts.
+    /// A scene with a plan, and the baker of its parts.
     struct Prepared {
         owner: Planned,
         #[not_covariant]
@@ -241,8 +243,9 @@ pub(crate) struct Baker {
 
 #[pymethods]
 impl Baker {
-    /// Bakes the parts with these ids whose entries are not in `cache`, which is created if it is not there. Returns
-    /// for each part its id, the BLAKE3 of its entry, and whether it was baked; and the seconds.
+    /// Bakes the parts with these ids whose entries are not in `cache`. Creates the folder if it does not
+    /// exist. Returns for each part its id, the BLAKE3 of its entry, and whether it was baked; and the
+    /// seconds.
     #[allow(clippy::type_complexity, reason = "what became of the parts")]
     fn bake(
         &self,
@@ -269,7 +272,8 @@ impl Baker {
     }
 }
 
-/// A cache that remembers what it last gave or took under each key: its hash, and whether it was put there.
+/// A cache that records, for each key, the hash of the entry that was last read or written, and whether it
+/// was written.
 #[derive(Debug)]
 struct Recorded {
     cache: DiskCache,
@@ -299,7 +303,7 @@ impl BakeCache for Recorded {
     }
 }
 
-/// A cache some of whose entries must have the bytes that they were written with. An entry with others is not there.
+/// A cache in which some entries must have a known hash. An entry with another hash counts as missing.
 #[derive(Debug)]
 struct Checked {
     cache: DiskCache,

@@ -1,12 +1,12 @@
 //! Shadow files and look-ups in them.
 
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 use adumbra::file::sections::read_file;
 use adumbra::file::{HEADER_BYTES, Header};
 use adumbra::{Bias, Encoding, Filter, Frame, IoError, Receivers, Sampler, ShadowFile};
-use adumbra_files::{StagedFile, replace_file};
+use adumbra_files::replace_file;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -17,9 +17,10 @@ use crate::errors::Failure;
 use crate::pool::pool;
 use crate::watch::watched;
 
-/// Points that are looked up one after the other: a look-up remembers the position of the last.
+/// Number of points per batch. They are looked up one after another, because a look-up starts from the
+/// position of the previous one.
 const BATCH: usize = 1 << 12;
-/// Points that are looked up before Python is asked whether it was interrupted.
+/// Number of points between checks whether Python was interrupted.
 const BLOCK: usize = 1 << 20;
 
 /// A shadow file in memory.
@@ -27,11 +28,12 @@ const BLOCK: usize = 1 << 20;
 pub(crate) struct File {
     pub(crate) file: ShadowFile,
     encoding: Encoding,
-    /// Length of the file that it was read from or baked into. A level was in no file by itself.
+    /// Length of the file that it was read from or baked into; `None` for a level of detail, which was never
+    /// a file by itself.
     stored_bytes: Option<u64>,
 }
 
-/// A bias in texels: constant, per unit of slope, along the normal. What is not given is the file's.
+/// A bias in texels: constant, per unit of slope, along the normal. Missing values are those of the file.
 pub(crate) type GivenBias = (Option<f64>, Option<f64>, Option<f64>);
 
 /// How a look-up filters, and the bias that it was given.
@@ -45,30 +47,13 @@ impl File {
         Ok(Self { file, encoding, stored_bytes: Some(bytes.len() as u64) })
     }
 
-    /// Writes a file that replaces an earlier one once it is whole, and reads it.
-    pub(crate) fn staged(
-        output: &Path,
-        write: impl FnOnce(&mut fs::File) -> adumbra_bake::Result<u64>,
-    ) -> Result<Self, Failure> {
-        let mut stopped = None;
-        let staged = StagedFile::new(output, |out| match write(out) {
-            Ok(bytes) => Ok(bytes),
-            Err(adumbra_bake::Error::Output(error)) => Err(error),
-            Err(error) => {
-                stopped = Some(error);
-                Err(io::Error::other("the file was not finished"))
-            }
-        });
-        // What stopped the work says more than that its file is not complete.
-        if let Some(error) = stopped {
-            return Err(error.into());
-        }
-        StagedFile::place([staged?])?;
-        let bytes = fs::read(output).map_err(IoError::at("read", output))?;
+    /// Reads a file that was just written.
+    pub(crate) fn read_back(path: &Path) -> Result<Self, Failure> {
+        let bytes = fs::read(path).map_err(IoError::at("read", path))?;
         Ok(Self::decode(&bytes)?)
     }
 
-    /// Returns look-ups.
+    /// Returns a sampler.
     pub(crate) fn sampler(&self, (filter, (constant, slope, normal)): LookUp) -> Result<Sampler, Failure> {
         let of_file = self.file.settings.bias;
         let bias = Bias {
@@ -80,7 +65,7 @@ impl File {
     }
 }
 
-/// Returns how a file is stored, by its name.
+/// Returns an encoding by its name.
 pub(crate) fn encoding(name: &str) -> Result<Encoding, Failure> {
     match name {
         "coded" => Ok(Encoding::Coded),
@@ -95,7 +80,7 @@ impl File {
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         watched(py, None, |_| {
-            // The header first, so that a large file of another kind is refused without being read.
+            // Read the header first, so that a large file of another kind is rejected without reading it.
             let bytes = read_file(&path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
             let file = pool(None)?.install(|| Self::decode(&bytes));
             file.map_err(|source| Failure::Reader(adumbra::Error::Format { path, source: Box::new(source) }))
@@ -115,7 +100,7 @@ impl File {
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// Writes the file. An earlier file is replaced whole.
+    /// Writes the file. An earlier file is replaced as a whole.
     fn write(&self, py: Python<'_>, path: PathBuf, stored: &str) -> PyResult<u64> {
         let encoding = encoding(stored)?;
         watched(py, None, |_| {
@@ -124,7 +109,7 @@ impl File {
         })
     }
 
-    /// Returns a level of detail with the coarser ones, or `None` if there is no such level.
+    /// Returns a level of detail and all coarser ones, or `None` if there is no such level.
     fn level(&self, level: u32) -> Option<Self> {
         let file = self.file.level(level)?;
         Some(Self { file, encoding: self.encoding, stored_bytes: self.stored_bytes.filter(|_| level == 0) })
@@ -174,7 +159,7 @@ impl File {
         self.file.level_count()
     }
 
-    /// Length in bytes, stored as the file was.
+    /// Length of the file in bytes, in its encoding.
     #[getter]
     fn stored_bytes(&self, py: Python<'_>) -> PyResult<u64> {
         match self.stored_bytes {
@@ -234,13 +219,13 @@ impl File {
         self.file.settings.thickness_world
     }
 
-    /// Whether no surface was assumed behind the last one of a column.
+    /// Whether shadows below the last surface of a column are left out.
     #[getter]
     fn assume_ground(&self) -> bool {
         self.file.settings.assume_ground
     }
 
-    /// Whether the insides of closed solids are free.
+    /// Whether points inside closed solids may be lit or shadowed.
     #[getter]
     fn closed_regions(&self) -> bool {
         self.file.settings.closed_regions
@@ -278,7 +263,7 @@ impl File {
     }
 }
 
-/// Returns the visibility of points on all cores. `fill` looks up some that follow each other.
+/// Looks up the visibility of points on all cores. `fill` looks up consecutive points.
 pub(crate) fn look_up<'py>(
     py: Python<'py>,
     points: &TriplesArray<'py>,

@@ -1,7 +1,8 @@
-//! The native part of the Python package `adumbra`. The package's own modules check what users give and document it; what
-//! is here may panic on nothing, but expects arrays of the right shape.
+//! The native part of the Python package `adumbra`. The package's Python modules check and document what
+//! users pass. The code here must never panic, but expects arrays of the right shape.
 //!
-//! Data flows one way: errors, pool → watch, arrays → scene, file → bake, rays, sunlight, verify → farm, path.
+//! Data flows one way: errors, pool → watch, arrays → scene, file → bake, rays, sunlight, verify → farm,
+//! path.
 
 mod arrays;
 mod bake;

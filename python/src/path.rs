@@ -58,7 +58,7 @@ impl Path {
     ) -> PyResult<Self> {
         let (error_percent, lowest_degrees) = limits;
         let day: Day = day.parse().map_err(Failure::from)?;
-        let bake = options.for_bake(scene.ignore_alpha, None)?;
+        let bake = options.for_bake(scene.ignore_alpha)?;
         let options = PathOptions { error_percent, lowest_degrees, ..PathOptions::new(bake) };
         watched(py, None, |watch| {
             let suns = day.steps()?;
@@ -68,7 +68,7 @@ impl Path {
                 .iter()
                 .map(|sun| SunStep { seconds: sun.unix_seconds, towards_sun: sun.position.towards() })
                 .collect();
-            // Each key is a bake of its own, so its root blocks say nothing about the whole.
+            // Each key is a separate bake, so its root blocks do not measure the progress of the whole path.
             let watch = Watch::new(&|_| {}, watch.cancel);
             let bake = || bake_path(&scene.scene, &steps, &options, watch, |_| {});
             let keys = pool(threads)?.install(bake)?.keys;
@@ -80,7 +80,7 @@ impl Path {
         })
     }
 
-    /// Writes the file. An earlier file is replaced whole.
+    /// Writes the file. An earlier file is replaced as a whole.
     fn write(&self, py: Python<'_>, path: PathBuf) -> PyResult<u64> {
         let bytes = &self.source.0;
         let write = || replace_file(&path, |out| out.write_all(bytes).map(|()| bytes.len() as u64));

@@ -1,4 +1,4 @@
-//! The threads that work runs on.
+//! The thread pools on which work runs.
 
 use std::mem;
 use std::process;
@@ -8,8 +8,8 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use crate::errors::Failure;
 
-/// A pool with a thread for each core, and the process that started it. A process that was forked from it has the pool, but
-/// none of its threads.
+/// A pool with one thread per core, and the id of the process that started it. A forked process inherits the
+/// pool without its threads.
 static SHARED: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// Returns a pool of `threads` threads, or the shared one if that is `None`.
@@ -29,12 +29,12 @@ fn shared() -> Result<Arc<ThreadPool>, Failure> {
         return Ok(Arc::clone(pool));
     }
     let pool = start(0)?;
-    // Another process's pool cannot be ended from here.
+    // A pool of another process cannot be shut down here.
     mem::forget(shared.replace((own, Arc::clone(&pool))));
     Ok(pool)
 }
 
-/// Starts threads; 0 is one for each core.
+/// Starts a pool; 0 threads means one per core.
 fn start(threads: usize) -> Result<Arc<ThreadPool>, Failure> {
     let pool = ThreadPoolBuilder::new().num_threads(threads).build();
     pool.map(Arc::new).map_err(|error| Failure::Value(format!("cannot start {threads} threads: {error}")))

@@ -14,13 +14,13 @@ use crate::pool::pool;
 use crate::scene::Scene;
 use crate::watch::watched;
 
-/// Rays of one batch.
+/// Number of rays per batch.
 const BATCH: usize = 1 << 10;
-/// Rays that are traced before Python is asked whether it was interrupted.
+/// Number of rays between checks whether Python was interrupted.
 const BLOCK: usize = 1 << 17;
 
 self_cell!(
-    /// A scene, and what traces rays through it.
+    /// A scene and its tracer.
     struct Traced {
         owner: Arc<adumbra_scene::Scene>,
         #[covariant]
@@ -86,8 +86,8 @@ impl Rays {
         Ok(array)
     }
 
-    /// Returns the distance to the nearest surface in a direction, infinite where there is none, and its unit normal on the
-    /// side of the point, N × 3.
+    /// Returns the distance to the nearest surface in a direction, infinite where there is none, and its unit
+    /// normal on the side of the point, N × 3.
     #[allow(clippy::type_complexity, reason = "the two arrays of a hit")]
     fn nearest<'py>(
         &self,
@@ -135,7 +135,7 @@ struct Origins<'a> {
     lift: f64,
 }
 
-/// Traces the rays of the points from number `first` on, all suns of one point after another.
+/// Traces the rays of the points from index `first` on. All suns of a point follow each other.
 fn trace(tracer: &Tracer<'_>, origins: &Origins<'_>, first: usize, suns: &[[f64; 3]], out: &mut [f32]) {
     let (mut of_points, mut of_normals) = (Vec::new(), Vec::new());
     let range = first..first + out.len() / suns.len();

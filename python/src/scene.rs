@@ -13,7 +13,7 @@ use crate::errors::Failure;
 use crate::pool::pool;
 use crate::watch::watched;
 
-/// Direction towards the sun where neither the caller nor the scene gives one, as the program has it.
+/// Direction towards the sun, as in the program, if neither the caller nor the scene gives one.
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
 /// A scene, which bakes and rays share.
@@ -62,7 +62,7 @@ impl Scene {
         Ok(Self { scene: Arc::new(scene), ignore_alpha: options.ignore_alpha, path: Some(path) })
     }
 
-    /// Makes a scene of N × 3 vertices and M × 3 faces.
+    /// Makes a scene from N × 3 vertices and M × 3 faces.
     #[staticmethod]
     fn from_mesh(
         py: Python<'_>,
@@ -70,7 +70,7 @@ impl Scene {
         faces: PyReadonlyArray2<'_, u32>,
     ) -> PyResult<Self> {
         let (vertices, faces) = (rows(&vertices)?, rows(&faces)?);
-        // Arrays are no file that could be broken.
+        // Arrays are not a broken file, so report a wrong value.
         let wrong = |error: adumbra_scene::Error| Failure::Value(error.to_string());
         let scene = watched(py, None, |_| from_triangles("mesh", vertices, faces).map_err(wrong))?;
         Ok(Self { scene: Arc::new(scene), ignore_alpha: false, path: None })
@@ -83,19 +83,19 @@ impl Scene {
         (bounds.min, bounds.max)
     }
 
-    /// The number of triangles, with those of every instance.
+    /// The number of triangles, counting every instance.
     #[getter]
     fn triangles(&self) -> u64 {
         self.scene.instanced_triangles()
     }
 
-    /// The number of triangles that cast shadows, with those of every instance.
+    /// The number of triangles that cast shadows, counting every instance.
     #[getter]
     fn casting_triangles(&self) -> u64 {
         self.scene.casters().triangles
     }
 
-    /// The unit vector towards the sun that a bake takes unless another is given.
+    /// The unit vector towards the sun that a bake uses by default.
     #[getter]
     fn sun(&self) -> PyResult<[f64; 3]> {
         let of_light = self.scene.suns.iter().find_map(|light| Sun::from_direction(light.towards).ok());
@@ -103,7 +103,7 @@ impl Scene {
         Ok(sun.map_err(Failure::from)?.towards())
     }
 
-    /// What the loader did not read as it stands in the file, in sentences.
+    /// Sentences about what the loader left out or changed.
     #[getter]
     fn notes(&self) -> Vec<String> {
         notes(&self.scene.notes)
@@ -137,7 +137,7 @@ fn by_rows<'py, T: numpy::Element>(py: Python<'py>, numbers: &[T]) -> PyResult<B
     numbers.to_pyarray(py).reshape([numbers.len() / 3, 3])
 }
 
-/// Reads "y", "z" or None, which are checked before.
+/// Converts "y", "z" or None. The caller has checked the value.
 pub(crate) fn up_axis(axis: &Bound<'_, PyAny>) -> PyResult<Option<UpAxis>> {
     let axis: Option<String> = axis.extract()?;
     Ok(axis.map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y }))

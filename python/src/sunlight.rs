@@ -47,8 +47,8 @@ pub(crate) fn sun_positions<'py>(
     Ok((azimuths.to_pyarray(py), elevations.to_pyarray(py), towards))
 }
 
-/// Returns the hours of each point; the point, start and end of each span in which one is lit, in seconds after 1970; and the
-/// name of the clock's zone. `day` is text as the program's `--sun-path` takes it.
+/// Returns the hours of each point; the point, start and end of each span in which one is lit, in seconds
+/// after 1970; and the name of the clock's zone. `day` is text as the program's `--sun-path` takes it.
 #[pyfunction]
 #[allow(clippy::type_complexity, reason = "the arrays of hours and spans")]
 pub(crate) fn sun_hours<'py>(

@@ -23,8 +23,8 @@ pub(crate) struct Options {
     threads: Option<usize>,
 }
 
-/// Compares a file with rays through a scene. Returns the result as JSON, as the program prints it, whether there are enough
-/// points to judge the file, and whether it keeps its promises.
+/// Compares a file with rays through a scene. Returns the result as JSON, as the program prints it, whether
+/// there are enough points to check the file, and whether it keeps its promises.
 #[pyfunction]
 pub(crate) fn verify(
     py: Python<'_>,

@@ -1,5 +1,6 @@
-//! Long work that Python can watch and stop. The work runs on another thread without the interpreter's lock; the
-//! calling thread wakes up now and then to tell Python how far it is, and to ask whether Python was interrupted.
+//! Long work that Python can watch and stop. The work runs on another thread without the interpreter's lock.
+//! The calling thread wakes up regularly to report progress to Python, and to check whether Python was
+//! interrupted.
 
 use std::any::Any;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -15,10 +16,11 @@ use crate::errors::Failure;
 /// How often the calling thread wakes up.
 const TICK: Duration = Duration::from_millis(30);
 
-/// Runs `work` and returns its result. `report` is called with the number of finished root blocks and of all.
+/// Runs `work` and returns its result. `report` is called with the number of finished root blocks and the
+/// total.
 ///
 /// # Errors
-/// Returns the error of `work`, and that of `report` or of a signal handler, which cancel it.
+/// Returns the error of `work`, or that of `report` or of a signal handler; these two cancel the work.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     report: Option<Py<PyAny>>,
@@ -70,7 +72,7 @@ pub(crate) fn watched<T: Send>(
     Ok(made)
 }
 
-/// Returns what a panic says.
+/// Returns the message of a panic.
 fn words(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".to_owned())

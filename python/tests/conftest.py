@@ -1,4 +1,4 @@
-"""What the tests share: the program, the folder of real scenes, a small scene and its file."""
+"""Shared by the tests: the program, the folder of real scenes, a small scene and its file."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def shadows(mesh: Mesh) -> adumbra.ShadowFile:
 
 @pytest.fixture(scope="session")
 def program() -> Program:
-    """Return what runs the program ``adumbra``."""
+    """Return a function that runs the program ``adumbra``."""
     path = os.environ.get("ADUMBRA_BIN")
     if not path:
         pytest.skip("ADUMBRA_BIN does not name the program adumbra; build it with: cargo build --release -p adumbra-cli")
@@ -72,7 +72,7 @@ def program() -> Program:
 
 @pytest.fixture(scope="session")
 def city(program: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the scene that the program generates."""
+    """Return a scene that the program generates."""
     path = tmp_path_factory.mktemp("city") / "city.glb"
     program("generate", "city", "-o", path)
     return path

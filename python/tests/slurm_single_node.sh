@@ -1,5 +1,5 @@
 #!/bin/bash
-# A Slurm cluster of one node in a folder, for tests: no systemd, no database, and any user's own.
+# A Slurm cluster of one node in a folder, for tests: no systemd, no database, started by any user.
 #   slurm_single_node.sh up DIR      bring it up; then: . DIR/env   (sets SLURM_CONF)
 #   slurm_single_node.sh down DIR    stop it; DIR stays, with its logs
 # Exit code 77: programs are missing; a test skips then. Debian has them in slurmctld slurmd munge slurm-client.
@@ -50,7 +50,7 @@ PY
 )
   host=$(hostname -s)
   user=$(id -un)
-  # munged: its own key and socket. --force: the folder may lie in a folder others can write to.
+  # munged: its own key and socket. --force: the folder may be in a folder that others can write to.
   (umask 077; head -c 1024 /dev/urandom > "$dir/etc/munge.key")
   munged --force --key-file="$dir/etc/munge.key" --socket="$dir/run/munge.socket" \
     --pid-file="$dir/run/munged.pid" --log-file="$dir/log/munged.log" --seed-file="$dir/etc/munge.seed" \

@@ -11,7 +11,7 @@ from conftest import SUN, Mesh, Program
 
 import adumbra
 
-# Options in Python, and the same ones of the program.
+# Options in Python, and the same options of the program.
 OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({}, ""),
     ({"resolution": 2048, "azimuth": 140, "elevation": 35}, "--resolution 2048 --azimuth 140 --elevation 35"),
@@ -36,7 +36,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
 
 
 @pytest.mark.parametrize(("options", "words"), OPTIONS)
-def test_bytes_are_those_of_the_program(
+def test_bake_gives_the_bytes_of_the_program(
     options: dict[str, Any], words: str, program: Program, city: Path, tmp_path: Path
 ) -> None:
     expected = tmp_path / "program.adumbra"
@@ -49,7 +49,7 @@ def test_bytes_are_those_of_the_program(
     assert baked.bytes == expected.stat().st_size
 
 
-def test_arrays_are_baked_as_the_file_of_the_same_triangles(mesh: Mesh, program: Program, tmp_path: Path) -> None:
+def test_arrays_bake_like_a_file_of_the_same_triangles(mesh: Mesh, program: Program, tmp_path: Path) -> None:
     vertices, faces = mesh[0] + (5e6, 0, 0), mesh[1]
     path = tmp_path / "town.ply"
     header = (
@@ -66,7 +66,7 @@ def test_arrays_are_baked_as_the_file_of_the_same_triangles(mesh: Mesh, program:
     assert adumbra.bake(path, resolution=1024).to_bytes() == expected
 
 
-def test_threads_and_types_of_arrays_do_not_matter(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_bake_does_not_depend_on_threads_or_array_types(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     single = mesh[0].astype(np.float32)
     expected = adumbra.bake(single, mesh[1], sun=SUN, resolution=1024)
     assert expected == shadows
@@ -80,14 +80,14 @@ def test_threads_and_types_of_arrays_do_not_matter(mesh: Mesh, shadows: adumbra.
         assert adumbra.bake(vertices, faces, sun=SUN, resolution=1024, threads=threads) == expected
 
 
-def test_whole_numbers_are_vertices(mesh: Mesh) -> None:
+def test_integer_vertices_are_accepted(mesh: Mesh) -> None:
     whole = mesh[0].astype(int)
     baked = adumbra.bake(whole, mesh[1], resolution=256)
     assert baked == adumbra.bake(whole.astype(float), mesh[1], resolution=256)
     assert baked == adumbra.bake(whole.astype(np.float16), mesh[1], resolution=256)
 
 
-def test_properties_say_what_was_baked(mesh: Mesh) -> None:
+def test_properties_describe_the_bake(mesh: Mesh) -> None:
     bounds = (5.0, 0.0, 5.0, 35.0, 20.0, 35.0)
     baked = adumbra.bake(*mesh, sun=(0, 2, 0), resolution=512, bounds=bounds, frame="oblique", yaw=15, thickness=0.5)
     assert (baked.sun, baked.resolution, baked.levels) == ((0.0, 1.0, 0.0), 512, 1)
@@ -147,7 +147,7 @@ def test_a_cache_gives_the_same_bytes(mesh: Mesh, shadows: adumbra.ShadowFile, t
         ({"max_memory": -1}, "max_memory: -1 is out of range"),
     ],
 )
-def test_values_out_of_range_are_named(options: dict[str, Any], message: str, mesh: Mesh) -> None:
+def test_errors_name_values_out_of_range(options: dict[str, Any], message: str, mesh: Mesh) -> None:
     with pytest.raises(ValueError, match=message.replace("(", r"\(")) as caught:
         adumbra.bake(*mesh, **{"resolution": 64, **options} if "voxel_size" not in options else options)
     assert type(caught.value) is ValueError
@@ -162,12 +162,12 @@ def test_values_out_of_range_are_named(options: dict[str, Any], message: str, me
         ({"colour": 1}, "colour"),
     ],
 )
-def test_wrong_types_are_named(options: dict[str, Any], message: str, mesh: Mesh) -> None:
+def test_errors_name_wrong_types(options: dict[str, Any], message: str, mesh: Mesh) -> None:
     with pytest.raises(TypeError, match=message):
         adumbra.bake(*mesh, resolution=64, **options)
 
 
-def test_arrays_that_are_no_mesh_are_refused(mesh: Mesh) -> None:
+def test_rejects_arrays_that_are_not_a_mesh(mesh: Mesh) -> None:
     vertices, faces = mesh
     wrong = faces.copy()
     wrong[3, 1] = len(vertices)

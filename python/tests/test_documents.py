@@ -1,4 +1,4 @@
-"""The notebook and the guides: what they show works."""
+"""The notebook and the guides run without errors."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_the_guide_to_sun_hours_runs(city: Path, monkeypatch: pytest.MonkeyPatch
     assert names["day"].hours.shape == (2,) and names["skies"].patches.shape == (2, 577)
 
 
-def test_the_commands_of_adumbra_farm_are_right() -> None:
+def test_the_guides_adumbra_farm_commands_parse() -> None:
     guide = (GUIDES / "farms.md").read_text(encoding="utf-8")
     commands = re.findall(r"^adumbra-farm (.*)$", guide, re.MULTILINE)
     assert len(commands) >= 2

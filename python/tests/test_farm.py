@@ -1,4 +1,4 @@
-"""Bakes on several processes: the bytes of one bake, whatever becomes of the processes, and no more work than is missing."""
+"""Bakes on several processes: the bytes of one bake even if processes die; only missing parts are baked."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ from distributed import Client, KilledWorker, LocalCluster
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="the tests stop processes with POSIX signals")
 
 RESOLUTION = 16384
-"""Some seconds of work."""
+"""At this resolution a bake takes some seconds."""
 
 
 @pytest.fixture(scope="module")
@@ -65,7 +65,7 @@ def client() -> Iterator[Client]:
 
 
 def entries(cache: Path) -> dict[Path, int]:
-    """Return the entries in a folder with their inodes: an entry that is written again has another."""
+    """Return the entries in a folder with their inodes. An entry that is written again gets a new inode."""
     return {path: path.stat().st_ino for path in cache.glob("??/*.entry")}
 
 
@@ -76,7 +76,7 @@ def wait_until(is_so: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
-def test_lost_and_slow_workers_change_nothing(plan: adumbra.Plan, whole: bytes, tmp_path: Path) -> None:
+def test_lost_and_slow_workers_do_not_change_the_file(plan: adumbra.Plan, whole: bytes, tmp_path: Path) -> None:
     cache, output = tmp_path / "cache", tmp_path / "city.adumbra"
     total = len(plan.parts)
     ended = threading.Event()
@@ -84,7 +84,7 @@ def test_lost_and_slow_workers_change_nothing(plan: adumbra.Plan, whole: bytes, 
 
     def disturb(killed: int, slowed: int) -> None:
         wait_until(lambda: len(entries(cache)) > total // 8)
-        # Stopped first, so that none of its entries is written after they are counted.
+        # Stop the process first, so that it writes no entry after they are counted.
         os.kill(killed, signal.SIGSTOP)
         at_kill.update(entries(cache))
         os.kill(killed, signal.SIGKILL)
@@ -108,7 +108,7 @@ def test_lost_and_slow_workers_change_nothing(plan: adumbra.Plan, whole: bytes, 
     assert total // 8 < len(at_kill) < total
     at_end = entries(cache)
     assert all(at_end[path] == number for path, number in at_kill.items()), "what was done has been done again"
-    # Each part has one answer. What was not there at the kill was baked by a task that has ended.
+    # Each part has one result. Parts that were missing at the kill were baked by a task that ended.
     assert sorted(part.id for part in done.parts) == list(range(total))
     assert len(at_end) - len(at_kill) <= sum(part.baked for part in done.parts) <= total
 
@@ -118,7 +118,7 @@ ENDS = [signal.SIGINT, signal.SIGKILL] + ([signal.SIGTERM] if "ADUMBRA_FULL" in 
 
 
 @pytest.mark.parametrize("how", ENDS)
-def test_a_run_that_was_ended_continues(how: signal.Signals, city: Path, whole: bytes, tmp_path: Path) -> None:
+def test_an_interrupted_run_continues(how: signal.Signals, city: Path, whole: bytes, tmp_path: Path) -> None:
     output, cache = tmp_path / "city.adumbra", tmp_path / "entries"
     output.write_bytes(b"earlier")
     (tmp_path / "beside").write_text("mine")
@@ -144,7 +144,7 @@ def test_a_run_that_was_ended_continues(how: signal.Signals, city: Path, whole: 
     assert all(after[path] == number for path, number in before.items())
     assert output.read_bytes() == whole
     assert (tmp_path / "beside").read_text() == "mine"
-    # The plan is there, for `resume`, and with the entries it is all there is.
+    # The cache holds only the entries and the plan, which `resume` needs.
     assert sorted(path.name for path in tmp_path.iterdir()) == ["beside", "city.adumbra", "entries"]
     assert [path.suffixes for path in cache.iterdir() if path.is_file()] == [[".plan", ".json"]]
     assert list((cache / "new").iterdir()) == []
@@ -181,13 +181,13 @@ def test_workers_keep_what_they_have_loaded(small: adumbra.Plan, city: Path, cli
 
 
 def _loaded() -> dict[str, int]:
-    """Return what a worker keeps: digests of plans, and where their prepared scenes are in memory."""
+    """Return the plans that a worker keeps, by digest, with the addresses of their prepared scenes."""
     from adumbra_farm import _tasks
 
     return {digest: id(plan._baker) for digest, plan in _tasks._plans.items()}
 
 
-def test_an_output_that_cannot_be_written_is_refused_first(
+def test_rejects_an_unwritable_output_before_baking(
     small: adumbra.Plan, city: Path, client: Client, tmp_path: Path
 ) -> None:
     for output, error in [(tmp_path / "no" / "out", FileNotFoundError), (tmp_path, IsADirectoryError), (city, ValueError)]:
@@ -198,7 +198,7 @@ def test_an_output_that_cannot_be_written_is_refused_first(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_scene_that_has_changed_is_refused(
+def test_rejects_a_changed_scene(
     city: Path, program: Program, client: Client, tmp_path: Path, capsys: Any
 ) -> None:
     scene, output, cache = tmp_path / "scene.glb", tmp_path / "out.adumbra", tmp_path / "cache"
@@ -216,7 +216,7 @@ def test_a_scene_that_has_changed_is_refused(
     assert not output.exists() and entries(cache) == {}
 
 
-def test_a_folder_that_is_not_shared_is_named(small: adumbra.Plan, client: Client, tmp_path: Path) -> None:
+def test_error_names_a_folder_that_is_not_shared(small: adumbra.Plan, client: Client, tmp_path: Path) -> None:
     settings = Settings(str(tmp_path / "elsewhere"), "0" * 64, 1, None)
     error = client.submit(bake_parts, (0,), settings, pure=False).result()
     assert isinstance(error, FileNotFoundError)
@@ -224,7 +224,7 @@ def test_a_folder_that_is_not_shared_is_named(small: adumbra.Plan, client: Clien
     assert not (tmp_path / "elsewhere").exists()
 
 
-def test_entries_with_other_bytes_are_missing(small: adumbra.Plan, tmp_path: Path, capsys: Any) -> None:
+def test_entries_with_other_bytes_count_as_missing(small: adumbra.Plan, tmp_path: Path, capsys: Any) -> None:
     cache, output = tmp_path / "cache", tmp_path / "out"
     output.write_bytes(b"earlier")
     sums = {part.id: part.blake3 for part in small.bake(None, cache)}
@@ -239,7 +239,7 @@ def test_entries_with_other_bytes_are_missing(small: adumbra.Plan, tmp_path: Pat
 
 
 @pytest.mark.parametrize(("options", "words"), OPTIONS)
-def test_plans_are_those_of_the_program(
+def test_plans_equal_those_of_the_program(
     options: dict[str, Any], words: str, program: Program, city: Path, tmp_path: Path
 ) -> None:
     theirs, ours = tmp_path / "program.json", tmp_path / "python.json"
@@ -251,7 +251,7 @@ def test_plans_are_those_of_the_program(
     assert adumbra.Plan.read(theirs) == plan == pickle.loads(pickle.dumps(plan))
 
 
-def test_each_bakes_the_plans_of_the_other(program: Program, city: Path, tmp_path: Path) -> None:
+def test_python_and_the_program_bake_each_others_plans(program: Program, city: Path, tmp_path: Path) -> None:
     edits = tmp_path / "edits.json"
     edits.write_text('{"removed": [3, 7]}')
     for options in [(), ("--edit", edits)]:
@@ -262,7 +262,7 @@ def test_each_bakes_the_plans_of_the_other(program: Program, city: Path, tmp_pat
         again = tmp_path / "again.json"
         plan.write(again)
         assert again.read_bytes() == path.read_bytes()
-        # Half of the parts by each, and the link by each.
+        # Python and the program each bake half of the parts, and each link the file.
         plan.bake(plan.shard(0, 2), cache)
         said = json.loads(program("tile", "--plan", again, "--cache", cache, "--json"))
         assert said["reused"] == len(plan.shard(0, 2)) and said["baked"] == len(plan.shard(1, 2))
@@ -284,7 +284,7 @@ def test_parts_are_grouped_by_cost(plan: adumbra.Plan) -> None:
         assert all(wanted <= total < wanted + costs[group[-1]] + 1 for total, group in zip(totals[:-1], groups, strict=False))
 
 
-def test_a_bake_of_parts_stops_and_keeps_what_is_done(plan: adumbra.Plan, tmp_path: Path) -> None:
+def test_stopped_bake_keeps_finished_parts(plan: adumbra.Plan, tmp_path: Path) -> None:
     def stop(done: int, total: int) -> None:
         if done > total // 2:
             raise RuntimeError(f"stopped after {done} of {total}")
@@ -298,7 +298,7 @@ def test_a_bake_of_parts_stops_and_keeps_what_is_done(plan: adumbra.Plan, tmp_pa
     assert [part.id for part in done] == list(ids) and 0 < sum(not part.baked for part in done) <= there
 
 
-def test_wrong_plans_and_values_are_named(small: adumbra.Plan, city: Path, tmp_path: Path) -> None:
+def test_errors_name_wrong_plans_and_values(small: adumbra.Plan, city: Path, tmp_path: Path) -> None:
     path = tmp_path / "plan.json"
     small.write(path)
     text = path.read_text()
@@ -327,7 +327,7 @@ def test_wrong_plans_and_values_are_named(small: adumbra.Plan, city: Path, tmp_p
             call()
 
 
-def test_exit_codes_are_those_of_the_program(
+def test_exit_codes_match_those_of_the_program(
     city: Path, tmp_path: Path, capsys: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT", "1s")
@@ -362,7 +362,7 @@ def test_exit_codes_are_those_of_the_program(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_scheduler_that_is_not_there_may_be_there_later(city: Path, tmp_path: Path) -> None:
+def test_missing_scheduler_exits_with_advice_to_run_again(city: Path, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "adumbra_farm", "bake", str(city), "--resolution", "64", "-o", str(tmp_path / "out")]
     words += ["--scheduler", "tcp://127.0.0.1:9"]
     environment = {**os.environ, "DASK_DISTRIBUTED__COMM__TIMEOUTS__CONNECT": "1s"}

@@ -15,7 +15,7 @@ from conftest import Mesh, points_of
 import adumbra
 
 
-def test_files_come_back(shadows: adumbra.ShadowFile, tmp_path: Path) -> None:
+def test_saved_files_read_back_unchanged(shadows: adumbra.ShadowFile, tmp_path: Path) -> None:
     path = tmp_path / "town.adumbra"
     for stored in ("coded", "raw"):
         length = shadows.save(path, encoding=stored)
@@ -48,7 +48,7 @@ def test_levels_are_files(mesh: Mesh, shadows: adumbra.ShadowFile, tmp_path: Pat
             shadows.level(level)
 
 
-def test_files_are_pickled(shadows: adumbra.ShadowFile) -> None:
+def test_files_can_be_pickled(shadows: adumbra.ShadowFile) -> None:
     again = pickle.loads(pickle.dumps(shadows))
     assert (again, again.encoding) == (shadows, shadows.encoding)
 
@@ -114,7 +114,7 @@ def test_any_flipped_bit_is_an_error_or_harmless(shadows: adumbra.ShadowFile) ->
     assert refused == 300
 
 
-def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
+def test_errors_name_files_that_cannot_be_read(tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError) as missing:
         adumbra.ShadowFile.open(tmp_path / "none.adumbra")
     assert (missing.value.errno, missing.value.filename) == (2, str(tmp_path / "none.adumbra"))

@@ -1,4 +1,4 @@
-"""The jobs that ``adumbra plan --export`` writes, run by the schedulers that they are for: the bytes of one bake."""
+"""The jobs that ``adumbra plan --export`` writes, run by their schedulers, give the bytes of one bake."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from conftest import Program
 import adumbra
 
 ODD = """a 'b' "c" $HOME `d` \\ e {{Param.Plan}} @PLAN@ ü"""
-"""A folder's name with everything that a shell, YAML or a template would read."""
+"""A folder's name with all characters that a shell, YAML or a template would interpret."""
 
 NODE = Path(__file__).parent / "slurm_single_node.sh"
 
 
 def missing(what: str) -> None:
-    """Skip a test for want of a tool, unless the tools must be there."""
+    """Skip a test because a tool is missing, or fail if the tools are required."""
     if os.environ.get("ADUMBRA_REQUIRE_TOOLS"):
         pytest.fail(what)
     pytest.skip(what)
@@ -68,7 +68,7 @@ def test_openjd_bakes_the_job(program: Program, scene: Path) -> None:
     said = run([command, "run", job], scene.parent)
     assert said.count(" were there") == 3, said
     assert scene.with_suffix(".adumbra").read_bytes() == adumbra.bake(scene, resolution=2048).to_bytes()
-    # Again: nothing is missing.
+    # A second run bakes nothing.
     said = run([command, "run", job], scene.parent)
     assert said.count(": 0 parts in ") == 3, said
 
@@ -87,7 +87,7 @@ def test_openjd_ends_with_an_error_if_a_task_fails(program: Program, scene: Path
 @pytest.fixture(scope="module")
 def slurm() -> Iterator[str]:
     """Return the configuration of a cluster of one node."""
-    # A short path, because sockets have short names.
+    # Use a short path, because the names of sockets are limited in length.
     folder = tempfile.mkdtemp(prefix="slurm")
     up = subprocess.run(["bash", NODE, "up", folder], capture_output=True, text=True, check=False, timeout=120)
     if up.returncode == 77:
@@ -100,7 +100,7 @@ def slurm() -> Iterator[str]:
 
 @pytest.fixture
 def logs(tmp_path: Path) -> Path:
-    """Return the folder from which jobs are submitted. Slurm does not fill in the names of logs below a backslash."""
+    """Return the folder to submit jobs from. Slurm does not expand log names in a path with a backslash."""
     path = tmp_path / "logs of 'a' job"
     path.mkdir()
     return path
@@ -114,14 +114,14 @@ def test_slurm_bakes_the_job(slurm: str, program: Program, scene: Path, logs: Pa
     assert scene.with_suffix(".adumbra").read_bytes() == adumbra.bake(scene, resolution=2048).to_bytes()
     tiles = [path.read_text() for path in logs.glob("adumbra-tile-*.log")]
     assert len(tiles) == 3 and all(" 0 were there" in text for text in tiles), tiles
-    # Again: nothing is missing.
+    # A second run bakes nothing.
     before = set(logs.iterdir())
     run(["sh", job, "--wait"], logs, SLURM_CONF=slurm)
     again = [path.read_text() for path in set(logs.glob("adumbra-tile-*.log")) - before]
     assert len(again) == 3 and all(": 0 parts in " in text for text in again), again
 
 
-def test_slurm_ends_with_an_error_if_a_tile_fails(slurm: str, program: Program, scene: Path, logs: Path) -> None:
+def test_slurm_ends_with_an_error_if_a_task_fails(slurm: str, program: Program, scene: Path, logs: Path) -> None:
     program("plan", scene, "--resolution", 512, "--export", "slurm", "--shards", 2)
     scene.write_bytes(b"not a scene")
     done = subprocess.run(

@@ -1,4 +1,4 @@
-"""Look-ups: the answers of the program, every form of array, and shapes that are refused."""
+"""Look-ups: the answers of the program, every form of array, and rejected shapes."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import adumbra
 
 
 @pytest.mark.parametrize("filter", [1, 3, 5, 9, 17])
-def test_answers_are_those_of_the_program(
+def test_answers_match_the_program(
     filter: int, mesh: Mesh, shadows: adumbra.ShadowFile, program: Program, tmp_path: Path
 ) -> None:
     points, normals = points_of(mesh, 20_000)
@@ -37,7 +37,7 @@ def test_answers_are_those_of_the_program(
             assert 0.1 < found.mean() < 0.9
 
 
-def test_a_bias_is_that_of_the_program(mesh: Mesh, shadows: adumbra.ShadowFile, program: Program, tmp_path: Path) -> None:
+def test_answers_with_a_bias_match_the_program(mesh: Mesh, shadows: adumbra.ShadowFile, program: Program, tmp_path: Path) -> None:
     points, normals = points_of(mesh, 5_000)
     shadows.save(tmp_path / "town.adumbra")
     points.tofile(tmp_path / "points")
@@ -89,7 +89,7 @@ def test_any_number_of_points_is_answered(count: int, mesh: Mesh, shadows: adumb
     assert np.array_equal(found, np.resize(shadows.visibility(some, upright), count))
 
 
-def test_a_shadow_is_where_geometry_says() -> None:
+def test_shadow_of_a_wall_has_the_right_length() -> None:
     """A wall of 10 m, under a sun 45 degrees high in +X: its shadow is 10 m long."""
     vertices = np.array(
         [[0, 0, -50], [0, 0, 50], [0, 10, 50], [0, 10, -50], [-50, 0, -50], [-50, 0, 50], [50, 0, 50], [50, 0, -50]]
@@ -128,7 +128,7 @@ def test_points_that_are_not_finite_are_lit(shadows: adumbra.ShadowFile) -> None
         (np.zeros((2, 3)), None, 5.0, TypeError, "filter: a whole number is needed"),
     ],
 )
-def test_wrong_arrays_are_named(
+def test_errors_name_wrong_arrays(
     points: NDArray[Any], normals: NDArray[Any] | None, filter: int, error: type, message: str, shadows: adumbra.ShadowFile
 ) -> None:
     with pytest.raises(error, match=message):
@@ -148,7 +148,7 @@ def test_the_native_part_refuses_wrong_shapes_too(shadows: adumbra.ShadowFile, m
         adumbra._native.Scene.from_mesh(good, np.full((1, 3), 9, np.uint32))
 
 
-def test_figures_of_verify_are_those_of_the_program(mesh: Mesh, city: Path, program: Program, tmp_path: Path) -> None:
+def test_verify_figures_match_the_program(mesh: Mesh, city: Path, program: Program, tmp_path: Path) -> None:
     path = tmp_path / "city.adumbra"
     baked = adumbra.bake(city, sun=SUN, resolution=2048, assume_ground=False, output=path)
     cases: list[tuple[dict[str, Any], list[Any]]] = [
@@ -168,7 +168,7 @@ def test_figures_of_verify_are_those_of_the_program(mesh: Mesh, city: Path, prog
         assert found.holds == all(of_class.holds for of_class in found.classes)
 
 
-def test_verify_refuses_what_it_cannot_judge(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_verify_rejects_bad_options_and_too_few_points(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     for options, message in [
         ({"volume": True}, "bake it with assume_ground=False"),
         ({"samples": 0}, "samples: 0 is out of range; it must be from 1 to 1000000000"),

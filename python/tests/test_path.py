@@ -12,7 +12,7 @@ from conftest import Program
 import adumbra
 
 
-def test_a_path_is_that_of_the_program(city: Path, program: Program, tmp_path: Path) -> None:
+def test_path_and_its_answers_match_the_program(city: Path, program: Program, tmp_path: Path) -> None:
     output, saved = tmp_path / "day.adumbra", tmp_path / "saved.adumbra"
     words = "lat=48,lon=11,date=2026-03-20,from=12,to=12:30"
     program("bake", city, "--sun-path", words, "--resolution", 512, "-o", output)

@@ -11,7 +11,7 @@ from conftest import SUN, Mesh, points_of
 import adumbra
 
 
-def test_rays_agree_with_the_file_as_verify_says(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_rays_agree_with_the_file_as_often_as_in_verify(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     points, normals = points_of(mesh, 50_000)
     towards = normals @ np.array(shadows.sun)
     points, normals = points[towards > 0.1], normals[towards > 0.1]
@@ -40,7 +40,7 @@ def test_every_sun_has_a_column(mesh: Mesh) -> None:
     assert "rays" in type(tracer).__name__.lower() and tracer.scene.triangles == len(mesh[1])
 
 
-def test_many_rays_are_those_of_few(mesh: Mesh) -> None:
+def test_large_arrays_give_the_same_answers_as_small_ones(mesh: Mesh) -> None:
     tracer = adumbra.rays(*mesh)
     some, _ = points_of(mesh, 100)
     some += (0, 0.01, 0)
@@ -59,7 +59,7 @@ def test_points_that_are_not_finite_are_lit(mesh: Mesh) -> None:
     assert adumbra.rays(*mesh).visibility(points, SUN).tolist() == [1, 1]
 
 
-def test_wrong_suns_are_named(mesh: Mesh) -> None:
+def test_errors_name_wrong_suns(mesh: Mesh) -> None:
     tracer = adumbra.rays(*mesh)
     points = np.zeros((2, 3))
     wrong: list[tuple[Any, float, str]] = [
@@ -75,7 +75,7 @@ def test_wrong_suns_are_named(mesh: Mesh) -> None:
         tracer.visibility(points, SUN, points[:1])
 
 
-def test_directions_run_clockwise_from_minus_z() -> None:
+def test_sun_directions_run_clockwise_from_minus_z() -> None:
     half = np.sqrt(0.5)
     assert adumbra.sun_direction(0, 45) == pytest.approx([0, half, -half])
     assert adumbra.sun_direction(90, 45) == pytest.approx([half, half, 0])

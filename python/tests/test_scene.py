@@ -13,7 +13,7 @@ import adumbra
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"
 
 
-def test_a_scene_is_loaded_once_for_all(city: Path) -> None:
+def test_loaded_scene_bakes_like_its_path(city: Path) -> None:
     scene = adumbra.Scene.load(city)
     assert scene.triangles == 148_276
     assert scene.sun == pytest.approx(np.array((0.5, 0.8, 0.35)) / np.linalg.norm((0.5, 0.8, 0.35)))
@@ -25,14 +25,14 @@ def test_a_scene_is_loaded_once_for_all(city: Path) -> None:
     assert "148276 triangles" in repr(scene)
 
 
-def test_a_mesh_comes_back(mesh: Mesh) -> None:
+def test_scene_returns_the_mesh_it_was_made_from(mesh: Mesh) -> None:
     scene = adumbra.Scene.from_mesh(*mesh)
     vertices, faces = scene.mesh()
     assert np.array_equal(vertices[faces], mesh[0].astype(np.float32)[mesh[1]])
     assert scene.bounds[0] == (0.0, 0.0, 0.0)
 
 
-def test_what_is_left_out_is_a_warning(tmp_path: Path) -> None:
+def test_omissions_are_warnings_or_errors_if_strict(tmp_path: Path) -> None:
     path = tmp_path / "lines.obj"
     path.write_text(TRIANGLE + "l 1 2\nf 1 1 2\n")
     with pytest.warns(adumbra.SceneWarning) as caught:

@@ -1,4 +1,4 @@
-"""The program's cache in a store: a server of S3 on this machine."""
+"""The program's cache in a store: an S3 server on this machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Run = Callable[..., subprocess.CompletedProcess[str]]
 
 @pytest.fixture(scope="module")
 def run() -> Iterator[Run]:
-    """Return what runs the program with the store's address and keys in its environment."""
+    """Return a function that runs the program with the store's address and keys in its environment."""
     path = os.environ.get("ADUMBRA_BIN")
     if path is None:
         pytest.skip("ADUMBRA_BIN does not name the program adumbra")
@@ -49,7 +49,7 @@ def run() -> Iterator[Run]:
 
 
 def ran(done: subprocess.CompletedProcess[str]) -> str:
-    """Return what a program printed that succeeded."""
+    """Return the output of a program, which must have succeeded."""
     assert done.returncode == 0, done.stderr
     return done.stdout
 

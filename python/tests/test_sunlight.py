@@ -16,7 +16,7 @@ import adumbra
 DAY: Any = {"lat": 48.14, "lon": 11.58, "date": "2026-03-20", "from_": 8, "to": "18:00", "tz": "Europe/Berlin"}
 
 
-def test_positions_are_those_of_pvlib() -> None:
+def test_sun_positions_match_pvlib() -> None:
     pandas, pvlib = pytest.importorskip("pandas"), pytest.importorskip("pvlib")
     times = pandas.date_range("2026-01-01", "2026-12-31", freq="53h", tz="Europe/Berlin")
     found = adumbra.sun_positions(48.14, 11.58, times, refraction=False)
@@ -27,7 +27,7 @@ def test_positions_are_those_of_pvlib() -> None:
     assert np.linalg.norm(found.direction, axis=1) == pytest.approx(1)
 
 
-def test_every_form_of_time_is_the_same() -> None:
+def test_every_form_of_time_gives_the_same_positions() -> None:
     utc = np.array(["2026-06-21T10:00", "2026-06-21T11:30"], "datetime64[m]")
     berlin = timezone(timedelta(hours=2))
     aware = [datetime(2026, 6, 21, 12, 0, tzinfo=berlin), datetime(2026, 6, 21, 13, 30, tzinfo=berlin)]
@@ -40,7 +40,7 @@ def test_every_form_of_time_is_the_same() -> None:
         adumbra.sun_positions(91, 11, utc)
 
 
-def test_hours_are_those_of_the_program(city: Path, program: Program, tmp_path: Path) -> None:
+def test_sun_hours_match_the_program(city: Path, program: Program, tmp_path: Path) -> None:
     output = tmp_path / "hours.json"
     given = [f"--{key.strip('_')}={value}" for key, value in DAY.items()]
     table = tmp_path / "points.csv"
@@ -55,7 +55,7 @@ def test_hours_are_those_of_the_program(city: Path, program: Program, tmp_path: 
     assert list(times) == spans and 0 < found.hours.mean() < 10
 
 
-def test_spans_are_a_table_by_the_local_clock(mesh: Mesh) -> None:
+def test_intervals_are_a_table_in_local_time(mesh: Mesh) -> None:
     pandas = pytest.importorskip("pandas")
     points, normals = points_of(mesh, 200)
     told: list[tuple[int, int]] = []

@@ -1,4 +1,4 @@
-"""Threads and signals: the interpreter's lock, Ctrl-C, progress, and processes that are forked."""
+"""Threads and signals: the interpreter's lock, Ctrl-C, progress, and forked processes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def large() -> adumbra.Scene:
 
 
 def longest_pause(work: Callable[[], object]) -> tuple[float, float]:
-    """Return how long ``work`` takes, and how long another thread had to wait for its turn meanwhile, in seconds."""
+    """Return how long ``work`` takes, and the longest wait of another thread meanwhile, in seconds."""
     pauses = []
     ended = threading.Event()
 
@@ -94,7 +94,7 @@ def test_ctrl_c_stops_long_work(mesh: Mesh, large: adumbra.Scene, tmp_path: Path
     assert os.listdir(tmp_path) == ["town.adumbra"]
 
 
-def test_progress_is_told_on_the_calling_thread(large: adumbra.Scene) -> None:
+def test_progress_is_reported_on_the_calling_thread(large: adumbra.Scene) -> None:
     told: list[tuple[int, int]] = []
     threads = set()
 
@@ -108,7 +108,7 @@ def test_progress_is_told_on_the_calling_thread(large: adumbra.Scene) -> None:
     assert told[-1][0] == told[-1][1] > 1
 
 
-def test_bars_are_shown_where_they_are_wanted(
+def test_progress_bars_are_shown_only_when_wanted(
     mesh: Mesh, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def shown(progress: Any) -> bool:
@@ -131,7 +131,7 @@ def test_bars_are_shown_where_they_are_wanted(
         adumbra.bake(*mesh, resolution=64, progress=True)
 
 
-def test_files_are_shared_by_threads(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_threads_can_share_a_file(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     points, normals = points_of(mesh, 50_000)
     expected = shadows.visibility(points, normals)
     found: list[bool] = []
@@ -153,7 +153,7 @@ def _answer(connection: Any, shadows: adumbra.ShadowFile, points: Any) -> None:
 
 @pytest.mark.skipif(sys.platform == "win32", reason="there is no fork")
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
-def test_forked_processes_have_threads_of_their_own(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_forked_processes_start_their_own_threads(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     points, _ = points_of(mesh, 50_000)
     expected = float(shadows.visibility(points).sum())
     fork = multiprocessing.get_context("fork")

@@ -19,7 +19,7 @@ def run(*arguments: str) -> str:
     return done.stdout
 
 
-def test_types_are_right() -> None:
+def test_types_pass_mypy() -> None:
     assert "no issues found" in run("mypy", "--strict", "--package", "adumbra", "--package", "adumbra_farm")
     assert "no issues found" in run("mypy", "--strict", "tests", "benches")
 

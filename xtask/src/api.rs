@@ -1,8 +1,8 @@
-//! The public face of the reader: every item that `crates/adumbra` shows, as text. `docs/api.txt` holds it, so that a
-//! change of the face is a change of a file.
+//! The public API of the reader: every item that `crates/adumbra` exports, as text. `docs/api.txt` holds this
+//! text, so that every change of the API is visible as a change of that file.
 //!
-//! Items are found with `syn`: what `lib.rs` declares or re-exports, and what its documented modules do, with their public
-//! methods and variants. Items marked `#[doc(hidden)]` are left out.
+//! Items are found with `syn`: the items that `lib.rs` and its documented modules declare or re-export, with
+//! their public methods and variants. Items marked `#[doc(hidden)]` are left out.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,7 +14,7 @@ const CRATE: &str = "crates/adumbra/src";
 /// The file that holds the list.
 pub(crate) const LIST: &str = "docs/api.txt";
 
-/// What is known of an item.
+/// The kind and the members of an item.
 #[derive(Default)]
 struct Found {
     kind: &'static str,
@@ -156,11 +156,11 @@ fn documented_modules(file: &Path) -> Result<Vec<String>, String> {
 mod tests {
     use super::*;
 
-    /// Most items that an engine should have to look at.
+    /// Maximum number of public items, so that users of the reader can survey them.
     const MOST_ITEMS: usize = 60;
 
     #[test]
-    fn face_of_the_reader_is_the_listed_one_and_small() {
+    fn reader_api_matches_list_and_is_small() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
         let (text, items) = list(root).unwrap();
         assert!(items <= MOST_ITEMS, "{items} items:\n{text}");

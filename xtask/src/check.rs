@@ -1,12 +1,12 @@
-//! What is checked without running a test.
+//! Checks that run no tests.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::steps::{self, Cargo, PROFILE, Steps};
 
-/// Checks formatting, lints, documentation, what the lean program links, each crate alone, the fuzz targets, and what all packages
-/// depend on.
+/// Checks formatting, lints, documentation, the crates that the lean program links, each crate alone, the
+/// fuzz targets, and the dependencies of all packages.
 pub(crate) fn run(root: &Path, steps: &mut Steps) {
     steps.run("format", || format(root));
     let clippy = ["clippy", "--quiet", "--profile", PROFILE];
@@ -31,12 +31,12 @@ pub(crate) fn format(root: &Path) -> Result<(), String> {
     Cargo::new(root).run(&["fmt", "--all", "--check"])
 }
 
-/// The packages that have a list of dependencies of their own.
+/// The folders with their own `Cargo.lock`.
 const LOCKED: [&str; 5] =
     [".", "fuzz", "integrations/bevy_adumbra", "integrations/three/generator", "python"];
 
-/// Checks licences, bans and sources of what is depended on with cargo-deny. Advisories change from day to day and are not part of
-/// it.
+/// Checks licences, bans and sources of all dependencies with cargo-deny. Advisories change from day to day,
+/// so they are not checked.
 fn dependencies(root: &Path) -> Result<(), String> {
     let config = root.join("deny.toml").display().to_string();
     let check = ["deny", "--log-level", "error", "--config", &config, "check", "bans", "licenses", "sources"];
@@ -49,7 +49,8 @@ fn dependencies(root: &Path) -> Result<(), String> {
 /// The program without its features.
 const LEAN_PROGRAM: [&str; 3] = ["-p", "adumbra-cli", "--no-default-features"];
 
-/// Checks each crate with the features that it asks for itself. In the whole workspace it has those of all others.
+/// Checks each crate with only the features that it requests itself. In a build of the whole workspace, cargo
+/// also enables the features that other crates request.
 fn crates_alone(root: &Path) -> Result<(), String> {
     let names = Cargo::new(root).output(&[
         "tree",
@@ -74,7 +75,7 @@ fn crates_alone(root: &Path) -> Result<(), String> {
 /// Crates that the program must not link without its features.
 const DRAWING: [&str; 6] = ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
 
-/// Checks that the program without its features links nothing that draws.
+/// Checks that the program without its features links no crate that draws.
 pub(crate) fn lean_program(root: &Path) -> Result<(), String> {
     let tree = [&["tree", "-e", "normal", "--prefix", "none"], &LEAN_PROGRAM[..]].concat();
     let tree = Cargo::new(root).output(&tree)?;

@@ -1,4 +1,5 @@
-//! The tests of what stands outside the workspace: the plugin for Bevy, and the packages for three.js and for Python.
+//! The tests of the code outside the workspace: the plugin for Bevy, and the packages for three.js and for
+//! Python.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -7,13 +8,13 @@ use crate::runner::{self, Tests};
 use crate::steps::{Cargo, PROFILE, Steps, run, target_folder};
 use crate::{docs, tools};
 
-/// Its commands make a page from an empty folder.
+/// The guide whose commands make a page from an empty folder.
 const WEB_GUIDE: &str = "docs/guides/use-it-on-a-web-page.md";
-/// Makes the look-ups of web pages.
+/// The program that generates the look-ups of web pages.
 pub(crate) const GENERATOR: &str = "integrations/three/generator";
 
-/// Lints and tests the plugin for Bevy, which is no member of the workspace: Bevy has a wgpu of its own. With `is_long`, its
-/// documentation and its examples too.
+/// Lints and tests the plugin for Bevy. The plugin is not a member of the workspace, because Bevy has its own
+/// version of wgpu. With `is_long`, also builds the documentation and the examples.
 pub(crate) fn bevy(root: &Path, is_long: bool) -> Result<(), String> {
     let plugin = root.join("integrations/bevy_adumbra");
     let mut steps = Steps::default();
@@ -41,8 +42,8 @@ pub(crate) fn bevy(root: &Path, is_long: bool) -> Result<(), String> {
     steps.finish()
 }
 
-/// Tests the package for three.js: its unit tests compare look-ups with the program's, and its browser tests draw. With `is_long`
-/// all of these, and its guide.
+/// Tests the package for three.js: its unit tests compare look-ups with the program's, and its browser tests
+/// draw. With `is_long`, runs all browser tests and the guide.
 pub(crate) fn web(root: &Path, is_long: bool) -> Result<(), String> {
     let mut steps = Steps::default();
     steps.run("web tools", tools::ensure_web);
@@ -74,8 +75,8 @@ pub(crate) fn web(root: &Path, is_long: bool) -> Result<(), String> {
     steps.finish()
 }
 
-/// Tests the package for Python as a user would install it: a wheel, in an environment that holds nothing else than what the
-/// tests need.
+/// Tests the package for Python as a user would install it: as a wheel, in an environment with only the
+/// packages that the tests need.
 pub(crate) fn python(root: &Path) -> Result<(), String> {
     tools::ensure_python()?;
     let mut steps = Steps::default();

@@ -71,7 +71,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Counts instructions of what users run, so of another profile than tests have.
+/// Counts instructions in the release profile, which users run, and not in the profile of the tests.
 fn count(root: &Path, words: &[&str]) -> Result<(), String> {
     bakes(&Cargo::new(root), "release", words)
 }

@@ -1,4 +1,5 @@
-//! Runs tests with cargo-nextest, which ends those that are stuck and measures all, or with `cargo test` where it is not installed.
+//! Runs tests with cargo-nextest, which ends stuck tests and measures all tests, or with `cargo test` if
+//! cargo-nextest is not installed.
 
 use std::fs;
 use std::path::Path;
@@ -11,11 +12,11 @@ use crate::steps::Cargo;
 /// How many of the slowest tests are listed.
 const SLOWEST: usize = 15;
 
-/// Which tests are run.
+/// The tests to run.
 pub(crate) enum Tests<'a> {
-    /// Those that are not marked slow, with `#[ignore]`.
+    /// The tests that are not marked slow with `#[ignore]`.
     NotSlow,
-    /// These of [`slow_tests`].
+    /// These filters from [`slow_tests`].
     Slow(&'a [String]),
     All,
 }
@@ -24,7 +25,8 @@ pub(crate) fn has_nextest() -> bool {
     Command::new("cargo").args(["nextest", "--version"]).output().is_ok_and(|o| o.status.success())
 }
 
-/// Runs tests, and lists the slowest of them if cargo-nextest runs them. Without it, tests marked slow are run only with all.
+/// Runs tests, and lists the slowest of them if cargo-nextest runs them. Without cargo-nextest, slow tests
+/// run only as part of [`Tests::All`].
 pub(crate) fn run(
     cargo: &Cargo<'_>,
     profile: &str,
@@ -56,7 +58,7 @@ pub(crate) fn run(
         .and(slowest(&report).map(|tests| tests.iter().for_each(|(s, name)| println!("{s:8.1} s {name}"))))
 }
 
-/// What cargo-nextest lists.
+/// The output of `cargo nextest list`.
 #[derive(Deserialize)]
 #[serde(rename_all = "kebab-case")]
 struct Listed {
@@ -79,7 +81,7 @@ struct FilterMatch {
     status: String,
 }
 
-/// Lists the slow tests that a push may run, each as a filter of cargo-nextest that finds it alone.
+/// Lists the slow tests that a push may run, each as a filter of cargo-nextest that matches only this test.
 pub(crate) fn slow_tests(cargo: &Cargo<'_>, profile: &str, targets: &[&str]) -> Result<Vec<String>, String> {
     let list = ["nextest", "list", "--profile", "share", "--run-ignored", "only", "--message-format", "json"];
     let text = cargo.output(&[&list[..], &["--cargo-profile", profile], targets].concat())?;

@@ -1,7 +1,7 @@
-//! Stands in for rustdoc where cargo runs the doc tests of a library, and has its documentation made too.
+//! Replaces rustdoc when cargo runs the doc tests of a library, and also builds the library's documentation.
 //!
-//! `cargo doc` checks every dependency first, which takes minutes where nothing is built. Doc tests use what the tests have
-//! built already.
+//! `cargo doc` checks every dependency first, which takes minutes in an empty target folder. Doc tests use
+//! the existing builds of the tests.
 
 use std::path::Path;
 use std::process::{Child, Command, ExitCode};
@@ -9,12 +9,13 @@ use std::{env, io};
 
 use crate::steps::{Cargo, PROFILE};
 
-/// Says that this program stands in for rustdoc, and names the folder of the documentation.
+/// Environment variable that makes this program replace rustdoc. Its value is the folder of the
+/// documentation.
 const OUTPUT: &str = "ADUMBRA_RUSTDOC";
 
-/// Documents the libraries, with warnings as errors, and runs their doc tests. `target` is the folder of what is built.
+/// Documents the libraries, with warnings as errors, and runs their doc tests. `target` is the build folder.
 pub(crate) fn test(cargo: Cargo<'_>, target: &Path) -> Result<(), String> {
-    // Not the path of the process: the build of the tests has replaced that file.
+    // Do not use the path of the process: the build of the tests has replaced that file.
     let program = target.join(PROFILE).join(format!("xtask{}", env::consts::EXE_SUFFIX));
     let output = target.join("doc");
     cargo.with("RUSTDOC", program.to_string_lossy()).with(OUTPUT, output.to_string_lossy()).run(&[
@@ -28,14 +29,14 @@ pub(crate) fn test(cargo: Cargo<'_>, target: &Path) -> Result<(), String> {
     ])
 }
 
-/// Does rustdoc's work if cargo runs this program in its place. Returns `None` if it is run as itself.
+/// Does rustdoc's work if cargo runs this program in its place. Returns `None` otherwise.
 pub(crate) fn stand_in(arguments: &[String]) -> Option<ExitCode> {
     let output = env::var(OUTPUT).ok()?;
     let rustdoc = |arguments: &[String]| Command::new("rustdoc").args(arguments).spawn();
     let passed = |started: io::Result<Child>| {
         started.and_then(|mut process| process.wait()).is_ok_and(|status| status.success())
     };
-    // Cargo tests one library after the other; two processes have the work of each.
+    // Cargo tests one library after the other. Document and test each library in two parallel processes.
     let is_test = arguments.iter().any(|argument| argument == "--test");
     let documented = is_test.then(|| rustdoc(&documenting(arguments, &output)));
     let is_tested = passed(rustdoc(arguments));
@@ -43,7 +44,7 @@ pub(crate) fn stand_in(arguments: &[String]) -> Option<ExitCode> {
     Some(if is_fine { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Returns the arguments that document what these arguments test.
+/// Converts arguments that test a library to arguments that document it.
 fn documenting(arguments: &[String], output: &str) -> Vec<String> {
     let mut kept = Vec::new();
     let mut arguments = arguments.iter();
@@ -63,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rustdoc_documents_what_it_tests() {
+    fn documenting_replaces_test_arguments() {
         let words = |text: &str| text.split(' ').map(str::to_owned).collect::<Vec<_>>();
         let test =
             "--edition=2024 --crate-name a --test a.rs --test-run-directory b --test-args c --extern d";

@@ -1,4 +1,4 @@
-//! Steps of a task: commands, what they print, and how long they take.
+//! Steps of a task: commands, their output, and their duration.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -11,8 +11,8 @@ pub(crate) const PROFILE: &str = "ci";
 /// The arguments `-D warnings` as `cargo clippy` hands them to clippy's compiler.
 const DENY_WARNINGS: &str = "-D__CLIPPY_HACKERY__warnings__CLIPPY_HACKERY__";
 
-/// Steps that are run one after the other. A step that fails does not keep the next from running, so that one run shows
-/// every fault.
+/// Steps that are run one after the other. A step that fails does not keep the next from running, so that one
+/// run shows every fault.
 #[derive(Default)]
 pub(crate) struct Steps {
     failed: Vec<String>,
@@ -48,8 +48,9 @@ impl<'a> Cargo<'a> {
         Self { folder, variables: Vec::new() }
     }
 
-    /// Has clippy's compiler build the packages of the folder, which then lints what it builds, with warnings as errors.
-    /// `cargo clippy` would check every dependency first, and cargo would compile it again for the tests.
+    /// Builds the packages of the folder with clippy's compiler, which also lints them, with warnings as
+    /// errors. `cargo clippy` would first check every dependency, and cargo would compile it again for the
+    /// tests.
     pub(crate) fn linting(folder: &'a Path) -> Result<Self, String> {
         let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output();
         let sysroot = sysroot.map_err(|e| format!("cannot run rustc: {e}"))?.stdout;
@@ -84,7 +85,7 @@ impl<'a> Cargo<'a> {
     }
 }
 
-/// Returns what a command prints that is run in a folder.
+/// Runs a command in a folder and returns its output.
 pub(crate) fn output(folder: &Path, program: &str, arguments: &[&str]) -> Result<String, String> {
     printed(&mut Command::new(program), folder, arguments)
 }
@@ -117,8 +118,8 @@ pub(crate) fn run(
     if status.success() { Ok(()) } else { Err(format!("{line} failed")) }
 }
 
-/// Leaves out what `cargo run` says of this package: build scripts that ask for it would run again after each change between
-/// `cargo xtask` and `cargo`.
+/// Removes the environment variables that `cargo run` sets for this package. Build scripts that depend on
+/// them would run again after each switch between `cargo xtask` and `cargo`.
 pub(crate) fn outside_cargo(command: &mut Command) -> &mut Command {
     let is_of_package = |name: &str| name.starts_with("CARGO_PKG_") || name.starts_with("CARGO_MANIFEST_");
     for (name, _) in env::vars().filter(|(name, _)| is_of_package(name)) {
@@ -127,7 +128,7 @@ pub(crate) fn outside_cargo(command: &mut Command) -> &mut Command {
     command
 }
 
-/// Returns the folder of everything that is built.
+/// Returns the build folder.
 pub(crate) fn target_folder(root: &Path) -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root.join("target"), |folder| root.join(folder))
 }

@@ -1,4 +1,5 @@
-//! The tests of the workspace, in tiers: those of each push, with a share of the others, and all.
+//! The tests of the workspace, in two tiers: the tests of each push, with a share of the slow tests; and all
+//! tests.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -11,15 +12,16 @@ use crate::{check, docs, rustdoc, steps, tools};
 
 /// The encoders that tests of compressed scenes run.
 const ENCODERS: &str = "xtask/encoders";
-/// For how long each push begins slow tests. What has begun is run to its end.
+/// Seconds during which each push starts slow tests. Tests that have started run to their end.
 const SHARE_SECONDS: u64 = 60;
-/// About as many slow tests are run within [`SHARE_SECONDS`].
+/// Approximate number of slow tests that run within [`SHARE_SECONDS`].
 const SHARE_TESTS: usize = 9;
-/// As many slow tests are begun at a time.
+/// Number of slow tests that are started at a time.
 const BATCH: usize = 3;
 
-/// Runs what each push must pass: formatting, lints, every test that is not marked slow, documentation, the documents with most
-/// commands parsed only, and a share of the tests marked slow, another one with each commit.
+/// Runs everything that each push must pass: formatting, lints, every test that is not marked slow,
+/// documentation, the documents with most commands parsed only, and a share of the slow tests. The share
+/// changes with each commit.
 pub(crate) fn push(root: &Path) -> Result<(), String> {
     let mut steps = Steps::default();
     steps.run("tools", tools::ensure_documents);
@@ -36,8 +38,8 @@ pub(crate) fn push(root: &Path) -> Result<(), String> {
     steps.finish()
 }
 
-/// Runs everything that [`push`] runs, all tests marked slow, and the documents' commands with smaller numbers. Without a tool
-/// that a test needs, the test fails.
+/// Runs everything that [`push`] runs, all tests marked slow, and the documents' commands with smaller
+/// numbers. A test fails if a tool that it needs is missing.
 pub(crate) fn long(root: &Path) -> Result<(), String> {
     let mut steps = Steps::default();
     steps.run("tools", tools::ensure_all);
@@ -53,7 +55,8 @@ pub(crate) fn long(root: &Path) -> Result<(), String> {
     steps.finish()
 }
 
-/// The seed of tests with random input, so that a push depends on no luck. The long tier has another one each time.
+/// The seed of tests with random input, so that the outcome of a push does not depend on luck. The long tier
+/// uses a new seed each time.
 const FIXED: (&str, &str) = ("PROPTEST_RNG_SEED", "1");
 
 /// Builds and lints the programs, the examples and all tests.
@@ -67,7 +70,7 @@ fn documentation(root: &Path) -> Result<(), String> {
     rustdoc::test(Cargo::linting(root)?, &target_folder(root))
 }
 
-/// Runs slow tests for about a minute, from another place in their list with each commit.
+/// Runs slow tests for about a minute, starting at a different position in their list with each commit.
 fn share(root: &Path) -> Result<(), String> {
     let commits = steps::output(root, "git", &["rev-list", "--count", "HEAD"])?;
     let commits: usize = commits.trim().parse().map_err(|_| format!("git counts {commits:?} commits"))?;
@@ -89,8 +92,8 @@ fn share(root: &Path) -> Result<(), String> {
     })
 }
 
-/// Orders slow tests as the push after so many commits runs them. The order is that of their checksums, so that those of one
-/// crate are spread, and begins [`SHARE_TESTS`] further on with each commit.
+/// Puts slow tests in the order in which the push after `commits` commits runs them. Tests are sorted by
+/// checksum, so that the tests of one crate are spread. The start moves by [`SHARE_TESTS`] with each commit.
 fn in_order_of_share(tests: &mut [String], commits: usize) {
     tests.sort_by_key(|test| crc32fast::hash(test.as_bytes()));
     if !tests.is_empty() {
@@ -98,7 +101,8 @@ fn in_order_of_share(tests: &mut [String], commits: usize) {
     }
 }
 
-/// Runs tests of the workspace, and says how many of them were left out because what they need is absent.
+/// Runs tests of the workspace, and prints which of them were left out because something that they need is
+/// missing.
 fn run(root: &Path, tests: &Tests<'_>, variables: &[(&'static str, &str)]) -> Result<(), String> {
     let list = target_folder(root).join("left-out");
     _ = fs::remove_file(&list);
@@ -122,7 +126,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_slow_test_is_soon_in_a_share() {
+    fn every_slow_test_runs_within_a_few_commits() {
         let names: Vec<String> = (0..150).map(|i| format!("test {i}")).collect();
         let mut run = std::collections::BTreeSet::new();
         for commits in 700..717 {

@@ -1,7 +1,7 @@
-//! Tools that the tests need besides Rust: a Vulkan driver; for the window a headless X server, the libraries that
-//! winit opens at run time, and `xdotool`; for the report's page a headless browser; for the
-//! package of web pages Node.js, and an OpenGL for the browser; for the package for Python
-//! a Python that makes virtual environments.
+//! Tools that the tests need besides Rust: a Vulkan driver; for the window a headless X server, the libraries
+//! that winit opens at run time, and `xdotool`; for the report's page a headless browser; for the package of
+//! web pages Node.js, and an OpenGL for the browser; for the package for Python a Python that makes virtual
+//! environments.
 
 use std::env;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ enum Found {
     VulkanDriver,
     /// One of these commands is in the `PATH`.
     Command(&'static [&'static str]),
-    /// A file of this name is where the loader looks.
+    /// A file of this name is in a folder that the loader searches.
     Library(&'static str),
     /// `python3` makes virtual environments.
     Venv,
@@ -59,7 +59,7 @@ const OPENGL: [Tool; 3] = [
     library("libGLX_mesa.so.0", "libglx-mesa0", "mesa-libGL"),
 ];
 
-/// What a window needs to open without a screen.
+/// Tools and libraries for opening a window without a screen.
 const WINDOW: [Tool; 8] = [
     XVFB,
     library("libX11.so.6", "libx11-6", "libX11"),
@@ -84,20 +84,20 @@ const fn library(name: &'static str, debian: &'static str, fedora: &'static str)
     Tool { what: name, found: Found::Library(name), debian, fedora }
 }
 
-/// Makes sure that a Linux machine has a Vulkan driver: tries to install Mesa's with apt-get, or else names the
-/// packages. Other systems bring an adapter of their own.
+/// Makes sure that a Linux machine has a Vulkan driver: tries to install Mesa's with apt-get, or else names
+/// the packages. Other systems come with an adapter.
 pub(crate) fn ensure_driver() -> Result<(), String> {
     ensure(&[DRIVER])
 }
 
-/// Makes sure that everything the documents' commands need is installed, like [`ensure_driver`]: the driver, and what
-/// opens a window.
+/// Makes sure that everything the documents' commands need is installed, like [`ensure_driver`]: the driver,
+/// and what opens a window.
 pub(crate) fn ensure_documents() -> Result<(), String> {
     ensure(&documents())
 }
 
-/// Makes sure that everything the full tests need is installed, like [`ensure_driver`]: the driver, the window's tools,
-/// the browser, and Node.js for the encoders of compressed scenes.
+/// Makes sure that everything the full tests need is installed, like [`ensure_driver`]: the driver, the
+/// window's tools, the browser, and Node.js for the encoders of compressed scenes.
 pub(crate) fn ensure_all() -> Result<(), String> {
     ensure(&all())
 }
@@ -130,7 +130,7 @@ fn ensure(tools: &[Tool]) -> Result<(), String> {
     }
     let packages: Vec<&str> = missing.iter().map(|t| t.debian).collect();
     eprintln!("missing: {}; trying: apt-get install {}", names(&missing), packages.join(" "));
-    // An old list of packages may still be enough.
+    // Ignore a failed update: an old list of packages may still be enough.
     let _ = apt(&["update"]);
     apt(&[&["install", "--yes", "--no-install-recommends"], packages.as_slice()].concat());
     let missing: Vec<&Tool> = missing.into_iter().filter(|t| !t.found.holds()).collect();
@@ -184,8 +184,8 @@ fn has_driver() -> bool {
     named || folders.iter().any(holds_a_driver)
 }
 
-/// Returns the folders where the loader looks: those that the user names, the usual ones, and below them Debian's
-/// folder for each architecture.
+/// Returns the folders that the loader searches: those that the user names, the usual ones, and below them
+/// Debian's folder for each architecture.
 fn library_folders() -> Vec<PathBuf> {
     let mut folders: Vec<PathBuf> =
         env::split_paths(&env::var_os("LD_LIBRARY_PATH").unwrap_or_default()).collect();
@@ -207,7 +207,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tools_missing_are_named_for_both_families() {
+    fn missing_tools_are_named_for_debian_and_fedora() {
         let absent = [command("a thing", &["no-such-thing"], "deb-thing", "fed-thing"), DRIVER];
         assert!(!absent[0].found.holds());
         let message = how_to_install(&absent.iter().collect::<Vec<_>>());
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn tools_of_the_documents_open_windows_and_press_no_keys() {
+    fn tools_of_documents_open_windows_but_press_no_keys() {
         let [documents, all] = [documents(), all()].map(|t| names(&t.iter().collect::<Vec<_>>()));
         assert!(documents.starts_with("a Vulkan driver, Xvfb, libX11.so.6"), "{documents}");
         assert_eq!(all, format!("{documents}, xdotool, Chromium, Node.js with npm"));
@@ -229,7 +229,7 @@ mod tests {
 
     #[cfg(target_os = "linux")]
     #[test]
-    fn tools_commands_are_found_in_the_path() {
+    fn commands_are_found_in_path() {
         assert!(Found::Command(&["no-such-thing", "sh"]).holds());
         assert!(!Found::Library("libno-such-thing.so.1").holds());
     }

@@ -1,5 +1,5 @@
-//! Checks that no source compares a technique's name with a string. Only the registry knows the names; everything else
-//! queries it.
+//! Checks that no source compares a technique's name with a string. Only the registry knows the names;
+//! everything else queries it.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 use adumbra_papers::techniques;
 use adumbra_render::TECHNIQUES;
 
-/// The registries of techniques, of ambient occlusion and of the papers' techniques. Ambient occlusion has a `none` and a
-/// `truth` of its own.
+/// The registries of techniques, of ambient occlusion and of the papers' techniques. Ambient occlusion has
+/// its own `none` and `truth`.
 const REGISTRIES: [&str; 3] = [
     "crates/adumbra-render/src/techniques/product.rs",
     "crates/adumbra-render/src/occlusion/spec.rs",
     "crates/adumbra-papers/src/techniques/mod.rs",
 ];
-/// Names that are also everyday words or sections of the report. A comparison with them counts only if it involves
-/// `.name()`.
+/// Names that are also everyday words or sections of the report. A comparison with them counts only if it
+/// involves `.name()`.
 const EVERYDAY: [&str; 5] = ["none", "truth", "blur", "hrsm", "sm"];
 const COMPARING_CALLS: [&str; 5] = ["starts_with(", "ends_with(", "strip_prefix(", "contains(", ".eq("];
 
 #[test]
-fn technique_names_are_compared_in_the_registry_alone() {
+fn technique_names_are_compared_only_in_registries() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut files = Vec::new();
     for folder in ["crates", "xtask/src"] {
@@ -83,7 +83,8 @@ fn sources(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Returns the line and text of each string in a source's production code that is compared with a technique's name.
+/// Returns the line and text of each string in a source's production code that is compared with a technique's
+/// name.
 fn comparisons(source: &str) -> Vec<(usize, String)> {
     let source = source.split("#[cfg(test)]").next().unwrap_or_default();
     let compared = |(at, end): &(usize, usize)| {
@@ -98,7 +99,8 @@ fn comparisons(source: &str) -> Vec<(usize, String)> {
         .collect()
 }
 
-/// Whether a string is a technique's name, with or without parameters, or the beginning of one up to a `-` or `+`.
+/// Whether a string is a technique's name, with or without parameters, or the beginning of one up to a
+/// `-` or `+`.
 fn is_technique(value: &str) -> bool {
     let name = value.split(':').next().unwrap_or_default();
     let mut known = TECHNIQUES.iter().chain(techniques::TECHNIQUES);
@@ -145,7 +147,8 @@ fn is_open(text: &str) -> bool {
     })
 }
 
-/// Returns the begin and end of each plain string, including its quotes. Comments and character literals are skipped.
+/// Returns the begin and end of each plain string, including its quotes. Comments and character literals are
+/// skipped.
 fn strings(source: &str) -> Vec<(usize, usize)> {
     let bytes = source.as_bytes();
     let (mut found, mut at) = (Vec::new(), 0);

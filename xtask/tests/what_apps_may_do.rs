@@ -1,11 +1,11 @@
-//! The guide of what apps may do names a test for each situation, and each of them exists.
+//! Checks that the guide to what apps may do names an existing test for each situation.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 const GUIDE: &str = "docs/guides/what-your-app-may-do.md";
 
-/// Returns where a test's file may be, below an integration's folder.
+/// Returns the possible paths of a test file, below the folder of the integrations.
 fn files(name: &str) -> Vec<PathBuf> {
     let three = ["unit/", ""].map(|folder| format!("three/tests/{folder}{name}.test.ts"));
     let bevy = ["tests/", ""].map(|folder| format!("bevy_adumbra/{folder}{name}.rs"));

@@ -2,12 +2,14 @@
 
 use std::collections::HashSet;
 use std::io::{Seek, Write};
+use std::path::Path;
 use std::sync::Arc;
 
 use adumbra::{LightGrid, ShadowFile};
+use adumbra_files::StagedFile;
 use adumbra_scene::{Edits, Scene};
 
-use crate::bake::BakeSummary;
+use crate::bake::{BakeSummary, stage};
 use crate::cache::{BakeCache, CacheKey, MemoryCache};
 use crate::error::Result;
 use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory};
@@ -16,9 +18,9 @@ use crate::progress::Watch;
 use crate::sink::depths::DepthsBlock;
 use crate::sink::recent::RecentBlocks;
 
-/// A scene, the options of its bake, and the pages that were baked. Unless the options limit the memory, it also holds
-/// the root blocks of pages that have several, about half a kilobyte for each block of 8 × 8 texels that an outline
-/// crosses: such pages are those of coarse levels.
+/// A scene, the options of its bake, and the pages that were baked. Unless the options limit the memory, it
+/// also holds the root blocks of pages that have several, about half a kilobyte for each block of 8 × 8
+/// texels that an outline crosses: such pages are those of coarse levels.
 ///
 /// ```no_run
 /// use adumbra_bake::{BakeOptions, Baker, Size, Watch};
@@ -28,13 +30,14 @@ use crate::sink::recent::RecentBlocks;
 /// let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
 /// let mut baker = Baker::new(scene, &BakeOptions::new(sun, Size::Resolution(8192)))?;
 /// baker.bake(None, Watch::none())?;
-/// let before = baker.file()?;
+/// let before = baker.in_memory()?;
 /// let mut world_from_mesh = baker.scene().instances[7].world_from_mesh;
 /// world_from_mesh[0][3] += 1.0;
-/// baker.edit(&Edits { moved: vec![Moved { instance: Which::Number(7), world_from_mesh }], ..Edits::default() })?;
+/// let moved = vec![Moved { instance: Which::Number(7), world_from_mesh }];
+/// baker.edit(&Edits { moved, ..Edits::default() })?;
 /// println!("{} pages are to be baked", baker.pages().filter(|page| !page.is_baked).count());
 /// baker.bake(Some([0.0, 0.0, 0.0]), Watch::none())?;
-/// let after = baker.file()?;
+/// let after = baker.in_memory()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Baker {
@@ -65,20 +68,21 @@ pub struct BakerPage {
 }
 
 impl Baker {
-    /// Plans the bake of a scene, and keeps what is baked in memory. The frame that the options let the bake choose is
-    /// chosen once, for all edits, and so is whether a ground is assumed.
+    /// Plans the bake of a scene, and keeps what is baked in memory. The frame that the options let the bake
+    /// choose is chosen once, for all edits, and so is whether a ground is assumed.
     ///
     /// # Errors
     /// Returns the errors of [`BakePlan::new`].
     pub fn new(scene: Scene, options: &BakeOptions) -> Result<Self> {
-        Self::with_cache(scene, options, Arc::new(MemoryCache::default()))
+        Self::with_cache(scene, options, MemoryCache::default())
     }
 
     /// Plans the bake of a scene, and keeps what is baked in `cache`. See [`Baker::new`].
     ///
     /// # Errors
     /// Returns the errors of [`BakePlan::new`].
-    pub fn with_cache(scene: Scene, options: &BakeOptions, cache: Arc<dyn BakeCache>) -> Result<Self> {
+    pub fn with_cache(scene: Scene, options: &BakeOptions, cache: impl BakeCache + 'static) -> Result<Self> {
+        let cache: Arc<dyn BakeCache> = Arc::new(cache);
         let (plan, prepared) = BakePlan::prepared(&scene, options)?;
         let BakeOptions { frame, assume_ground, .. } = plan.options();
         let options = BakeOptions { frame, assume_ground, ..options.clone() };
@@ -97,8 +101,8 @@ impl Baker {
         &self.options
     }
 
-    /// Returns the placement of each level's voxels in the world, the finest first. An edit that makes the scene larger
-    /// or smaller changes it.
+    /// Returns the placement of each level's voxels in the world, the finest first. An edit that makes the
+    /// scene larger or smaller changes it.
     pub fn grids(&self) -> Vec<LightGrid> {
         self.plan.grids()
     }
@@ -106,7 +110,8 @@ impl Baker {
     /// Edits the scene. Either all edits are made, or none.
     ///
     /// # Errors
-    /// Returns [`Error::Scene`](crate::Error::Scene) if the edits cannot be made, and the errors of [`BakePlan::new`].
+    /// Returns [`Error::Scene`](crate::Error::Scene) if the edits cannot be made, and the errors of
+    /// [`BakePlan::new`].
     pub fn edit(&mut self, edits: &Edits) -> Result<()> {
         let mut scene = self.scene.clone();
         scene.edit(edits)?;
@@ -138,8 +143,8 @@ impl Baker {
         })
     }
 
-    /// Bakes the pages that are not baked yet: coarse levels first, and of each level those nearest to `focus`, a point
-    /// in the world, first. What was done before an error stays.
+    /// Bakes the pages that are not baked yet: coarse levels first, and of each level those nearest to
+    /// `focus`, a point in the world, first. What was done before an error stays.
     ///
     /// # Errors
     /// Returns the errors of [`PartBaker::bake`].
@@ -177,37 +182,77 @@ impl Baker {
         Ok(done)
     }
 
-    /// Forgets which pages are baked. If linking misses some, because their entries could not be read again, the next
-    /// bake makes them.
+    /// Forgets which pages are baked. If linking misses some, because their entries could not be read again,
+    /// the next bake makes them.
     pub fn forget(&mut self) {
         self.known.clear();
+    }
+
+    /// Links the pages to a file at `path`, which replaces an existing file when it is complete. What exceeds
+    /// a memory limit goes to the folder of `path`, unless the options name another one.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Baker::in_memory`], and [`Error::Io`](crate::Error::Io) with the path of the
+    /// file if it cannot be written.
+    pub fn save(&self, path: impl AsRef<Path>, watch: Watch<'_>) -> Result<BakeSummary> {
+        let limits = self.options.spilling_beside(path.as_ref());
+        let (staged, summary) = stage(path.as_ref(), |out| self.link_to(&limits, out, watch))?;
+        StagedFile::place([staged])?;
+        Ok(summary)
+    }
+
+    /// Links the pages of all levels but the finest to a file at `path`. See [`Baker::save`] and
+    /// [`Baker::write_coarser_to`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`Baker::save`].
+    pub fn save_coarser(&self, path: impl AsRef<Path>, watch: Watch<'_>) -> Result<BakeSummary> {
+        let limits = self.options.spilling_beside(path.as_ref());
+        let (staged, summary) = stage(path.as_ref(), |out| self.link_coarser_to(&limits, out, watch))?;
+        StagedFile::place([staged])?;
+        Ok(summary)
     }
 
     /// Links the pages to a file in `out`, from its position on.
     ///
     /// # Errors
-    /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of [`link`].
-    pub fn write_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<BakeSummary> {
-        let written = link(&self.plan, &self.cache, &self.options, watch, out)?;
+    /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of
+    /// [`link`].
+    pub fn write_to(&self, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
+        self.link_to(&self.options, out, watch)
+    }
+
+    fn link_to(&self, limits: &BakeOptions, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
+        let written = link(&self.plan, &self.cache, limits, watch, out)?;
         // What only earlier scenes needed was not read.
         self.cache.tidy();
         Ok(written)
     }
 
-    /// Links the pages of all levels but the finest to a file in `out`; of a bake with one level, those of this level.
+    /// Links the pages of all levels but the finest to a file in `out`; of a bake with one level, those of
+    /// this level.
     ///
     /// # Errors
     /// Returns the errors of [`Baker::write_to`].
-    pub fn write_coarser_to(&self, watch: Watch<'_>, out: impl Write + Seek) -> Result<BakeSummary> {
+    pub fn write_coarser_to(&self, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
+        self.link_coarser_to(&self.options, out, watch)
+    }
+
+    fn link_coarser_to(
+        &self,
+        limits: &BakeOptions,
+        out: impl Write + Seek,
+        watch: Watch<'_>,
+    ) -> Result<BakeSummary> {
         let coarser = self.plan.without_finest();
-        link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, &self.options, watch, out)
+        link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, limits, watch, out)
     }
 
     /// Returns the file in memory.
     ///
     /// # Errors
     /// Returns the errors of [`Baker::write_to`].
-    pub fn file(&self) -> Result<ShadowFile> {
+    pub fn in_memory(&self) -> Result<ShadowFile> {
         let file = link_in_memory(&self.plan, &self.cache, &self.options)?;
         // What only earlier scenes needed was not read.
         self.cache.tidy();

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use adumbra::Frame;
+use adumbra::{FileSettings, Frame};
 use adumbra_scene::Scene;
 use rayon::prelude::*;
 
@@ -19,13 +19,14 @@ use crate::sink::{BlockSink, Structure};
 use crate::triangles::casters::{CasterOptions, SceneClusters, sorting_bytes};
 use crate::yaw::dominant_yaw_radians;
 
-/// A forecast is a bake at this share of the resolution, but within these limits.
+/// A forecast bakes at the resolution divided by this, clamped to these limits.
 const COARSER: u32 = 8;
 const FORECAST_RESOLUTIONS: [u32; 2] = [512, 2048];
-/// A scene with more corners of triangles is forecast from a part of its blocks with about as many.
+/// A scene with more triangle corners than this is forecast from a sample of its blocks with about this many
+/// corners.
 const FORECAST_CORNERS: u64 = 1_000_000;
 
-/// What holds for every level of a bake.
+/// The choices that all levels of a bake share.
 pub(crate) struct Choice {
     /// The options, with a decision on the ground.
     options: BakeOptions,
@@ -52,6 +53,17 @@ impl Choice {
     /// Plans the bake of a level.
     pub(crate) fn plan<'s>(&self, scene: &'s Scene, level: usize) -> Result<Plan<'s>> {
         Plan::placed(scene, &self.options, self.levels[level], &self.clusters)
+    }
+
+    /// Plans the bake of the coarsest level.
+    pub(crate) fn coarsest<'s>(&self, scene: &'s Scene) -> Result<Plan<'s>> {
+        self.plan(scene, self.levels.len() - 1)
+    }
+
+    /// Returns the settings of the file. From level to level only the resolution differs, so those of any
+    /// plan will do.
+    pub(crate) fn settings(&self, of_any_level: &Plan<'_>) -> FileSettings {
+        FileSettings { resolution: self.levels[0].resolution, ..of_any_level.settings }
     }
 }
 
@@ -148,8 +160,8 @@ fn smaller(
     Ok(if oblique_bytes <= light_bytes { oblique } else { Frame::Light })
 }
 
-/// Draws blocks and returns the bytes that all of them would take as depths. The choice of blocks depends on nothing
-/// that the order of triangles could change. The memory limit holds as for a bake.
+/// Builds a sample of the blocks and returns the bytes that all blocks would take as depths. The order of
+/// triangles does not affect which blocks are sampled. The memory limit applies as in a bake.
 fn forecast_bytes(
     scene: &Scene,
     options: &BakeOptions,

@@ -6,7 +6,7 @@ use std::time::Instant;
 use adumbra::file::HEADER_BYTES;
 use adumbra_scene::Scene;
 
-use crate::choose;
+use crate::choose::Choice;
 use crate::error::{Error, Result};
 use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::BakeOptions;
@@ -14,7 +14,7 @@ use crate::sink::depths::DepthsSink;
 use crate::sink::limit::LimitSink;
 use crate::sink::{BlockSink, Structure};
 
-/// A forecast of [`crate::bake`]. Ranges are `[likely low, likely high]`.
+/// A forecast of a bake. Ranges are `[likely low, likely high]`.
 #[derive(Clone, Copy, Debug)]
 pub struct Estimate {
     /// Total number of root blocks.
@@ -31,17 +31,18 @@ pub struct Estimate {
 
 /// Number of root blocks drawn for a forecast.
 const SAMPLES: usize = 48;
-/// How much less and more than forecast the bytes of a bake are. Measured: 0.61 to 1.45 times as many on generated and
-/// on real scenes at 1024 to 16384.
+/// Factors from the forecast bytes to the likely least and most bytes of a bake. Measured: 0.61 to 1.45 on
+/// generated and on real scenes at 1024 to 16384.
 const SPREAD_OF_BYTES: [f64; 2] = [0.6, 1.5];
 
 /// Draws a few root blocks of the bake for `options`, from the emptiest to the fullest, and extrapolates.
 ///
 /// # Errors
-/// Returns the errors of [`crate::bake`]. The memory limit holds for the forecast, not for the bake that is forecast.
-pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
+/// Returns the errors of [`Bake::in_memory`](crate::Bake::in_memory). The memory limit applies to the
+/// forecast itself, not to the bake that it predicts.
+pub(crate) fn estimate(scene: &Scene, options: &BakeOptions, cancel: &AtomicBool) -> Result<Estimate> {
     let start = Instant::now();
-    let plan = choose::plan(scene, options)?;
+    let plan = Choice::new(scene, options, cancel)?.plan(scene, 0)?;
     let planning_seconds = start.elapsed().as_secs_f64();
     let (level, [_, _, depth]) = (plan.root_blocks.root_level, plan.root_blocks.grid.size);
     let root_blocks = plan.root_blocks.count();
@@ -49,7 +50,7 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     let mut buffers = DescentBuffers::default();
     let mut build = |root_block: usize, sink: &DepthsSink| {
         let sink = LimitSink { limit: plan.switch_limit(), sink };
-        build_root(&plan.root_blocks, root_block, &sink, &mut buffers, &AtomicBool::new(false))
+        build_root(&plan.root_blocks, root_block, &sink, &mut buffers, cancel)
     };
     // The blocks side by side, as if they were a row of the grid.
     let row = |blocks: usize| [(blocks as u32) << level, 1 << level, depth];
@@ -72,13 +73,13 @@ pub fn estimate(scene: &Scene, options: &BakeOptions) -> Result<Estimate> {
     let [built_bytes, finish_bytes] =
         [merged.memory_bytes(), merged.finish_bytes()].map(|bytes| bytes as f64);
     let merged_bytes = bytes(merged)? as f64;
-    // Upper bound: every root block adds as many bytes as the sampled ones. Lower bound: the sharing seen among the
-    // samples continues over all root blocks.
+    // Upper bound: every root block adds as many bytes as the sampled ones. Lower bound: the sharing seen
+    // among the samples continues over all root blocks.
     let sharing = merged_bytes / (separate_bytes as f64).max(1.0);
     let least = scale * sharing.powf(scale.log2().max(0.0)).max(0.25);
     let [less, more] = SPREAD_OF_BYTES;
     let scales = [less * least, more * scale];
-    // Either while root blocks are built, or after the last one.
+    // The peak is either while root blocks are built, or after the last one.
     let memory_bytes = |scale: f64| {
         let building = plan.baking_bytes() as f64 + scale * built_bytes;
         building.max(plan.scene_bytes as f64 + scale * (built_bytes + finish_bytes))

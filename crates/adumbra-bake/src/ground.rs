@@ -1,15 +1,16 @@
-//! Whether a scene has a ground of its own.
+//! Detects whether a scene has its own ground.
 //!
-//! A bake may leave out shadows that fall on nothing: those below the last surface of a column. That saves bytes where the
-//! scene's own ground takes the shadows. It loses them where the ground is drawn by the engine, the map or the camera of an
-//! augmented reality. The scene is therefore cut by vertical lines, about 256 across its longer side, and has a ground if
-//! three things hold:
+//! A bake may leave out shadows that fall on nothing: those below the last surface of a column. That saves
+//! bytes if the scene's own ground receives the shadows. It loses shadows if the ground is drawn by the
+//! engine, by a map or by the camera of an augmented-reality app. The scene is therefore cut by vertical
+//! lines, about 256 across its longer side, and has a ground if three things hold:
 //!
-//! - The lowest surfaces on the lines form a floor: it fills the scene's outline, and goes on from line to line without
-//!   steps. Buildings alone leave the streets open, and the lowest leaves of a wood are at all heights.
+//! - The lowest surfaces on the lines form a floor: it fills the scene's outline, and continues from line to
+//!   line without steps. Buildings alone leave the streets open, and the lowest leaves of a wood are at all
+//!   heights.
 //! - The floor reaches down to the scene's lowest point. The roof of a hall does not.
-//! - Little of the shadow falls through holes or beyond the outline, under a sun 45° high in each of four directions. All of
-//!   a house's does, even if it has a floor of its own.
+//! - Little of the shadow falls through holes or beyond the outline, under a sun 45° high in each of four
+//!   directions. All of the shadow of a lone house does, even if the house has a floor.
 
 use adumbra::Bounds;
 use adumbra_scene::{Instance, Scene};
@@ -23,21 +24,22 @@ const LINES: usize = 256;
 const STEEPEST: f32 = 2.0;
 /// The least share of the outline that is floor.
 const LEAST_FLOOR: f64 = 0.9;
-/// How much shadow may be lost in holes and beyond the outline: a share of the outline, for the rim of a slab, and shares of
-/// the shadow on the scene.
+/// How much shadow may be lost in holes and beyond the outline: a share of the outline, for the rim of a
+/// slab, and shares of the shadow on the scene.
 const LEAST_LOST: f64 = 0.01;
 const MOST_IN_HOLES: f64 = 0.1;
 const MOST_BEYOND: f64 = 0.6;
-/// What is in shadow by less than this is not counted, in distances between lines.
+/// A surface counts as shadowed only if it is more than this below the shadow's upper edge, in distances
+/// between lines.
 const LEAST_SHADOW: f64 = 0.5;
-/// How far the floor may be above the scene's lowest point, as a share of the scene's height, or of its longer side if that is
-/// more.
+/// How far the floor may be above the scene's lowest point, as a share of the scene's height, or of its
+/// longer side if that is more.
 const MOST_ABOVE_LOWEST: f64 = 0.1;
 const MOST_ABOVE_LOWEST_OF_SIDE: f64 = 1.0 / 80.0;
-/// The floor is as low as this share of its lines.
+/// The floor's height is this quantile of the heights of its lines.
 const LOW_SHARE: f64 = 0.01;
 
-/// What was measured of a scene's ground. All shares are from 0 to 1.
+/// The measurements of a scene's ground. All shares are from 0 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Ground {
     /// Share of the outline that is floor.
@@ -53,7 +55,8 @@ pub struct Ground {
 }
 
 impl Ground {
-    /// Measures the ground of a scene. Cost: two passes over the triangles, instances counted. Runs on the current rayon pool.
+    /// Measures the ground of a scene. Cost: two passes over the triangles, instances counted. Runs on the
+    /// current rayon pool.
     pub fn of(scene: &Scene) -> Self {
         match Lines::of(scene) {
             Some(lines) => lines.ground(),
@@ -71,7 +74,8 @@ impl Ground {
 }
 
 impl AssumeGround {
-    /// Returns `Yes` or `No`: what is asked for, or whether `scene` has a ground. Cost: that of [`Ground::of`], for `Auto`.
+    /// Returns `Yes` or `No`. `Auto` becomes `Yes` if `scene` has a ground. Cost: that of [`Ground::of`], for
+    /// `Auto`.
     #[must_use]
     pub fn decided(self, scene: &Scene) -> Self {
         match self {
@@ -90,13 +94,13 @@ struct Lines {
     spacing: f64,
     /// Height of the scene, world units.
     height: f64,
-    /// The heights of the lowest and the highest surface on each line, above the scene's lowest point; `lowest` is infinite
-    /// where there is none.
+    /// The heights of the lowest and the highest surface on each line, above the scene's lowest point;
+    /// `lowest` is infinite where there is none.
     lowest: Vec<f32>,
     highest: Vec<f32>,
 }
 
-/// The triangles of an instance in the world. A ground that casts no shadow is one all the same.
+/// The triangles of an instance in the world. A ground that casts no shadow still counts as a ground.
 fn triangles<'s>(scene: &'s Scene, instance: &'s Instance) -> impl Iterator<Item = [[f64; 3]; 3]> + 's {
     let mesh = &scene.meshes[instance.mesh as usize];
     mesh.triangles.iter().map(|corners| corners.map(|v| instance.to_world(mesh.positions[v as usize])))
@@ -182,8 +186,8 @@ impl Lines {
         self.lowest[j * self.size[0] + i].is_finite()
     }
 
-    /// Returns the first and the last line that is crossed in each row, and in each column. The outline is what is within
-    /// both.
+    /// Returns the first and the last line that is crossed in each row, and in each column. The outline is
+    /// the set of lines within both spans.
     fn spans(&self) -> [Vec<[usize; 2]>; 2] {
         let none = [usize::MAX, 0];
         let grown = |[first, last]: [usize; 2], along: usize| [first.min(along), last.max(along)];
@@ -204,20 +208,22 @@ impl Lines {
         (next[0] < self.size[0] && next[1] < self.size[1]).then_some(next)
     }
 
-    /// Whether the lowest surface goes on to all neighbours but one at most: there may be a step, or the outline may end.
+    /// Whether the lowest surface continues to all neighbours but at most one, where there may be a step or
+    /// the end of the outline.
     fn is_floor(&self, i: usize, j: usize) -> bool {
         let own = self.lowest[j * self.size[0] + i];
         let goes_on = |direction: &&[isize; 2]| {
             let next = self.along([i, j], **direction, 1);
-            // Not so if either line is not crossed.
+            // Infinite if the neighbouring line crosses nothing.
             let rise = next.map_or(0.0, |[i, j]| (self.lowest[j * self.size[0] + i] - own).abs());
             rise <= STEEPEST * self.spacing as f32
         };
         own.is_finite() && DIRECTIONS.iter().filter(goes_on).count() + 1 >= DIRECTIONS.len()
     }
 
-    /// Follows light that comes from 45° above, along a row of lines. Returns on how many of them the highest surface is in
-    /// shadow, how many in shadow cross nothing, and how many lines far the shadow reaches beyond the last that is crossed.
+    /// Follows light that comes from 45° above, along a row of lines. Returns the number of lines whose
+    /// highest surface is in shadow, the number of shadowed lines that cross nothing, and how many lines the
+    /// shadow reaches beyond the last line that crosses the scene.
     fn shadow_along(&self, row: impl Iterator<Item = usize>) -> [f64; 3] {
         let mut height = f64::NEG_INFINITY;
         let [mut inside, mut in_holes] = [0.0; 2];
@@ -239,10 +245,11 @@ impl Lines {
     }
 }
 
-/// To the four neighbours of a line.
+/// Steps to the four neighbours of a line.
 const DIRECTIONS: [[isize; 2]; 4] = [[1, 0], [-1, 0], [0, 1], [0, -1]];
 
-/// Calls `visit(line, height)` for the lines that a triangle crosses. Its corners are (x, height, z), with x and z in lines.
+/// Calls `visit(line, height)` for the lines that a triangle crosses. Its corners are (x, height, z), with x
+/// and z in lines.
 fn for_each_crossing(corners: &[[f64; 3]; 3], size: [usize; 2], mut visit: impl FnMut([usize; 2], f64)) {
     let z = corners.map(|c| c[2]);
     let (first, last) = (z[0].min(z[1]).min(z[2]).ceil(), z[0].max(z[1]).max(z[2]).floor());

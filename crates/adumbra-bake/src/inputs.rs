@@ -9,7 +9,7 @@ use crate::cache::{CacheKey, PartGrid};
 use crate::options::ColumnBuilder;
 use crate::plan::Plan;
 
-/// Version of the rules by which pages are made. `tests/cache.rs` notices if pages change.
+/// Version of the rules by which pages are made. A test in `tests/cache.rs` fails if pages change.
 const RULES: u32 = 3;
 
 /// The hashes of a scene's instances, with their meshes, materials and textures.
@@ -35,7 +35,8 @@ impl SceneHashes {
         hasher.finalize()
     }
 
-    /// Returns the keys of some parts of a plan's grid. Cost: one pass over the clusters in reach of their root blocks.
+    /// Returns the keys of some parts of a plan's grid. Cost: one pass over the clusters in reach of their
+    /// root blocks.
     pub(crate) fn keys(
         &self,
         plan: &Plan<'_>,
@@ -46,7 +47,8 @@ impl SceneHashes {
         self.keys_of(plan, builder, numbers, |part| parts.root_blocks(part))
     }
 
-    /// Returns the keys of some root blocks of a plan's grid. Cost: one pass over the clusters in their reach.
+    /// Returns the keys of some root blocks of a plan's grid. Cost: one pass over the clusters in their
+    /// reach.
     pub(crate) fn root_block_keys(
         &self,
         plan: &Plan<'_>,
@@ -141,7 +143,7 @@ fn material(material: &Material, textures: &[Hash]) -> Hash {
     hasher.update(&flags);
     match alpha {
         AlphaMode::Opaque => hasher.update(&[0]),
-        // Only what is masked has an opacity.
+        // Only masked materials use the opacity.
         AlphaMode::Mask { cutoff } => {
             hasher.update(&[1]);
             hasher.update(&cutoff.to_bits().to_le_bytes());
@@ -169,7 +171,7 @@ fn mesh(mesh: &Mesh, materials: &[Hash]) -> Hash {
     section(&mut |b| uvs.as_flattened().iter().for_each(|x| b.extend(x.to_bits().to_le_bytes())));
     section(&mut |b| b.extend(colors.iter().map(|color| color[3])));
     section(&mut |b| triangles.as_flattened().iter().for_each(|v| b.extend(v.to_le_bytes())));
-    // Triangles that coincide are in the order of their materials' numbers.
+    // Coincident triangles are sorted by material number, so the pages depend on the numbers.
     section(&mut |b| triangle_materials.iter().for_each(|m| b.extend(m.to_le_bytes())));
     let mut used = triangle_materials.clone();
     used.sort_unstable();

@@ -1,5 +1,5 @@
-//! First surfaces, and the insides of solids, for every texel of a light-aligned grid, tile by tile: the input for
-//! structures that voxelize depth themselves.
+//! First surfaces, and the insides of solids, for every texel of a light-aligned grid, tile by tile: the
+//! input for structures that voxelize depth themselves.
 
 use adumbra::{Bias, LightGrid, MAX_SLOPE, Receivers};
 use adumbra_scene::Scene;
@@ -82,8 +82,8 @@ impl<'s> LayerCapture<'s> {
         self.rules.surface_info(MAX_SLOPE, true) as FixedDepth + 1
     }
 
-    /// Calls `visit([column, row], layers)` once for each texel of a tile, in no particular order. Columns and rows are
-    /// counted from the tile's corner; tiles are numbered row by row.
+    /// Calls `visit([column, row], layers)` once for each texel of a tile, in no particular order. Columns
+    /// and rows are counted from the tile's corner; tiles are numbered row by row.
     pub fn tile(&self, tile: usize, buffers: &mut LayerBuffers, mut visit: impl FnMut([u32; 2], Layers<'_>)) {
         let tiles_x = self.grid.size[0].div_ceil(self.tile_side);
         let [x, y] = [tile as u32 % tiles_x, tile as u32 / tiles_x].map(|t| t * self.tile_side);

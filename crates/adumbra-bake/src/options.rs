@@ -1,10 +1,11 @@
 //! The options of a bake, with defaults, ranges and presets.
 
 use std::f64::consts::PI;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
 use adumbra::{Bias, Bounds, Encoding, RangeError, RangeField, Receivers, Region, Sun};
+use adumbra_files::{folder_of, target_of};
 
 use crate::error::{Error, Result};
 
@@ -18,8 +19,8 @@ pub const MAX_SWITCH_WITHIN: u32 = 65_535;
 /// The resolution of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// Texels on the longest side of the scene as the sun sees it; a power of two. Voxels have the same size in either
-    /// frame.
+    /// Texels on the longest side of the scene as the sun sees it; a power of two. Voxels have the same size
+    /// in either frame.
     Resolution(u64),
     /// Edge length of a voxel in world units, in either frame.
     VoxelSize(f64),
@@ -32,17 +33,17 @@ pub enum FrameChoice {
     Light,
     /// Upright, aligned with most of the scene's horizontal edges.
     Oblique,
-    /// Upright, with the grid's x axis at this angle from the world's +X towards +Z, in radians. Bakes of parts of a
-    /// world share their voxels only if they share the angle.
+    /// Upright, with the grid's x axis at this angle from the world's +X towards +Z, in radians. Bakes of
+    /// parts of a world share their voxels only if they share the angle.
     ObliqueAt(f64),
-    /// Light, if the sun is below [`LOWEST_OBLIQUE_DEGREES`]. Otherwise the frame in which the file is smaller in a
-    /// forecast from a few blocks; oblique if the forecast finds no difference.
+    /// Light, if the sun is below [`LOWEST_OBLIQUE_DEGREES`]. Otherwise the frame in which the file is
+    /// smaller in a forecast from a few blocks; oblique if the forecast finds no difference.
     #[default]
     Auto,
 }
 
-/// Elevation of the sun in degrees below which [`FrameChoice::Auto`] does not consider the oblique frame: a shadow
-/// would be more than eleven times as long as its caster is high, and the grid would be as long.
+/// Elevation of the sun in degrees below which [`FrameChoice::Auto`] does not consider the oblique frame: a
+/// shadow would be more than eleven times as long as its caster is high, and the grid would be as long.
 pub const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
 
 /// Whether shadows below the last surface of a column are left out, because they would fall on nothing.
@@ -63,8 +64,8 @@ impl From<bool> for AssumeGround {
     }
 }
 
-/// The method that finds the columns. Both give the same answer at every point that must be answered. Their files
-/// differ in voxels that cannot be seen.
+/// The method that finds the columns. Both give the same answer at every point that must be answered. Their
+/// files differ in voxels that cannot be seen.
 #[doc(hidden)]
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ColumnBuilder {
@@ -84,11 +85,11 @@ pub struct BakeOptions {
     pub frame: FrameChoice,
     /// The resolution of the grid.
     pub size: Size,
-    /// How far below an open surface a shadow may begin, in world units along the light, at least 0. The bias at the
-    /// surface's slope applies instead if it is larger.
+    /// How far below an open surface a shadow may begin, in world units along the light, at least 0. The bias
+    /// at the surface's slope applies instead if it is larger.
     pub thickness_world: f64,
-    /// Whether to assume that nothing is below the last surface of a column, so that its shadow may begin anywhere
-    /// there.
+    /// Whether to assume that nothing is below the last surface of a column, so that its shadow may begin
+    /// anywhere there.
     pub assume_ground: AssumeGround,
     /// Whether voxels inside closed components may be either lit or shadowed.
     pub closed_regions: bool,
@@ -96,27 +97,30 @@ pub struct BakeOptions {
     pub ignore_alpha: bool,
     /// Which points must be answered.
     pub receivers: Receivers,
-    /// The region to cover instead of the scene's own extent. Casters outside it on the sunward side still cast into
-    /// it.
+    /// The region to cover instead of the scene's own extent. Casters outside it on the sunward side still
+    /// cast into it.
     pub bounds: Option<Bounds>,
     /// The look-up bias that the bake allows for.
     pub bias: Bias,
-    /// Largest number of bytes that the bake may hold; `None` = no limit. What does not fit is kept in temporary files.
+    /// Largest number of bytes that the bake may hold; `None` = no limit. What does not fit is kept in
+    /// temporary files.
     pub max_memory_bytes: Option<u64>,
     /// Folder for the temporary files, which have no names; `None` = the system's folder.
     pub spill_folder: Option<PathBuf>,
-    /// How far behind its first surface a column may switch to shadow, in voxels, at most [`MAX_SWITCH_WITHIN`]; 0 =
-    /// anywhere that neither receivers nor the filters around them read. In a block that no contour crosses, the
-    /// distance counts from the block's deepest first surface for all of its columns. A limit makes files larger. It
-    /// serves filters around points that are not part of the scene, such as movers beside a wall.
+    /// How far behind its first surface a column may switch to shadow, in voxels, at most
+    /// [`MAX_SWITCH_WITHIN`]; 0 = anywhere that neither receivers nor the filters around them read. In a
+    /// block that no contour crosses, the distance counts from the block's deepest first surface for all of
+    /// its columns. A limit makes files larger. It serves filters around points that are not part of the
+    /// scene, such as movers beside a wall.
     pub switch_within_voxels: u32,
-    /// Number of levels of detail, from 1 to [`MAX_LEVELS`](adumbra::file::MAX_LEVELS). Each has voxels four times as
-    /// large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
+    /// Number of levels of detail, from 1 to [`MAX_LEVELS`](adumbra::file::MAX_LEVELS). Each has voxels four
+    /// times as large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
     pub levels: u32,
-    /// How [`bake_to`](crate::bake_to) stores the voxels.
+    /// How the voxels are stored in a file that is written.
     pub encoding: Encoding,
     /// The region of the world to cover instead of the scene's own extent. Set by
-    /// [`RegionPlan::options`](crate::RegionPlan::options), with a frame and a voxel size that all regions share.
+    /// [`RegionPlan::options`](crate::RegionPlan::options), with a frame and a voxel size that all regions
+    /// share.
     #[doc(hidden)]
     pub region: Option<Region>,
     /// The method that finds the columns.
@@ -126,13 +130,13 @@ pub struct BakeOptions {
 
 /// Levels of detail of a bake, unless another number is asked for.
 pub const DEFAULT_LEVELS: u32 = 3;
-/// Texels on the longest side of the scene below which a bake has no coarser level: its few root blocks would each have
-/// nearly all triangles.
+/// Texels on the longest side of the scene below which a bake has no coarser level: its few root blocks would
+/// each have nearly all triangles.
 pub const LEAST_LEVEL_TEXELS: u32 = 256;
 
 impl BakeOptions {
-    /// Creates default options for a sun and a size: a ground assumed where the scene has one, closed regions used,
-    /// every point answered.
+    /// Creates default options for a sun and a size: a ground assumed where the scene has one, closed regions
+    /// used, every point answered.
     pub fn new(sun: Sun, size: Size) -> Self {
         Self {
             sun,
@@ -153,6 +157,15 @@ impl BakeOptions {
             region: None,
             builder: ColumnBuilder::Fast,
         }
+    }
+
+    /// Returns the options with the folder of `path` for temporary files, unless they name one. The system's
+    /// folder may be in memory; that of an output is on a disk.
+    pub(crate) fn spilling_beside(&self, path: &Path) -> Self {
+        let mut options = self.clone();
+        let target = || target_of(path).unwrap_or_else(|_| path.to_owned());
+        options.spill_folder.get_or_insert_with(|| folder_of(&target()));
+        options
     }
 
     /// Returns the number of levels of a bake at this resolution.
@@ -202,10 +215,12 @@ pub fn check_bounds(b: &Bounds) -> Result<()> {
 }
 
 impl Size {
-    /// Returns the edge of a voxel for a space whose longest side is `longest_side`, without the limits of one grid.
+    /// Returns the edge of a voxel for a space whose longest side is `longest_side`, without the limits of
+    /// one grid.
     ///
     /// # Errors
-    /// Returns [`Error::Range`] if the size is not above 0, and [`Error::Resolution`] for a resolution that no file has.
+    /// Returns [`Error::Range`] if the size is not above 0, and [`Error::Resolution`] for a resolution that
+    /// no file has.
     pub(crate) fn voxel_size(self, longest_side: f64) -> Result<f64> {
         match self {
             Self::VoxelSize(size) if size.is_finite() && size > 0.0 => Ok(size),

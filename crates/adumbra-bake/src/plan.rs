@@ -1,4 +1,4 @@
-//! What is known before the first block: root blocks, settings and the memory budget.
+//! The plan of a bake, made before the first block: root blocks, settings and the memory budget.
 
 use std::sync::{Arc, Mutex};
 
@@ -31,7 +31,7 @@ pub(crate) struct Plan<'s> {
     /// Bytes that each worker holds.
     pub(crate) worker_bytes: u64,
     limit_bytes: Option<u64>,
-    /// Storage for the pages of what is built.
+    /// Storage for finished pages.
     pub(crate) spill: Arc<Spill>,
 }
 
@@ -108,23 +108,23 @@ const MIN_ROOT_LEVEL: u32 = 5;
 const MAX_PLAIN_ROOT_LEVEL: u32 = 10;
 /// log2 of the number of root blocks that a bake aims at across the resolution.
 const TOP_GRID_LEVEL: u32 = 5;
-/// A grid that is longer than so many times the resolution has larger root blocks: at most 2 · `LONG_GRID` ·
-/// 2^[`TOP_GRID_LEVEL`] across.
+/// A grid that is longer than this many times the resolution has larger root blocks:
+/// at most 2 · `LONG_GRID` · 2^[`TOP_GRID_LEVEL`] of them across.
 const LONG_GRID: u32 = 4;
 
-/// Grids begin and end at multiples of a lattice step from the world's origin, so that texels stay where they are when
-/// a scene grows. The step is this share of the resolution, within the limits below, so that small grids are not mostly
-/// margin.
+/// Grids begin and end at multiples of a lattice step from the world's origin, so that texels stay where they
+/// are when a scene grows. The step is this share of the resolution, within the limits below, so that small
+/// grids are not mostly margin.
 const STEPS_ACROSS: u32 = 8;
 const MIN_STEP: u32 = 8;
 /// Largest lattice step, texels: a page of the file.
 const MAX_STEP: u32 = 1 << PAGE_LEVEL;
 
-/// More than rounding adds to a coordinate, relative to it.
+/// Upper bound on the relative rounding error of a coordinate.
 const ROUNDING: f64 = 1e-9;
 
-/// Returns the lattice step, in texels, of a bake whose finest level has this resolution. All levels use it, so that
-/// each has whole steps where the finest one has.
+/// Returns the lattice step, in texels, of a bake whose finest level has this resolution. All levels use it,
+/// so that each has whole steps where the finest one has.
 pub(crate) fn lattice_step(finest_resolution: u32) -> u32 {
     (finest_resolution / STEPS_ACROSS).clamp(MIN_STEP, MAX_STEP)
 }
@@ -150,7 +150,7 @@ impl<'s> Plan<'s> {
         Self::binned(scene, options, placement, clusters, None)
     }
 
-    /// Plans a bake as [`Plan::placed`] does, with the casters of an earlier plan of the same.
+    /// Plans a bake as [`Plan::placed`] does, with the bins of an earlier plan of the same bake.
     pub(crate) fn binned(
         scene: &'s Scene,
         options: &BakeOptions,
@@ -168,7 +168,7 @@ impl<'s> Plan<'s> {
             depth_voxels: grid.size[2],
             normal_offset: NormalOffset::new(&options.bias, &grid),
         };
-        // Left to the bake until a choice is made.
+        // An undecided `Auto` counts as no ground.
         let assume_ground = options.assume_ground == AssumeGround::Yes;
         let rules = rules.with_ground(assume_ground, &grid);
         let reach = rules.contact_reach_texels() + 1.0;
@@ -211,7 +211,7 @@ impl<'s> Plan<'s> {
             spill: Arc::new(Spill::unlimited()),
         };
         if let Some(limit) = plan.limit_bytes {
-            // At least one worker. Half of the remaining memory is for what is built.
+            // Use at least one worker. Half of the remaining memory is for the structure that is built.
             let room = limit.saturating_sub(scene_bytes) / 2;
             plan.workers = plan.workers.min((room / worker_bytes.max(1)) as usize).max(1);
         }
@@ -232,12 +232,12 @@ impl<'s> Plan<'s> {
         }
     }
 
-    /// Bytes of everything but what is built.
+    /// Bytes of everything but the structure that is built.
     pub(crate) fn baking_bytes(&self) -> u64 {
         self.scene_bytes + self.workers as u64 * self.worker_bytes
     }
 
-    /// Bytes for entries while they are read, if memory is limited: what workers need later.
+    /// Bytes for entries while they are read, if memory is limited: the bytes that workers need later.
     pub(crate) fn room_for_entries(&self) -> Option<u64> {
         self.limit_bytes.map(|_| self.workers as u64 * self.worker_bytes)
     }
@@ -251,15 +251,15 @@ impl<'s> Plan<'s> {
         Ok(self.spill.resident_bytes())
     }
 
-    /// Limits the memory for pages, while a structure of `held_bytes` is built, to what the bake and the structure
-    /// leave. The `finish_bytes` that finishing it will need stay free from the start: pages that go to disk only then
-    /// leave holes that nothing large fits.
+    /// Limits the memory for pages, while a structure of `held_bytes` is built, to what the bake and the
+    /// structure leave. The `finish_bytes` that finishing it will need stay free from the start: if pages
+    /// went to disk only then, they would leave holes too small for large allocations.
     pub(crate) fn limit_pages_while_building(&self, held_bytes: u64, finish_bytes: u64) {
         let working_bytes = self.workers as u64 * self.worker_bytes;
         self.limit_pages(self.scene_bytes + held_bytes + working_bytes.max(finish_bytes));
     }
 
-    /// Limits the memory for pages to what `held_bytes` leave.
+    /// Limits the memory for pages to the limit less `held_bytes`.
     pub(crate) fn limit_pages(&self, held_bytes: u64) {
         if let Some(limit) = self.limit_bytes {
             self.spill.limit_to(limit.saturating_sub(held_bytes));
@@ -276,7 +276,7 @@ impl<'s> Plan<'s> {
     }
 }
 
-/// The extents of what a bake covers, along the axes of frames.
+/// The extents of the bounds or the scene that a bake covers, along the axes of frames.
 pub(crate) struct Extents<'s> {
     scene: &'s Scene,
     pub(crate) corners: Corners,
@@ -284,7 +284,7 @@ pub(crate) struct Extents<'s> {
     bounds: Option<Bounds>,
     /// Along the axes of [`Frame::Light`].
     light: LightExtent,
-    /// Along those of the other frame that was asked for last.
+    /// Along the axes of the other frame that was last requested.
     other: Mutex<Option<LightExtent>>,
 }
 
@@ -299,8 +299,8 @@ impl<'s> Extents<'s> {
         extents
     }
 
-    /// Returns the resolution, and the size of a voxel. The resolution counts texels as the sun sees the scene, so that
-    /// voxels have one size in either frame.
+    /// Returns the resolution, and the size of a voxel. The resolution counts texels as the sun sees the
+    /// scene, so that voxels have one size in either frame.
     pub(crate) fn resolution_and_voxel_size(&self, options: &BakeOptions) -> Result<(u32, f64)> {
         options.size.resolve(self.longest_side())
     }

@@ -9,15 +9,15 @@ use crate::options::{BakeOptions, FrameChoice, Size};
 use crate::plan::{Placement, lattice_step};
 use crate::triangles::casters::SceneClusters;
 
-/// How far beyond its sides, in texels of any level, a region's look-ups may read: half of the widest filter, and what
-/// the normal offset of the bias may add. Pages beyond the sides have at least as many.
+/// How far beyond its sides, in texels of any level, a region's look-ups may read: half of the widest filter,
+/// and what the normal offset of the bias may add. Pages beyond the sides have at least as many.
 pub(crate) const REACH_TEXELS: f64 = 32.0;
 
 /// Places the grids of all levels of a region: its columns, and the pages that its filters reach.
 ///
 /// # Errors
-/// Returns [`Error::Range`](crate::Error::Range) if the options have no frame or no voxel size, and if the grid has too
-/// many voxels along the light.
+/// Returns [`Error::Range`](crate::Error::Range) if the options have no frame or no voxel size, and if the
+/// grid has too many voxels along the light.
 pub(crate) fn placements(
     scene: &Scene,
     clusters: &SceneClusters,
@@ -63,8 +63,8 @@ fn not_shared(value: &str) -> crate::Error {
     .into()
 }
 
-/// Returns the depths between which the casters are over a region and up to `beyond_texels` beside it, in voxels of the
-/// finest level.
+/// Returns the depths between which the casters are over a region and up to `beyond_texels` beside it, in
+/// voxels of the finest level.
 fn depths(
     scene: &Scene,
     clusters: &SceneClusters,

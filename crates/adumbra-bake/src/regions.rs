@@ -1,4 +1,4 @@
-//! Cuts a world that is too wide for one file into regions, each with a file of its own.
+//! Cuts a world that is too wide for one file into regions, each with its own file.
 
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
@@ -20,8 +20,8 @@ pub const DEFAULT_REGION_TEXELS: u32 = 1 << 17;
 /// Most regions of a world.
 const MAX_REGIONS: usize = 1 << 16;
 
-/// A world cut into regions. Look-ups in their files answer as look-ups in one file of the whole world would: all share the
-/// voxels, and each file goes on beyond the sides of its region as far as filters read.
+/// A world cut into regions. Look-ups in their files answer as look-ups in one file of the whole world would:
+/// all share the voxels, and each file extends beyond the sides of its region as far as filters read.
 #[derive(Clone, Debug)]
 pub struct RegionPlan {
     frame: Frame,
@@ -33,12 +33,13 @@ pub struct RegionPlan {
 }
 
 impl RegionPlan {
-    /// Cuts the world of `scene` into regions of `texels` texels a side, a power of two. Only those that a shadow reaches are
-    /// listed. The frame and the voxel size are chosen as for one bake, but neither the resolution nor the voxel size has a limit.
+    /// Cuts the world of `scene` into regions of `texels` texels a side, a power of two. Only those that a
+    /// shadow reaches are listed. The frame and the voxel size are chosen as for one bake, but neither the
+    /// resolution nor the voxel size has a limit.
     ///
     /// # Errors
-    /// Returns an error if an option or the number of regions is out of range, if bounds are given, or if the scene does
-    /// not fit `max_memory_bytes`.
+    /// Returns an error if an option or the number of regions is out of range, if bounds are given, or if the
+    /// scene does not fit `max_memory_bytes`.
     pub fn new(scene: &Scene, options: &BakeOptions, texels: u32) -> Result<Self> {
         options.check()?;
         Region::check_texels(texels)?;
@@ -56,7 +57,7 @@ impl RegionPlan {
         let clusters = SceneClusters::new(scene, caster_options(options));
         let extents = Extents::new(scene, options);
         let voxel_size = options.size.voxel_size(extents.longest_side())?;
-        // The forecast of the frame is of a coarse bake, whatever the voxels are.
+        // The forecast that chooses the frame bakes coarsely, whatever the voxel size.
         let forecast = match options.size.resolve(extents.longest_side()) {
             Ok(_) => options.clone(),
             Err(_) => BakeOptions { size: Size::Resolution(FORECAST_RESOLUTION), ..options.clone() },
@@ -90,7 +91,7 @@ impl RegionPlan {
         }
     }
 
-    /// Returns how the grid lies in the world.
+    /// Returns the frame of the grids.
     pub fn frame(&self) -> Frame {
         self.frame
     }
@@ -109,7 +110,8 @@ impl RegionPlan {
 /// Resolution of the bake whose frame is forecast for worlds with more texels than a file can have.
 const FORECAST_RESOLUTION: u64 = crate::MAX_RESOLUTION as u64;
 
-/// Returns the regions whose look-ups may meet a caster, with the number of triangles of the clusters in reach.
+/// Returns the regions whose look-ups may meet a caster, with the number of triangles of the clusters in
+/// reach.
 fn reached(
     scene: &Scene,
     clusters: &Arc<SceneClusters>,

@@ -26,8 +26,8 @@ impl RootBlocks<'_> {
         (self.top_dims[0] * self.top_dims[1]) as usize
     }
 
-    /// Returns `samples` root blocks spread evenly from the emptiest to the fullest, in the order of `fullness`. There
-    /// must be at least as many blocks.
+    /// Returns `samples` root blocks spread evenly from the emptiest to the fullest, in the order of
+    /// `fullness`. There must be at least as many blocks.
     pub(crate) fn sampled(
         &self,
         samples: usize,
@@ -40,7 +40,8 @@ impl RootBlocks<'_> {
         (0..samples).map(move |s| by_fullness[(2 * s + 1) * blocks / (2 * samples)])
     }
 
-    /// Returns the number of corners of casting triangles over each root block, in whatever order they are.
+    /// Returns the number of corners of casting triangles over each root block. The order of triangles does
+    /// not matter.
     ///
     /// Cost: one pass over the vertices of all instances.
     pub(crate) fn corners_over(&self, corners: &Corners) -> Vec<u64> {

@@ -33,7 +33,7 @@ impl<'a, 's> Tally<'a, 's> {
         self.drawn_texels.fetch_add(texels, Ordering::Relaxed);
     }
 
-    /// Records a finished root block. `held_bytes` is the size of what has been built, apart from its pages;
+    /// Records a finished root block. `held_bytes` is the size of the structure so far, apart from its pages;
     /// `result_bytes` is the size of the result so far.
     ///
     /// # Errors
@@ -58,7 +58,8 @@ impl<'a, 's> Tally<'a, 's> {
         Ok(())
     }
 
-    /// Checks the memory after the last root block, when `held_bytes` are needed besides the scene and the pages.
+    /// Checks the memory after the last root block, when `held_bytes` are needed besides the scene and the
+    /// pages.
     ///
     /// # Errors
     /// Returns the errors of [`Tally::finished_root_block`].

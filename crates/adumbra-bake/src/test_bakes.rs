@@ -3,7 +3,7 @@
 use adumbra::layout::depths::DepthTree;
 use adumbra_scene::Scene;
 
-use crate::bake::build_planned;
+use crate::bake::structure::build_planned;
 use crate::choose;
 use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, capture};
@@ -14,7 +14,8 @@ use crate::root_blocks::RootBlocks;
 use crate::sink::depths::DepthsSink;
 use crate::triangles::surface::BinSurfaces;
 
-/// Bakes the depths of the finest level for `options`. `merged`: equal shapes are stored once, as in every file.
+/// Bakes the depths of the finest level for `options`. `merged`: equal shapes are stored once, as in every
+/// file.
 pub(crate) fn bake_depths(scene: &Scene, options: &BakeOptions, merged: bool) -> Result<(DepthTree, Report)> {
     let plan = choose::plan(scene, options)?;
     let built = build_planned(&plan, options, Watch::none(), |plan| {

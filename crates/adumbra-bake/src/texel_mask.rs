@@ -41,8 +41,8 @@ pub(crate) fn rectangle(columns: (i64, i64), rows: (i64, i64)) -> u64 {
     (row * 0x0101_0101_0101_0101) & (u64::MAX << (8 * top)) & (u64::MAX >> (8 * (7 - bottom)))
 }
 
-/// Returns the texels where a linear function is at least 0: `first` at texel 0, plus `step_x` per column and `step_y`
-/// per row.
+/// Returns the texels where a linear function is at least 0: `first` at texel 0, plus `step_x` per column and
+/// `step_y` per row.
 #[inline(always)]
 pub(crate) fn not_negative(first: i64, step_x: i64, step_y: i64) -> u64 {
     // Collects sign bits, one lane per column and one byte per row, so that compilers vectorize the loop.
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rectangle_is_cut_at_the_block() {
+    fn rectangle_is_clipped_to_the_block() {
         assert_eq!(rectangle((0, 7), (0, 7)), u64::MAX);
         assert_eq!(rectangle((-3, 1), (6, 90)), 0x0303_0000_0000_0000);
         assert_eq!(rectangle((2, 1), (0, 7)), 0);
@@ -83,7 +83,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn masks_hold_the_texels_that_they_say(
+        fn masks_equal_sets_of_single_texels(
             first in -5_000_i64..5_000, step_x in -900_i64..900, step_y in -900_i64..900,
             columns in (-3_i64..10, -3_i64..10), rows in (-3_i64..10, -3_i64..10),
         ) {

@@ -1,5 +1,5 @@
-//! The direction in which most of a scene's horizontal edges run, for the oblique frame: what is aligned with the grid
-//! takes the fewest bytes.
+//! The direction in which most of a scene's horizontal edges run, for the oblique frame: geometry that is
+//! aligned with the grid takes the fewest bytes.
 
 use std::f64::consts::FRAC_PI_2;
 

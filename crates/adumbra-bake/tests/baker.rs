@@ -6,8 +6,8 @@ use std::sync::{Arc, Mutex};
 
 use adumbra::{Bounds, Encoding, IoError, Sun};
 use adumbra_bake::{
-    BakeCache, BakeOptions, BakePlan, Baker, BakerPage, CacheKey, Error, Fetched, MemoryCache, Size, Watch,
-    bake_to,
+    Bake, BakeCache, BakeOptions, BakePlan, Baker, BakerPage, CacheKey, Error, Fetched, MemoryCache, Size,
+    Watch,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{Added, Edits, GeneratedKind, Moved, Which, generate};
@@ -20,13 +20,13 @@ fn options(resolution: u64) -> BakeOptions {
 
 fn fresh(baker: &Baker) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    bake_to(baker.scene(), baker.options(), Watch::none(), &mut out).unwrap();
+    Bake::with_options(baker.scene(), baker.options()).write_to(&mut out).unwrap();
     out.into_inner()
 }
 
 fn written(baker: &Baker) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    baker.write_to(Watch::none(), &mut out).unwrap();
+    baker.write_to(&mut out, Watch::none()).unwrap();
     out.into_inner()
 }
 
@@ -44,10 +44,10 @@ fn edits(baker: &Baker, random: &mut Random) -> Edits {
     }
 }
 
-/// Edits a city and bakes it again so many times. Returns the numbers of texels that each bake drew.
+/// Edits a city and bakes it again this many times. Returns the numbers of texels that each bake drew.
 fn edited_files(resolution: u64, bakes: usize) -> Vec<u64> {
     let mut baker = Baker::new(generate(GeneratedKind::City, 3), &options(resolution)).unwrap();
-    let error = baker.file().map(|_| ()).unwrap_err();
+    let error = baker.in_memory().map(|_| ()).unwrap_err();
     assert!(matches!(error, Error::MissingParts { .. }), "{error}");
     let mut random = Random::for_batch(3, 3);
     let all = baker.pages().count();
@@ -56,12 +56,12 @@ fn edited_files(resolution: u64, bakes: usize) -> Vec<u64> {
         let due = baker.pages().filter(|page| !page.is_baked).count();
         assert!(if number == 0 { due == all } else { due > 0 && due < all }, "{number}: {due} of {all}");
         let done = baker.bake(None, Watch::none()).unwrap();
-        // What an earlier scene had in the same place may still be there.
+        // Entries of an earlier scene may be reused for due pages.
         assert!(done.baked + done.reused == due && baker.pages().all(|page| page.is_baked));
         drawn_texels.push(done.drawn_texels);
         let bytes = written(&baker);
         assert!(bytes == fresh(&baker), "{number}");
-        assert!(baker.file().unwrap().to_bytes(Encoding::Coded).unwrap() == bytes, "{number}");
+        assert!(baker.in_memory().unwrap().to_bytes(Encoding::Coded).unwrap() == bytes, "{number}");
         let edits = edits(&baker, &mut random);
         baker.edit(&edits).unwrap();
     }
@@ -73,15 +73,15 @@ fn edited_files(resolution: u64, bakes: usize) -> Vec<u64> {
 }
 
 #[test]
-fn edited_small_files_are_those_of_fresh_bakes() {
+fn edited_small_files_equal_fresh_bakes() {
     edited_files(1024, 2);
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn edited_files_are_those_of_fresh_bakes() {
+fn edited_files_equal_fresh_bakes() {
     let drawn_texels = edited_files(1024, 12);
-    // Of pages with many root blocks, only those are built that an edit touches.
+    // In pages with many root blocks, only the blocks that an edit touches are built.
     let edited = drawn_texels[1..].iter().sum::<u64>() / 11;
     assert!(12 * edited < drawn_texels[0], "{drawn_texels:?}");
 }
@@ -126,7 +126,7 @@ fn coarse_levels_and_pages_near_the_focus_come_first() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     pool.install(|| baker.bake_coarser(Some(focus), Watch::none())).unwrap();
     let mut out = Cursor::new(Vec::new());
-    let written = baker.write_coarser_to(Watch::none(), &mut out).unwrap();
+    let written = baker.write_coarser_to(&mut out, Watch::none()).unwrap();
     assert_eq!((written.levels, written.settings.resolution), (2, 1024));
     let plan = BakePlan::new(&scene, baker.options()).unwrap();
     let level_of = |key: &CacheKey| plan.parts().iter().find(|part| part.key() == key).unwrap().level();

@@ -7,8 +7,8 @@ use std::sync::Arc;
 
 use adumbra::{Bias, Bounds, Encoding, Receivers, Sun};
 use adumbra_bake::{
-    AssumeGround, BakeCache, BakeOptions, CacheKey, ColumnBuilder, DiskCache, Fetched, FrameChoice, Report,
-    Size, Watch, bake_to, bake_with_cache,
+    AssumeGround, Bake, BakeCache, BakeOptions, CacheKey, ColumnBuilder, DiskCache, Fetched, FrameChoice,
+    Report, Size,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{
@@ -39,17 +39,18 @@ fn options(resolution: u64) -> BakeOptions {
 
 fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    bake_to(scene, options, Watch::none(), &mut out).expect("a good bake");
+    Bake::with_options(scene, options).write_to(&mut out).expect("a good bake");
     out.into_inner()
 }
 
 fn with_cache(scene: &Scene, options: &BakeOptions, cache: &Arc<dyn BakeCache>) -> (Vec<u8>, Report) {
     let mut out = Cursor::new(Vec::new());
-    let written = bake_with_cache(scene, options, cache, Watch::none(), &mut out).expect("a good bake");
+    let written =
+        Bake::with_options(scene, options).cache(Arc::clone(cache)).write_to(&mut out).expect("a good bake");
     (out.into_inner(), written.report)
 }
 
-/// Edits a scene at random, and says how.
+/// Edits a scene at random, and returns a description of the edit.
 fn edit(scene: &mut Scene, random: &mut Random) -> String {
     let mut below = |count: usize| (random.unit() * count as f64) as usize;
     let instance = below(scene.instances.len());
@@ -111,7 +112,7 @@ fn edits_are_fresh_bakes(name: &str, mut scene: Scene, options: &BakeOptions, ed
         let (bytes, report) = with_cache(&scene, options, &cache);
         assert!(bytes == fresh(&scene, options), "{name}: {number}: {what}");
         reused += report.reused_root_blocks;
-        // Nothing changed: all is there.
+        // Nothing has changed, so all entries are found.
         let (again, report) = with_cache(&scene, options, &cache);
         assert!(
             again == bytes && report.reused_root_blocks == report.root_blocks,
@@ -148,7 +149,8 @@ fn edited_scenes_without_bounds_have_the_bytes_of_fresh_bakes() {
     }
 }
 
-/// Real scenes: instances and, with `ADUMBRA_FULL`, one mesh of a whole town, and terrain with trees under masks.
+/// Real scenes: instances and, with `ADUMBRA_FULL`, one mesh of a whole town, and terrain with trees under
+/// masks.
 #[test]
 #[ignore = "slow: real scenes"]
 fn edits_of_real_scenes_have_the_bytes_of_fresh_bakes() {
@@ -169,8 +171,7 @@ fn edits_of_root_blocks_of_several_pages_have_the_bytes_of_fresh_bakes() {
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(32768), 3);
 }
 
-/// A store that has the entries of one bake is of no use to a bake with another option, unless the option matters to no
-/// page.
+/// A bake reuses no entry of a bake with other options, unless the option that differs affects no page.
 #[test]
 fn every_relevant_option_changes_the_keys() {
     let scene = generate(GeneratedKind::Primitives, 3);
@@ -236,7 +237,7 @@ fn small_options() -> BakeOptions {
     BakeOptions { bounds, ..options(128) }
 }
 
-/// A store that has the entries of other scenes is of no use to one that differs in a property that may matter.
+/// A bake reuses no entry of a scene that differs in a property that may affect pages.
 #[test]
 fn every_relevant_property_changes_the_keys() {
     let changes: [fn(&mut Scene); 22] = [
@@ -300,7 +301,7 @@ fn damaged_entries_are_rebuilt() {
     });
     let (again, report) = with_cache(&scene, &options, &cache);
     assert!(again == bytes && report.reused_root_blocks == 0);
-    // They have been replaced.
+    // The damaged entries have been replaced.
     for (key, entry) in &whole {
         assert_eq!(memory.get(key, u64::MAX).unwrap(), Fetched::Whole(entry.clone()));
     }
@@ -308,7 +309,7 @@ fn damaged_entries_are_rebuilt() {
     let first = whole[0].1.clone();
     each(&memory, |entry| entry.clone_from(&first));
     let (again, report) = with_cache(&scene, &options, &cache);
-    // Only under its own key it is whole: a page has 16 x 16 root blocks of 32 texels at most.
+    // The entry is valid only under its own key: a page has at most 16 x 16 root blocks of 32 texels.
     assert!(again == bytes && (1..=256).contains(&report.reused_root_blocks), "{report:?}");
 }
 
@@ -355,13 +356,14 @@ fn entries_damaged_on_disk_are_rebuilt() {
         fs::write(file, damaged).unwrap();
         let (again, report) = with_cache(&scene, &options, &cache);
         assert!(again == bytes && report.reused_root_blocks == 0, "{at}");
-        // It has been replaced.
+        // The damaged entry has been replaced.
         assert!(fs::read(file).unwrap() == whole, "{at}");
     }
 }
 
-/// Entries are named after the rules by which they were made. If pages change for the same surfaces, `RULES` in
-/// `src/inputs.rs` must change too, so that no bake takes pages that were made by other rules.
+/// The keys of entries include the version of the rules by which pages are made. If pages change for the same
+/// surfaces, `RULES` in `src/inputs.rs` must change too, so that no bake takes pages that were made by other
+/// rules.
 #[test]
 fn pages_change_only_with_the_version_of_the_rules() {
     let mut digest = blake3::Hasher::new();
@@ -374,7 +376,7 @@ fn pages_change_only_with_the_version_of_the_rules() {
             let memory = Arc::new(InMemory::default());
             let cache: Arc<dyn BakeCache> = memory.clone();
             with_cache(&scene, &options, &cache);
-            // Their heads have the version of the rules.
+            // Skip the heads, which depend on the version of the rules.
             let mut pages: Vec<Vec<u8>> =
                 memory.0.lock().unwrap().values().map(|bytes| bytes[40..].to_vec()).collect();
             pages.sort_unstable();

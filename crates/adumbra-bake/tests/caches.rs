@@ -1,4 +1,4 @@
-//! Caches that are damaged, full or not what they seem: bakes go on without them, and nothing that is not an entry is
+//! Damaged, full and failing caches: bakes continue without them. Only entries and temporary files are
 //! removed.
 
 use std::fs::{self, File};
@@ -10,8 +10,8 @@ use std::time::{Duration, SystemTime};
 
 use adumbra::{IoError, Sun};
 use adumbra_bake::{
-    BakeCache, BakeOptions, BakePlan, Baker, BestEffortCache, CacheKey, DiskCache, ENTRY_MAGIC, Error,
-    Fetched, FrameChoice, MemoryCache, PartBaker, Report, Size, Watch, bake_to, bake_with_cache, link,
+    Bake, BakeCache, BakeOptions, BakePlan, Baker, BestEffortCache, CacheKey, DiskCache, ENTRY_MAGIC, Error,
+    Fetched, FrameChoice, MemoryCache, PartBaker, Report, Size, Watch, link,
 };
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
@@ -26,7 +26,7 @@ fn scene() -> Scene {
 
 fn fresh(scene: &Scene) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    bake_to(scene, &options(), Watch::none(), &mut out).unwrap();
+    Bake::with_options(scene, &options()).write_to(&mut out).unwrap();
     out.into_inner()
 }
 
@@ -37,7 +37,7 @@ fn bake_with(scene: &Scene, cache: impl BakeCache + 'static) -> (Vec<u8>, Report
 
 fn bake_from(scene: &Scene, cache: &Arc<dyn BakeCache>) -> (Vec<u8>, Report) {
     let mut out = Cursor::new(Vec::new());
-    let written = bake_with_cache(scene, &options(), cache, Watch::none(), &mut out).unwrap();
+    let written = Bake::with_options(scene, &options()).cache(Arc::clone(cache)).write_to(&mut out).unwrap();
     (out.into_inner(), written.report)
 }
 
@@ -93,7 +93,7 @@ fn foreign_files_are_neither_counted_nor_removed() {
         File::options().append(true).open(&left).unwrap().set_modified(long_ago).unwrap();
         others.push(left);
     }
-    // The last three are what a power failure may leave.
+    // A power failure may leave files like the last three.
     let removable = [
         write(place.join("ab").join(name("f")), &entry),
         write(place.join("00").join(name("1")), b"ADUM"),
@@ -125,7 +125,7 @@ fn abandoned_temporary_files_are_counted_and_removed_after_a_day() {
         (path, file)
     };
     let (old, _) = leave(".adumbra-a-abcdef.tmp", 25);
-    // A bake on another machine may write it just now, and its lock may not be seen here.
+    // A bake on another machine may be writing this file, and its lock may not be visible here.
     let (young, _) = leave(".adumbra-a-abcdeg.tmp", 23);
     let (held, lock) = leave(".adumbra-a-abcdeh.tmp", 25);
     lock.lock().unwrap();
@@ -171,7 +171,7 @@ fn entries_that_are_not_files_or_too_long_are_rebuilt() {
         damage(&damaged);
         let failures = Arc::new(AtomicUsize::new(0));
         let counted = Arc::clone(&failures);
-        let cached = BestEffortCache::new(Arc::new(cache), move |error: &IoError| {
+        let cached = BestEffortCache::new(cache, move |error: &IoError| {
             assert!(error.to_string().contains(".entry"), "{error}");
             counted.fetch_add(1, Ordering::Relaxed);
         });
@@ -210,7 +210,7 @@ impl BakeCache for Failing {
 }
 
 #[test]
-fn a_failing_cache_is_reported_once_and_soon_given_up() {
+fn failing_cache_is_reported_once_and_soon_abandoned() {
     let scene = generate(GeneratedKind::City, 3);
     let bytes = fresh(&scene);
     for reads in [false, true] {
@@ -223,7 +223,7 @@ fn a_failing_cache_is_reported_once_and_soon_given_up() {
         assert!(found == bytes && report.reused_root_blocks == 0);
         let said = said.lock().unwrap();
         assert!(matches!(&said[..], [one] if one.contains("the cache")), "{said:?}");
-        // Three of a kind, and those that other threads had begun.
+        // Three reads and three writes, and the calls that other threads had begun.
         let asked = failing.asked.load(Ordering::Relaxed);
         assert!(asked <= 2 * (3 + rayon::current_num_threads() as u64), "{asked}");
     }
@@ -234,12 +234,12 @@ fn a_baker_links_although_its_cache_fails() {
     let scene = scene();
     for writes in [false, true] {
         let failing = Failing { writes, ..Failing::default() };
-        let cached = BestEffortCache::new(Arc::new(failing), |_| {}).with_memory();
-        let mut baker = Baker::with_cache(scene.clone(), &options(), Arc::new(cached)).unwrap();
+        let cached = BestEffortCache::new(failing, |_| {}).with_memory();
+        let mut baker = Baker::with_cache(scene.clone(), &options(), cached).unwrap();
         let mut out = Cursor::new(Vec::new());
-        // What was taken, and cannot be read again, is baked again until nothing is asked of the cache.
+        // Bake again the entries that the cache took but cannot return, until it is no longer used.
         while let Err(error) =
-            baker.bake(None, Watch::none()).and_then(|_| baker.write_to(Watch::none(), &mut out))
+            baker.bake(None, Watch::none()).and_then(|_| baker.write_to(&mut out, Watch::none()))
         {
             assert!(writes && matches!(error, Error::MissingParts { .. }), "{error}");
             baker.forget();
@@ -281,14 +281,14 @@ fn reads_are_limited_to_the_size_of_a_part_and_the_memory_limit() {
     let limited = BakeOptions { max_memory_bytes: Some(limit), ..options() };
     *noting.1.lock().unwrap() = [0; 2];
     let mut out = Cursor::new(Vec::new());
-    let written = bake_with_cache(&scene, &limited, &cache, Watch::none(), &mut out).unwrap();
+    let written = Bake::with_options(&scene, &limited).cache(Arc::clone(&cache)).write_to(&mut out).unwrap();
     assert!(out.into_inner() == bytes && written.report.reused_root_blocks == written.report.root_blocks);
     let [asked, given] = *noting.1.lock().unwrap();
     assert!(asked <= limit / 8 && (1..limit / 8).contains(&given), "{asked} {given}");
 }
 
 #[test]
-fn linking_says_that_a_part_does_not_fit_the_memory_limit() {
+fn linking_reports_a_part_beyond_the_memory_limit() {
     let (scene, options) = (scene(), options());
     let cache: Arc<dyn BakeCache> = Arc::new(MemoryCache::default());
     let plan = BakePlan::new(&scene, &options).unwrap();
@@ -304,6 +304,6 @@ fn linking_says_that_a_part_does_not_fit_the_memory_limit() {
     };
     let (what, needed_bytes) = refused(10_000);
     assert!(what == "reading a part" && needed_bytes > 10_000, "{what}: {needed_bytes}");
-    // With so much, something else does not fit.
+    // With that much memory, the next step does not fit.
     assert_eq!(refused(needed_bytes).0, "linking the pages");
 }

@@ -1,10 +1,9 @@
-//! Tests shadows that no receiver in the same column requires: beside a wall's foot under a filter, and below casters
-//! sunward of the bounds.
+//! Tests shadows that no receiver in the same column requires: beside a wall's foot under a filter, and below
+//! casters sunward of the bounds.
 
 use adumbra::{Bounds, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::{Instance, Material, Mesh, Scene};
-use adumbra_testing::bake_file;
 
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
@@ -33,7 +32,7 @@ fn boxes(corners: &[([f32; 3], [f32; 3])]) -> Scene {
 
 fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(BakeOptions) -> BakeOptions) -> ShadowFile {
     let options = change(BakeOptions::new(Sun::from_direction(sun).unwrap(), Size::Resolution(512)));
-    bake_file(scene, &options).unwrap()
+    Bake::with_options(scene, &options).in_memory().unwrap()
 }
 
 /// Returns the mean visibility of points with this normal under a filter.
@@ -43,7 +42,8 @@ fn mean(file: &ShadowFile, points: &[[f64; 3]], normal: Option<[f64; 3]>, filter
     sum / points.len() as f64
 }
 
-/// Walls on flat ground: along the foot, on the side away from the sun, every tap of a filter finds wall or shadow.
+/// Walls on flat ground: along the foot, on the side away from the sun, every tap of a filter finds wall or
+/// shadow.
 #[test]
 fn contact_shadows_reach_a_walls_foot_under_a_filter() {
     let sun = [0.6, 0.7, 0.2];
@@ -69,8 +69,8 @@ fn contact_shadows_reach_a_walls_foot_under_a_filter() {
     }
 }
 
-/// A ledge on a wall at grazing sun: below the ledge nearly every tap of the filter finds ledge or shadow, although the
-/// wall's plane rises by many voxels over a block of texels.
+/// A ledge on a wall at grazing sun: below the ledge nearly every tap of the filter finds ledge or shadow,
+/// although the wall's plane rises by many voxels over a block of texels.
 #[test]
 fn contact_shadows_begin_at_a_ledge_under_a_filter() {
     let scene = boxes(&[
@@ -98,7 +98,8 @@ fn bounds_below_a_roof_are_dark() {
     assert_eq!(mean(&baked, &points, None, Filter::Box9), 0.0);
 }
 
-/// No caster is within the bounds, so no block has a surface. A memory limit must still be divided among workers.
+/// No caster is within the bounds, so no block has a surface. A memory limit must still be divided among
+/// workers.
 #[test]
 fn bounds_beside_the_scene_bake_within_a_limit() {
     let scene = boxes(&[([-1.0, 0.0, -1.0], [1.0, 1.0, 1.0])]);

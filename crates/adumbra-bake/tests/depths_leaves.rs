@@ -8,7 +8,7 @@ use adumbra_testing::{Leaf, TreeParts, every_gradient, from_leaves};
 /// The page of a small tree.
 const PAGE: Part = Part::Page([0, 0]);
 
-/// Queries every column of a leaf at layers `layers` in each of the ways.
+/// Queries every column of a leaf at layers `layers` as depths and as leaf masks.
 fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layers: std::ops::Range<u32>) {
     let depths: [u32; 64] = std::array::from_fn(|column| leaf.depth(base, column).unwrap_or(u32::MAX));
     for (column, &depth) in depths.iter().enumerate() {
@@ -28,7 +28,7 @@ fn check_leaf(found: &DepthTree, leaf: &Leaf, base: u32, [i, j]: [u32; 2], layer
 }
 
 #[test]
-fn every_gradient_gives_one_answer_in_every_way() {
+fn depths_and_leaf_masks_agree_for_every_gradient() {
     let base = 452;
     let leaves = every_gradient();
     let found = from_leaves(&leaves, 256, base, 1024).expect("valid leaves");
@@ -45,7 +45,7 @@ fn layers_about(depth: u32) -> std::ops::Range<u32> {
 }
 
 #[test]
-fn any_ranks_and_bases_give_one_answer_in_every_way() {
+fn depths_and_leaf_masks_agree_for_any_ranks_and_bases() {
     let mut random = Random::for_batch(7, 0);
     let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
     for case in 0..400 {
@@ -91,7 +91,7 @@ fn rank_above_the_last_depth_is_refused() {
     assert_eq!(fault(&leaf), None);
     leaf.ranks[9] = 3;
     assert_eq!(fault(&leaf), Some(DepthsError::Ranks { part: PAGE, at: 0, column: 9, last: 2 }));
-    // The last depth, which never switches, is a rank; the number after it is not.
+    // The last depth, which never switches, is a valid rank; the next number is not.
     leaf.never = true;
     assert_eq!(fault(&leaf), None);
     leaf.differences.push(1);

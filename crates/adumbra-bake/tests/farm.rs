@@ -5,9 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use adumbra::{Bounds, Encoding, Receivers, Sun};
-use adumbra_bake::{
-    BakeCache, BakeOptions, BakePlan, Error, PartBaker, Size, Watch, bake_to, bake_with_cache, link,
-};
+use adumbra_bake::{Bake, BakeCache, BakeOptions, BakePlan, Error, PartBaker, Size, Watch, link};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
@@ -21,7 +19,7 @@ fn options(resolution: u64) -> BakeOptions {
 
 fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
     let mut out = Cursor::new(Vec::new());
-    bake_to(scene, options, Watch::none(), &mut out).expect("a good bake");
+    Bake::with_options(scene, options).write_to(&mut out).expect("a good bake");
     out.into_inner()
 }
 
@@ -57,7 +55,7 @@ fn link_in_any_order(kind: GeneratedKind, options: &BakeOptions, random: &mut Ra
     }
     let mut baked = 0;
     for some in ids.chunks(5) {
-        // Each on a machine of its own.
+        // Each baker stands for a separate machine.
         let baker = PartBaker::new(&scene, &plan, options).unwrap();
         let done = baker.bake(some, &cache, Watch::none()).unwrap();
         assert_eq!((done.baked, done.reused), (some.len(), 0));
@@ -70,7 +68,8 @@ fn link_in_any_order(kind: GeneratedKind, options: &BakeOptions, random: &mut Ra
     assert!(linked(&plan, &cache, options).unwrap() == bytes, "{kind:?}");
     // The options of the plan make the same file in one go, and find the same entries.
     let mut out = Cursor::new(Vec::new());
-    let written = bake_with_cache(&scene, &plan.options(), &cache, Watch::none(), &mut out).unwrap();
+    let written =
+        Bake::with_options(&scene, &plan.options()).cache(Arc::clone(&cache)).write_to(&mut out).unwrap();
     assert!(out.into_inner() == bytes, "{kind:?}");
     assert_eq!(written.report.reused_root_blocks, written.report.root_blocks);
 }
@@ -100,7 +99,7 @@ fn parts_in_any_order_link_to_the_bytes_of_one_bake() {
 }
 
 #[test]
-fn shards_are_the_parts_once_each_with_about_equal_costs() {
+fn shards_cover_each_part_once_at_about_equal_cost() {
     let plan = BakePlan::new(&generate(GeneratedKind::City, 3), &options(4096)).unwrap();
     let parts = plan.parts();
     assert!(parts.windows(2).all(|two| two[0].cost() >= two[1].cost()));
@@ -128,7 +127,7 @@ fn missing_damaged_and_foreign_entries_are_errors() {
     let baker = PartBaker::new(&scene, &plan, &options).unwrap();
     baker.bake(&all, &cache, Watch::none()).unwrap();
     let bytes = linked(&plan, &cache, &options).unwrap();
-    // One is lost, one has a wrong bit, and one is another's.
+    // One entry is lost, one has a wrong bit, and one is the entry of another part.
     let keys: Vec<_> = [0, 1, 2].map(|id| *plan.parts()[id].key()).into();
     {
         let mut held = memory.0.lock().unwrap();
@@ -187,7 +186,7 @@ fn plans_that_were_changed_are_refused() {
 }
 
 #[test]
-fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
+fn cancelled_bake_of_parts_keeps_finished_parts() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let plan = BakePlan::new(&scene, &options).unwrap();
     let memory = Arc::new(InMemory::default());
@@ -200,7 +199,7 @@ fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
             cancel.store(true, Ordering::Relaxed);
         }
     };
-    // One thread sees at once that it is to end.
+    // A single thread notices the cancellation at once.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     let error = pool.install(|| baker.bake(&all, &cache, Watch::new(&progress, &cancel)).unwrap_err());
     assert!(matches!(error, Error::Interrupted), "{error}");
@@ -212,7 +211,7 @@ fn bake_of_parts_that_is_cancelled_keeps_what_was_done() {
 }
 
 #[test]
-fn memory_limit_of_linking_spills_and_changes_no_byte() {
+fn linking_within_a_memory_limit_spills_and_keeps_the_bytes() {
     let (scene, options) = (generate(GeneratedKind::City, 3), options(2048));
     let plan = BakePlan::new(&scene, &options).unwrap();
     let cache = store();

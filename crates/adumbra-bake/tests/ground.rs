@@ -1,4 +1,4 @@
-//! Which scenes have a ground of their own.
+//! Tests which scenes have their own ground.
 
 use adumbra_bake::Ground;
 
@@ -50,7 +50,7 @@ fn field(height: impl Fn(f32, f32) -> f32) -> Scene {
     scene_of(mesh)
 }
 
-/// Blocks of houses, each with a floor of its own, 8 m wide and high and 8 m apart.
+/// Blocks of houses, each with its own floor, 8 m wide and high and 8 m apart.
 fn houses() -> Vec<[[f32; 3]; 2]> {
     let house = |i: u32| {
         let [x, z] = [i % 6, i / 6].map(|c| 16.0 * c as f32 + 8.0);
@@ -65,7 +65,7 @@ fn assert_ground(name: &str, scene: &Scene, is_there: bool) {
 }
 
 #[test]
-fn floor_that_takes_the_shadows_is_a_ground() {
+fn floor_that_receives_the_shadows_is_a_ground() {
     let slab = [[0.0, -0.5, 0.0], [104.0, 0.0, 104.0]];
     assert_ground("houses on a slab", &boxes(&[houses(), vec![slab]].concat()), true);
     assert_ground("slab", &boxes(&[slab]), true);
@@ -77,14 +77,14 @@ fn floor_that_takes_the_shadows_is_a_ground() {
     deep.meshes.extend(founded.meshes);
     deep.instances.push(Instance { mesh: 1, ..deep.instances[0].clone() });
     assert_ground("houses with foundations", &deep, true);
-    // What casts no shadow takes it.
+    // A plain that casts no shadow still receives shadows.
     let mut plain = field(|_, _| 0.0);
     plain.instances[0].casts = false;
     assert_ground("plain that does not cast", &plain, true);
 }
 
 #[test]
-fn things_without_a_ground_have_none() {
+fn scenes_without_a_continuous_floor_have_no_ground() {
     assert_ground("houses", &boxes(&houses()), false);
     assert_ground("house", &boxes(&[[[0.0; 3], [8.0, 6.0, 8.0]]]), false);
     assert_ground("nothing", &Scene::default(), false);
@@ -127,7 +127,7 @@ fn generated_scenes_have_a_ground_until_it_is_taken_away() {
 
 #[test]
 #[ignore = "slow: loads every shared scene"]
-fn shared_scenes_with_a_ground_are_known() {
+fn shared_scenes_are_classified_by_their_ground() {
     let Some(folder) = shared("scenes") else { return };
     let with = [
         "alpine-2.glb",

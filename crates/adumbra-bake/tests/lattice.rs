@@ -1,11 +1,11 @@
-//! Grids lie on a lattice anchored at the world's origin, so a scene that grows keeps its texels.
+//! Grids are aligned to a lattice anchored at the world's origin, so a scene that grows keeps its texels.
 
 use adumbra::query::receiver;
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{Mesh, Scene};
-use adumbra_testing::{add_box, bake_file, scene_of};
+use adumbra_testing::{add_box, scene_of};
 
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 const VOXEL: f64 = 0.1;
@@ -27,10 +27,10 @@ fn scene(has_grown: bool) -> Scene {
 
 fn bake(has_grown: bool, frame: FrameChoice, voxel: f64) -> ShadowFile {
     let sun = Sun::from_direction([0.6, 0.7, 0.2]).unwrap();
-    // The same decision for both.
+    // The same decision for both scenes.
     let assume_ground = AssumeGround::Yes;
     let options = BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::VoxelSize(voxel)) };
-    bake_file(&scene(has_grown), &options).unwrap()
+    Bake::with_options(&scene(has_grown), &options).in_memory().unwrap()
 }
 
 /// Returns the answers at points on the ground.

@@ -1,7 +1,7 @@
 //! Grids that are far longer than the resolution: an oblique frame under a low sun.
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake, estimate};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::Mesh;
 use adumbra_testing::{add_quad, scene_of};
 
@@ -14,7 +14,7 @@ fn wall() -> adumbra_scene::Scene {
 }
 
 #[test]
-fn the_number_of_root_blocks_does_not_grow_with_the_length_of_a_shadow() {
+fn root_block_count_does_not_grow_with_shadow_length() {
     let mut all = Vec::new();
     for elevation_degrees in [60.0, 5.0, 1.0, 0.5] {
         let sun = Sun::from_angles(100.0, elevation_degrees).unwrap();
@@ -23,18 +23,18 @@ fn the_number_of_root_blocks_does_not_grow_with_the_length_of_a_shadow() {
             levels: 1,
             ..BakeOptions::new(sun, Size::Resolution(512))
         };
-        all.push(estimate(&wall(), &options).unwrap().root_blocks);
+        all.push(Bake::with_options(&wall(), &options).estimate().unwrap().root_blocks);
     }
     // A shadow of 11 km has 120 times the texels of one of 60 m.
     assert!(all.iter().all(|&root_blocks| root_blocks <= 20 * all[0]), "{all:?}");
 }
 
 #[test]
-fn a_long_grid_answers_as_a_short_one() {
+fn long_grid_answers_like_a_short_one() {
     let sun = Sun::from_angles(100.0, 2.0).unwrap();
     let baked = |frame| {
         let options = BakeOptions { frame, levels: 1, ..BakeOptions::new(sun, Size::Resolution(256)) };
-        bake(&wall(), &options, Watch::none()).unwrap().file
+        Bake::with_options(&wall(), &options).in_memory().unwrap()
     };
     let [long, short] = [FrameChoice::ObliqueAt(0.3), FrameChoice::Light]
         .map(|frame| baked(frame).sampler(adumbra::Filter::Nearest));

@@ -4,10 +4,10 @@ use adumbra::grid::vec3::{dot, normalize};
 use adumbra::layout::depths::DepthTree;
 use adumbra::query::{Cursor, FixedReceiver, Receiver, receiver};
 use adumbra::{Bias, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::{Leaf, bake_file, from_leaves};
+use adumbra_testing::{Leaf, from_leaves};
 
 fn baked() -> ShadowFile {
     baked_in(FrameChoice::Light)
@@ -16,7 +16,7 @@ fn baked() -> ShadowFile {
 fn baked_in(frame: FrameChoice) -> ShadowFile {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(256)) };
-    bake_file(&generate(GeneratedKind::Primitives, 1), &options).unwrap()
+    Bake::with_options(&generate(GeneratedKind::Primitives, 1), &options).in_memory().unwrap()
 }
 
 /// The definition: each tap samples the voxel of its texel through which the receiver's plane passes there.
@@ -38,7 +38,7 @@ fn by_definition(voxels: &DepthTree, r: &FixedReceiver, filter: Filter) -> u32 {
 }
 
 #[test]
-fn sampler_counts_the_taps_that_the_definition_names() {
+fn sampler_counts_taps_as_the_definition_does() {
     let file = baked();
     let mut random = Random::for_batch(11, 0);
     let size = file.tree.size().map(f64::from);
@@ -65,7 +65,7 @@ fn sampler_counts_the_taps_that_the_definition_names() {
 
 /// Leaves of any ranks and slants, in which neighbouring columns have nothing in common, and those of a bake.
 #[test]
-fn sampler_counts_the_taps_of_any_leaves_that_the_definition_names() {
+fn sampler_counts_taps_of_any_leaves_as_the_definition_does() {
     let mut random = Random::for_batch(13, 0);
     let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
     let leaves: Vec<Leaf> = (0..16)
@@ -152,7 +152,7 @@ fn cursor_gives_the_samplers_answers_in_any_order() {
 }
 
 #[test]
-fn filters_have_few_widths() {
+fn filter_from_width_accepts_only_known_widths() {
     assert!(Filter::ALL.into_iter().all(|filter| Filter::try_from(filter.width()) == Ok(filter)));
     assert!([0, 2, 4, 7, 33].into_iter().all(|width| Filter::try_from(width).is_err()));
 }
@@ -210,7 +210,7 @@ fn normal_offset_keeps_its_length_in_either_frame() {
 }
 
 #[test]
-fn normal_that_is_not_finite_is_no_normal() {
+fn non_finite_normal_counts_as_no_normal() {
     let baked = baked();
     let mut random = Random::for_batch(5, 0);
     let bias = Bias { normal_offset_texels: 0.5, ..Bias::default() };

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use adumbra::regions::{RegionSampler, Regions};
 use adumbra::{Bounds, Filter, LightGrid, RangeField, Region, ShadowFile, Sun};
 use adumbra_bake::{
-    BakeCache, BakeOptions, BakePlan, Baker, Error, FrameChoice, MemoryCache, PartBaker, RegionPlan, Size,
-    Watch, bake, bake_to, bake_with_cache, link,
+    Bake, BakeCache, BakeOptions, BakePlan, Baker, Error, FrameChoice, MemoryCache, PartBaker, RegionPlan,
+    Size, Watch, link,
 };
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_testing::{add_box, add_quad, full, scene_of};
@@ -34,7 +34,7 @@ impl World {
         let world = Self { folder, plan };
         for region in world.plan.regions() {
             let out = File::create(world.folder.path().join(Self::name(region))).unwrap();
-            bake_to(scene, &world.plan.options(region), Watch::none(), out).unwrap();
+            Bake::with_options(scene, &world.plan.options(region)).write_to(out).unwrap();
         }
         std::fs::write(world.manifest(), world.regions(options.sun).to_json()).unwrap();
         world
@@ -62,12 +62,12 @@ impl World {
         let region = self.plan.regions().next().unwrap();
         let shared = BakeOptions { region: None, ..self.plan.options(region) };
         assert_eq!(shared.levels, options.levels);
-        bake(scene, &shared, Watch::none()).unwrap().file
+        Bake::with_options(scene, &shared).in_memory().unwrap()
     }
 }
 
-/// Compares both with rays, and with each other at points near the sides of regions, of which there must be some
-/// number. Returns the share of the points that the comparison found in shadow.
+/// Verifies a world's regions and its single file with rays, and checks that the results are equal. The world
+/// must have at least `least_regions` regions. Returns the share of the points in shadow.
 fn assert_answers_are_equal(
     scene: &Scene,
     options: &BakeOptions,
@@ -100,8 +100,8 @@ fn assert_answers_are_equal(
         if filter.width() < 9 {
             assert_eq!(found, expected, "{filter:?}");
         }
-        // Beside walls, wide filters read voxels that either answer suits. They depend on the root blocks, which are
-        // larger in the one file.
+        // Beside walls, wide filters read voxels for which either answer is valid. These voxels depend on the
+        // root blocks, which are larger in the single file.
         for (found, expected) in found.classes.iter().zip(&expected.classes) {
             assert!(
                 (found.agreement - expected.agreement).abs() < 2e-4,
@@ -154,7 +154,8 @@ fn regions_of_other_scenes_and_frames_answer_as_one_file_does() {
     }
 }
 
-/// A ground of two triangles, a box of a kilometre and a few small ones, near to and far from the world's origin.
+/// A ground of two triangles, a box of a kilometre and a few small ones, near to and far from the world's
+/// origin.
 fn wide_world(at: f32) -> Scene {
     let mut mesh = adumbra_scene::Mesh::default();
     let side = 1500.0;
@@ -188,7 +189,7 @@ fn worlds_too_wide_for_a_file_are_cut_into_regions() {
     // 2,000,000 texels across.
     let scene = wide_world(0.0);
     let options = BakeOptions { levels: 2, ..BakeOptions::new(sun(), Size::VoxelSize(0.000_75)) };
-    assert!(matches!(bake(&scene, &options, Watch::none()), Err(Error::Range(_))));
+    assert!(matches!(Bake::with_options(&scene, &options).in_memory(), Err(Error::Range(_))));
     let plan = RegionPlan::new(&scene, &options, 1 << 17).unwrap();
     assert!(plan.regions().len() > 200, "{}", plan.regions().len());
     let mut all: Vec<Region> = plan.regions().collect();
@@ -209,7 +210,7 @@ fn parts_of_a_region_link_to_the_bytes_of_its_bake() {
     for region in plan.regions().take(3) {
         let options = plan.options(region);
         let mut fresh = Cursor::new(Vec::new());
-        bake_to(&scene, &options, Watch::none(), &mut fresh).unwrap();
+        Bake::with_options(&scene, &options).write_to(&mut fresh).unwrap();
         let parts = BakePlan::new(&scene, &options).unwrap();
         let parts: BakePlan = serde_json::from_str(&serde_json::to_string(&parts).unwrap()).unwrap();
         let ids: Vec<usize> = (0..parts.parts().len()).collect();
@@ -219,17 +220,21 @@ fn parts_of_a_region_link_to_the_bytes_of_its_bake() {
         link(&parts, &cache, &options, Watch::none(), &mut linked).unwrap();
         assert!(linked.get_ref() == fresh.get_ref(), "{region:?}");
         let mut again = Cursor::new(Vec::new());
-        let written = bake_with_cache(&scene, &options, &cache, Watch::none(), &mut again).unwrap();
+        let written =
+            Bake::with_options(&scene, &options).cache(Arc::clone(&cache)).write_to(&mut again).unwrap();
         reused += written.report.reused_root_blocks;
         assert!(again.get_ref() == fresh.get_ref(), "{region:?}");
         // An edit in memory gives the same file too.
         let mut baker = Baker::new(scene.clone(), &options).unwrap();
         baker.bake(None, Watch::none()).unwrap();
-        assert!(baker.file().unwrap() == ShadowFile::from_bytes(fresh.get_ref()).unwrap(), "{region:?}");
+        assert!(baker.in_memory().unwrap() == ShadowFile::from_bytes(fresh.get_ref()).unwrap(), "{region:?}");
         let mut coarse = Cursor::new(Vec::new());
-        baker.write_coarser_to(Watch::none(), &mut coarse).unwrap();
+        baker.write_coarser_to(&mut coarse, Watch::none()).unwrap();
         let coarse = ShadowFile::from_bytes(coarse.get_ref()).unwrap();
-        assert!(Some(coarse.grid) == baker.file().unwrap().level(1).map(|level| level.grid), "{region:?}");
+        assert!(
+            Some(coarse.grid) == baker.in_memory().unwrap().level(1).map(|level| level.grid),
+            "{region:?}"
+        );
     }
     assert!(reused > 0, "nothing was taken from the entries");
 }
@@ -248,7 +253,7 @@ fn wrong_regions_are_refused() {
     let world = World::bake(&scene, &options);
     let regions: Vec<Region> = world.plan.regions().collect();
     let path = |at: usize| world.folder.path().join(World::name(regions[at]));
-    // The file of a neighbour, of another sun, and none.
+    // In place of a region's file: a neighbour's, one of another sun, and none.
     let own = std::fs::read(path(0)).unwrap();
     std::fs::copy(path(1), path(0)).unwrap();
     let manifest = Regions::read(world.manifest()).unwrap();
@@ -258,7 +263,7 @@ fn wrong_regions_are_refused() {
     let other = Sun::from_direction([0.5, 0.8, 0.3]).unwrap();
     let other = RegionPlan::new(&scene, &BakeOptions { sun: other, ..options }, TEXELS).unwrap();
     let region = other.regions().next().unwrap();
-    bake_to(&scene, &other.options(region), Watch::none(), File::create(path(0)).unwrap()).unwrap();
+    Bake::with_options(&scene, &other.options(region)).write_to(File::create(path(0)).unwrap()).unwrap();
     let error = sampler().unwrap_err();
     assert!(error.to_string().contains("is not the file of region"), "{error}");
     std::fs::remove_file(path(0)).unwrap();

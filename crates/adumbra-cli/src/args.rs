@@ -35,8 +35,8 @@ pub(crate) use view::View;
 
 /// Bakes a sun's shadows for a whole world into a small file, and verifies the file's answers against rays.
 ///
-/// To begin: adumbra generate city -o city.glb; adumbra bake city.glb -o city.adumbra; adumbra verify city.adumbra
-/// --scene city.glb
+/// To begin: adumbra generate city -o city.glb; adumbra bake city.glb -o city.adumbra; adumbra verify
+/// city.adumbra --scene city.glb
 #[derive(Parser)]
 #[command(
     name = "adumbra",
@@ -71,8 +71,8 @@ pub(crate) enum Verb {
     /// Print what a shadow file contains
     #[command(after_help = "Example: adumbra info city.adumbra --json")]
     Info(Info),
-    /// Compare a shadow file's answers with rays at random points; exit code 1 if a promise is missed, such as
-    /// --min-interior
+    /// Compare a shadow file's answers with rays at random points; exit code 1 if a promise is missed, such
+    /// as --min-interior
     #[command(after_help = "Example: adumbra verify city.adumbra --scene city.glb --samples 1000000")]
     Verify(VerifyFile),
     /// Look up the visibility of points in a shadow file
@@ -113,12 +113,13 @@ pub(crate) enum Verb {
     )]
     Sky(Box<Sky>),
     #[cfg(feature = "render")]
-    /// Draw a scene with a file's shadows, with a real-time technique or with rays, or mark where file and rays differ
+    /// Draw a scene with a file's shadows, with a real-time technique or with rays, or mark where file and
+    /// rays differ
     #[command(after_help = render::after_help("adumbra", adumbra_render::Techniques::product()))]
     Render(Render),
     #[cfg(feature = "view")]
-    /// Open a window on a scene: every technique, side by side, while shadows are baked in the background; ? shows the
-    /// keys
+    /// Open a window on a scene: every technique, side by side, while shadows are baked in the background; ?
+    /// shows the keys
     #[command(after_help = view::AFTER_HELP)]
     View(View),
     #[cfg(feature = "render")]
@@ -209,8 +210,8 @@ pub(crate) struct Inspect {
 pub(crate) struct Info {
     /// Shadow file
     pub(crate) file: PathBuf,
-    /// Draw the bytes of each page of a level, not coded: from the fewest, dark blue, over green to the most, yellow,
-    /// on a logarithmic scale; pages without bytes are grey
+    /// Draw the bytes of each page of a level, not coded: from the fewest, dark blue, over green to the most,
+    /// yellow, on a logarithmic scale; pages without bytes are grey
     #[arg(long, value_name = "PNG")]
     pub(crate) picture: Option<PathBuf>,
     /// Level of detail of the picture, 0 = the finest

@@ -1,6 +1,7 @@
-//! The program `adumbra`: bakes a scene's sun shadows into a file, and verifies the file's answers against rays.
+//! The program `adumbra`: bakes a scene's sun shadows into a file, and verifies the file's answers against
+//! rays.
 
-// They panic where nothing can be written.
+// These macros panic if the stream cannot be written.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod args;
@@ -19,7 +20,7 @@ impl start::Program for Args {
     }
 
     fn run(self) -> Outcome {
-        // A follower has nothing else to end it.
+        // A follower ends only when interrupted, so that counts as success.
         let is_follower = matches!(&self.verb, Verb::Bake(bake) if bake.watch);
         signals::end_when_interrupted(if is_follower { Code::Fine } else { Code::Interrupted });
         cmd::run(self.verb)

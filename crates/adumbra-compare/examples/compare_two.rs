@@ -1,14 +1,14 @@
 //! Compares two techniques with ray-traced truth, using the library: same camera, same pixels, one row each.
 //!
-//! `cargo run --release -p adumbra-compare --example compare_two` bakes the generated city and prints the table of
-//! `voxel:filter=5` and `csm:filter=5`. Append `-- sm msm` to compare others; `adumbra render --help` lists them. The
-//! example fails if a technique is wrong at more than 10 % of the pixels. It needs a Vulkan, Metal or DirectX 12
-//! adapter, which may be a software one.
+//! `cargo run --release -p adumbra-compare --example compare_two` bakes the generated city and prints the
+//! table of `voxel:filter=5` and `csm:filter=5`. Append `-- sm msm` to compare others;
+//! `adumbra render --help` lists them. The example fails if a technique is wrong at more than 10 % of the
+//! pixels. It needs a Vulkan, Metal or DirectX 12 adapter, which may be a software one.
 
 use std::error::Error;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_compare::compare::{Contender, Reference, compare, truth_for};
 use adumbra_compare::report::{figure, percent};
 use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
@@ -28,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
     let options = BakeOptions::new(sun, Size::Resolution(8192));
-    let file = bake(&scene, &options, Watch::none())?.file;
+    let file = Bake::with_options(&scene, &options).in_memory()?;
 
     let gpu = Gpu::request(&GpuOptions::default())?;
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default())?;
@@ -41,8 +41,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         contenders.push(Contender { prepared, truth: truth_for(&spec), spec });
     }
 
-    // The reference: rays at the camera's own pixels. Techniques with penumbrae are compared with a disc of 0.53°,
-    // sampled with 64 rays.
+    // The reference: rays at the camera's own pixels. Techniques with penumbrae are compared with a disc of
+    // 0.53°, sampled with 64 rays.
     let truth = TruthTracer::build(&scene, false);
     let (cache, key) = (Cache::none(), scene_key(&scene, false));
     let reference =

@@ -1,9 +1,11 @@
-//! Follows a sun in real time, 60 times a second, and compares what answers with rays every two seconds.
+//! Follows a sun in real time, 60 times a second, and compares the current shadows with rays every two
+//! seconds.
 //!
-//! `cargo run --release -p adumbra-compare --example follow -- SCENE RESOLUTION SECONDS FIRST_ELEVATION PLOT.svg [NEAR]` plays a day of
-//! 48 minutes: the sun rises by 7.5° a minute on a great circle that is 60° high at noon. It prints CSV, then a summary, and plots
-//! errors over time. Rays, like bakes, take one thread. With NEAR, in world units, keys are of the box around a camera that walks from
-//! the scene's middle, 2 units a second, and so are the points within half of it.
+//! `cargo run --release -p adumbra-compare --example follow -- SCENE RESOLUTION SECONDS FIRST_ELEVATION
+//! PLOT.svg [NEAR]` plays a day of 48 minutes: the sun rises by 7.5° a minute on a great circle that is 60°
+//! high at noon. It prints CSV, then a summary, and plots errors over time. Rays, like bakes, take one
+//! thread. A camera walks from the middle of the scene at 2 units a second. With NEAR, in world units, keys
+//! cover a box around the camera, and only points within half of NEAR of the camera are compared.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -17,17 +19,17 @@ use adumbra_path::{FollowOptions, Followed, FollowedMoment, SunFollower, Visible
 use adumbra_scene::{LoadOptions, load};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
-/// Points that are compared.
+/// Number of points to compare.
 const POINTS: usize = 5000;
 
-/// The sun after an angle on its circle.
+/// Returns the direction towards the sun at an angle along its circle.
 fn sun(degrees: f64) -> [f64; 3] {
     let (sin, cos) = degrees.to_radians().sin_cos();
     let (up, south) = 60f64.to_radians().sin_cos();
     [cos, sin * up, sin * south]
 }
 
-/// Percent of the points that face the sun whose answer is not that of rays, in the moment and in a file of that very sun.
+/// Returns the percentage of the points facing the sun whose answer differs from that of a ray.
 fn wrong_percent(
     tracer: &Tracer<'_>,
     points: &[VisiblePoint],
@@ -63,7 +65,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let [x, _, z] = std::array::from_fn(|a| point.p_world[a] - camera[a]);
         near_world.is_none_or(|near| x.abs().max(z.abs()) < 0.5 * near)
     };
-    // Of a part of the scene as many points are compared as of all of it.
+    // Compare as many points in a part of the scene as in the whole scene.
     let share = near_world.map_or(1.0, |near| (near / (bounds.max[0] - bounds.min[0])).powi(2));
     let points = visible_points(&tracer, ((POINTS as f64 / share) as usize).min(500_000), 1);
     let size = Size::Resolution(resolution.parse()?);

@@ -11,8 +11,8 @@ use crate::truth::Cache;
 /// The device that draws.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum DeviceArg {
-    /// The GPU, or the CPU if there is no adapter; rays alone (`--diff`, and a plain picture with `--truth`) run on the
-    /// CPU
+    /// The GPU, or the CPU if there is no adapter; rays alone (`--diff`, and a plain picture with `--truth`)
+    /// run on the CPU
     Auto,
     /// The GPU; an error if there is none
     Gpu,

@@ -4,7 +4,7 @@ use std::any::Any;
 use std::path::{Path, PathBuf};
 
 use adumbra::{Filter, PathSampler, PointVisibility, ShadowFile, Sun, SunPath};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_program::exit::Failure;
 use adumbra_program::lookup::LookupArgs;
 use adumbra_program::memory::MemoryLimit;
@@ -17,7 +17,7 @@ use adumbra_scene::{LoadedAs, Scene};
 use crate::Result;
 use crate::report::BakedFigures;
 
-/// What a comparison needs to know of any baked file.
+/// The properties of a baked file that a comparison needs.
 #[derive(Clone, Copy, Debug)]
 pub struct FileFacts {
     /// The sun that it was baked for.
@@ -26,19 +26,19 @@ pub struct FileFacts {
     pub scene: LoadedAs,
 }
 
-/// Baked files of kinds that a crate above knows, for the techniques that it adds.
+/// Baked files of the kinds that a dependent crate adds, for its techniques.
 pub trait MoreFiles: Send + Sync {
     /// Reads a file. `None` if it is not of these kinds.
     ///
     /// # Errors
     ///
-    /// Returns an error if the file cannot be read, or if there is one of its kind already.
+    /// Returns an error if the file cannot be read, or if a file of its kind was already read.
     fn read(&mut self, path: &Path) -> Result<Option<FileFacts>>;
 
-    /// Whether the file that a technique reads is there.
+    /// Whether the file that a technique reads is present.
     fn serves(&self, spec: &TechniqueSpec) -> bool;
 
-    /// Says what [`MoreFiles::bake`] is about to bake for a technique.
+    /// Returns the message to print before [`MoreFiles::bake`] bakes for a technique.
     fn announcement(&self, spec: &TechniqueSpec, how: &BakeOnDemand<'_>) -> String;
 
     /// Bakes the file that a technique reads.
@@ -48,17 +48,17 @@ pub trait MoreFiles: Send + Sync {
     /// Returns an error if the bake fails.
     fn bake(&mut self, spec: &TechniqueSpec, how: &BakeOnDemand<'_>) -> Result<()>;
 
-    /// Returns the files in the form that the techniques expect as [`Baked::other`].
+    /// Returns the files in the form that the techniques expect as [`TechniqueFiles::other`].
     fn files(&self) -> &(dyn Any + Send + Sync);
 
-    /// Returns the look-up of the file that is there, for pictures on the CPU. `None` without a file.
+    /// Returns the look-up of the file, for pictures on the CPU. `None` without a file.
     ///
     /// # Errors
     ///
     /// Returns an error for a look-up that does not exist.
     fn lookup(&self, args: &LookupArgs) -> Result<Option<Box<dyn PointVisibility + '_>>>;
 
-    /// Returns the technique that looks up the file that is there. `None` without a file.
+    /// Returns the technique that looks up the file. `None` without a file.
     fn technique(&self, args: &LookupArgs) -> Option<String>;
 
     /// Returns the figures of the files for the report.
@@ -72,9 +72,9 @@ pub struct BakedFiles {
     pub light: Option<ShadowFile>,
     /// A moment of a sun path, in place of a light-aligned file.
     between: Option<PathMoment>,
-    /// Files of further kinds.
+    /// Further kinds of files.
     pub more: Option<Box<dyn MoreFiles>>,
-    /// What the files that were given have in common.
+    /// The properties shared by the given files.
     given: Option<FileFacts>,
 }
 
@@ -104,7 +104,7 @@ impl BakeOnDemand<'_> {
 }
 
 impl BakedFiles {
-    /// Creates an empty set that can hold files of further kinds.
+    /// Creates an empty set that can hold further kinds of files.
     pub fn with(more: Option<Box<dyn MoreFiles>>) -> Self {
         Self { more, ..Self::default() }
     }
@@ -113,17 +113,18 @@ impl BakedFiles {
     ///
     /// # Errors
     ///
-    /// Returns an error if a file cannot be read or does not fit into the limit, if two files are of one kind, or if they have different suns.
+    /// Returns an error if a file cannot be read or does not fit into the limit, if two files are of one
+    /// kind, or if they have different suns.
     pub fn read(paths: &[PathBuf], limit: MemoryLimit, more: Option<Box<dyn MoreFiles>>) -> Result<Self> {
         Self::read_at(paths, None, limit, more)
     }
 
-    /// Reads the files, of which one may be a sun path: then a moment is given.
+    /// Reads the files. One of them may be a sun path; then `time` is required.
     ///
     /// # Errors
     ///
-    /// Returns the errors of [`BakedFiles::read`], and an error if a moment is given without a path or the other way
-    /// round, or if it is night then.
+    /// Returns the errors of [`BakedFiles::read`], and an error if there is a time without a path or a path
+    /// without a time, or if it is night at that time.
     pub fn read_at(
         paths: &[PathBuf],
         time: Option<TimeArg>,
@@ -215,7 +216,7 @@ impl BakedFiles {
         self.given.map(|facts| facts.scene)
     }
 
-    /// Whether a file of the kind that a technique reads is there, or the technique needs none.
+    /// Whether the file that a technique reads is present, or the technique needs no file.
     pub fn serves(&self, spec: &TechniqueSpec) -> bool {
         match spec.reads() {
             Reads::Nothing => true,
@@ -224,7 +225,7 @@ impl BakedFiles {
         }
     }
 
-    /// Bakes the files that `specs` need and that are missing, and says so on stderr before it does.
+    /// Bakes the missing files that `specs` need. Prints a note to stderr before each bake.
     ///
     /// # Errors
     ///
@@ -239,7 +240,7 @@ impl BakedFiles {
                     "note: no light-aligned --shadow-file; baking one with {} texels along its longest side",
                     how.resolution
                 );
-                self.light = Some(bake(how.scene, &how.options(), Watch::none())?.file);
+                self.light = Some(Bake::with_options(how.scene, &how.options()).in_memory()?);
             } else if let Some(more) = &mut self.more {
                 adumbra_program::note!("note: {}", more.announcement(spec, how));
                 more.bake(spec, how)?;
@@ -262,7 +263,7 @@ impl BakedFiles {
         }
     }
 
-    /// Returns the look-up of the file that is there, for pictures on the CPU. `None` without a file.
+    /// Returns the look-up of the file, for pictures on the CPU. `None` without a file.
     ///
     /// # Errors
     ///
@@ -281,7 +282,7 @@ impl BakedFiles {
         }
     }
 
-    /// Returns the text of the technique that looks up the file that is there.
+    /// Returns the text of the technique that looks up the file.
     pub fn technique(&self, args: &LookupArgs) -> String {
         let of_more =
             || self.more.as_ref().filter(|_| self.light.is_none() && self.between.is_none())?.technique(args);

@@ -3,8 +3,8 @@
 //! ```json
 //! {"eye": [0, 2, 20], "target": [0, 2, 0], "fov_y": 60, "size": [1280, 720], "sun": [0.5, 0.8, 0.35]}
 //! ```
-//! `fov_y` is the vertical field of view in degrees; an orthographic camera has `height_world` instead. `sun` is the
-//! direction towards the sun and may be absent.
+//! `fov_y` is the vertical field of view in degrees; an orthographic camera has `height_world` instead. `sun`
+//! is the direction towards the sun and may be absent.
 
 use std::io::Write as _;
 use std::path::Path;
@@ -79,7 +79,8 @@ impl CameraFile {
     /// Reads a camera from a file.
     ///
     /// # Errors
-    /// Returns [`Error::Program`] if the file cannot be read, and [`Error::CameraFile`] if it is not a camera.
+    /// Returns [`Error::Program`] if the file cannot be read, and [`Error::CameraFile`] if it is not a
+    /// camera.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = read_whole(path, TEXT_BYTES)?;
         Self::parse(&bytes).map_err(|what| Error::CameraFile { path: path.to_owned(), what })
@@ -123,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn camera_survives_there_and_back() {
+    fn camera_round_trips_through_json() {
         for projection in
             [Projection::Perspective { fov_degrees: 33.25 }, Projection::Orthographic { height_world: 12.5 }]
         {
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_camera_is_refused_by_its_fault() {
+    fn rejects_invalid_cameras_naming_the_fault() {
         let base = r#""eye": [0, 0, 1], "target": [0, 0, 0]"#;
         for (rest, fault) in [
             (r#""fov_y": 200, "size": [4, 4]"#, "fov_y"),

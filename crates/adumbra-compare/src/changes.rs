@@ -1,11 +1,11 @@
-//! Changes between lit and dark, pixel by pixel, while the camera stands still and the sun moves.
+//! Changes between lit and dark, pixel by pixel, while the camera is fixed and the sun moves.
 
 use crate::error::{Error, Result};
 use crate::metrics::is_lit;
 
 /// Counts how often each pixel changes between lit and dark.
 ///
-/// It holds 12 bytes per pixel, however many steps are added.
+/// Memory: 12 bytes per pixel, for any number of steps.
 #[derive(Clone, Debug)]
 pub struct Changes {
     pixels: Vec<Pixel>,
@@ -13,14 +13,14 @@ pub struct Changes {
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Pixel {
-    /// Whether the pixel was lit in the step before; `None` if it was not compared then.
+    /// Whether the pixel was lit in the previous step; `None` if it was not compared in that step.
     before: Option<bool>,
-    /// Number of steps in which it was compared, as in the step before.
+    /// Number of pairs of consecutive steps in which the pixel was compared both times.
     pairs: u32,
     changes: u32,
 }
 
-/// What has changed from one step to the next.
+/// Changes from one step to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct StepChanges {
     /// Number of pixels that are compared in both steps.
@@ -58,7 +58,7 @@ impl Changes {
     /// Adds a step: the shadow factor of each pixel, and whether the pixel is compared.
     ///
     /// # Errors
-    /// Returns [`Error::Sizes`] if the number of pixels is another.
+    /// Returns [`Error::Sizes`] if the numbers of pixels differ.
     pub fn add(&mut self, factors: &[f32], is_compared: &[bool]) -> Result<StepChanges> {
         Error::check_sizes("shadow factors and pixels", factors.len(), self.pixels.len())?;
         Error::check_sizes("shadow factors and compared pixels", factors.len(), is_compared.len())?;
@@ -77,7 +77,7 @@ impl Changes {
         Ok(step)
     }
 
-    /// Says that the next step does not follow the last one: it is compared with none.
+    /// Marks a gap: the next step is not compared with the last one.
     pub fn interrupt(&mut self) {
         self.pixels.iter_mut().for_each(|pixel| pixel.before = None);
     }
@@ -90,15 +90,16 @@ impl Changes {
         })
     }
 
-    /// Returns the number of pixels that were compared in two steps that follow each other.
+    /// Returns the number of pixels that were compared in two consecutive steps.
     pub fn compared(&self) -> u64 {
         self.pixels.iter().filter(|pixel| pixel.pairs > 0).count() as u64
     }
 
-    /// Returns for each pixel how much more often it changes than in `rays`, or `None` if it was not compared.
+    /// Returns for each pixel how much more often it changes than in `rays`, or `None` if it was not
+    /// compared.
     ///
     /// # Errors
-    /// Returns [`Error::Sizes`] if the number of pixels is another.
+    /// Returns [`Error::Sizes`] if the numbers of pixels differ.
     pub fn beyond(&self, rays: &Self) -> Result<Vec<Option<i64>>> {
         Error::check_sizes("pixels and those of rays", self.pixels.len(), rays.pixels.len())?;
         let beyond = |(own, rays): (&Pixel, &Pixel)| {
@@ -107,10 +108,10 @@ impl Changes {
         Ok(self.pixels.iter().zip(&rays.pixels).map(beyond).collect())
     }
 
-    /// Returns how much more often pixels change than in `rays`, or `None` if none was compared.
+    /// Returns how much more often pixels change than in `rays`, or `None` if no pixel was compared.
     ///
     /// # Errors
-    /// Returns [`Error::Sizes`] if the number of pixels is another.
+    /// Returns [`Error::Sizes`] if the numbers of pixels differ.
     pub fn excess(&self, rays: &Self) -> Result<Option<Excess>> {
         let beyond = self.beyond(rays)?;
         let more = || {
@@ -147,11 +148,12 @@ mod tests {
     }
 
     #[test]
-    fn pixels_that_flicker_are_in_excess_of_rays_and_steady_ones_make_up_for_none() {
+    fn excess_counts_flicker_and_ignores_missed_changes() {
         let rays = [[0.0, 0.0, 1.0, 0.0], [1.0, 0.0, 1.0, 1.0], [1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]];
         let rays = added(&rays);
         assert_eq!(rays.total(), StepChanges { pixels: 9, changes: 2 });
-        // The first pixel misses its only change, the second flickers, the third changes as it should and twice more.
+        // The first pixel misses its only change, the second flickers, the third changes as it should and
+        // twice more.
         let own = [[0.4, 0.3, 0.9, 0.0], [0.5, 0.6, 0.1, 0.0], [0.0, 0.2, 0.8, 0.0], [0.0, 0.2, 0.1, 1.0]];
         let own = added(&own);
         assert_eq!((own.total().changes, own.compared()), (5, 3));
@@ -163,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_compared_with_the_one_before_unless_they_are_interrupted() {
+    fn each_step_is_compared_with_the_last_unless_interrupted() {
         let mut changes = Changes::new(2);
         assert_eq!(changes.add(&[0.0, 0.0], &[true, true]).unwrap().share(), None);
         assert_eq!(changes.excess(&changes.clone()).unwrap(), None);

@@ -155,7 +155,8 @@ impl From<Error> for Failure {
     }
 }
 
-/// Returns the command-line options that an error's advice refers to. Libraries do not name options in their messages.
+/// Returns the command-line options that an error's advice refers to. Libraries do not name options in their
+/// messages.
 fn options_of(error: &RenderError) -> Option<&'static str> {
     let (RenderError::TooLarge { fix, .. } | RenderError::VoxelLimit { fix, .. }) = error else {
         return None;

@@ -36,8 +36,8 @@ pub fn grey(size: [u32; 2], factor: Vec<f32>) -> Layer {
     Layer { size, shown: factor.iter().map(|&f| [f; 3]).collect(), data: true, raw: vec![("Y", factor)] }
 }
 
-/// Returns a layer of view depths. Its PNG shows `sqrt(nearest / depth)`: the nearest surface is white, the value is
-/// halved at four times its depth, and the background is black.
+/// Returns a layer of view depths. Its PNG shows `sqrt(nearest / depth)`: the nearest surface is white, the
+/// value is halved at four times its depth, and the background is black.
 pub fn depth(size: [u32; 2], view_depth: Vec<f32>) -> Layer {
     let nearest = view_depth.iter().copied().fold(f32::INFINITY, f32::min);
     let shown = view_depth.iter().map(|z| if z.is_finite() { [(nearest / z).sqrt(); 3] } else { [0.0; 3] });
@@ -53,8 +53,8 @@ pub fn normal(size: [u32; 2], surface: &SurfaceImage) -> Layer {
     Layer { size, shown: shown.collect(), data: true, raw }
 }
 
-/// Returns a layer of a picture tinted by `colors` according to each pixel's index, such as that of its cascade. Pixels
-/// with an index below 0 keep their colour.
+/// Returns a layer of a picture tinted by `colors` according to each pixel's index, such as that of its
+/// cascade. Pixels with an index below 0 keep their colour.
 pub fn tinted(size: [u32; 2], rgba: &[u8], indices: Vec<f32>, colors: &[[f32; 3]]) -> Layer {
     let mut layer = color(size, rgba);
     for (shown, &index) in layer.shown.iter_mut().zip(&indices).filter(|(_, index)| **index >= 0.0) {
@@ -67,8 +67,8 @@ pub fn tinted(size: [u32; 2], rgba: &[u8], indices: Vec<f32>, colors: &[[f32; 3]
 }
 
 impl Layer {
-    /// Scales the layer down by `samples`: each pixel is the mean of `samples` × `samples` pixels. Raw values are
-    /// dropped unless `samples` is 1.
+    /// Scales the layer down by `samples`: each pixel is the mean of `samples` × `samples` pixels. Raw values
+    /// are dropped unless `samples` is 1.
     pub fn smaller(self, samples: u32) -> Self {
         if samples == 1 {
             return self;

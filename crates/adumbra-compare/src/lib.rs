@@ -1,4 +1,5 @@
-//! Compares shadows and ambient occlusion with ray-traced truth. `adumbra compare`, the viewer and the laboratory use it.
+//! Compares shadows and ambient occlusion with ray-traced truth. `adumbra compare`, the viewer and the
+//! laboratory use it.
 //!
 //! | module | contents |
 //! |---|---|
@@ -15,7 +16,7 @@
 //! | [`verbs`] | the verbs `compare` and `render` |
 //! | [`args`] | command-line options that need the renderer |
 
-// They panic where nothing can be written.
+// These macros panic if the output cannot be written.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod args;

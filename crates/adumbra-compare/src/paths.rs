@@ -4,10 +4,10 @@
 //! {"frames": 120, "interpolation": "catmull-rom", "keyframes": [
 //!   {"eye": [0, 2, 20], "target": [0, 2, 0], "fov": 60}, {"eye": [10, 2, 0], "target": [0, 2, 0]}]}
 //! ```
-//! Frames are spread evenly over the segments between keyframes. `fov` is the vertical field of view in degrees. If it
-//! is absent, that of the previous keyframe applies, 45 for the first. The spline is the uniform one of Catmull, Rom,
-//! *A Class of Local Interpolating Splines*, 1974. The first and last keyframes are their own neighbours beyond the
-//! ends.
+//! Frames are spread evenly over the segments between keyframes. `fov` is the vertical field of view in
+//! degrees. If it is absent, that of the previous keyframe applies, 45 for the first. The spline is the
+//! uniform one of Catmull, Rom, *A Class of Local Interpolating Splines*, 1974. The first and last keyframes
+//! are their own neighbours beyond the ends.
 
 use std::path::Path;
 
@@ -100,8 +100,8 @@ impl CameraPath {
         Ok(Self { keyframes, interpolation: text.interpolation, frames: text.frames })
     }
 
-    /// Returns a path once around a scene, looking from outside and above at a point over the middle of its footprint,
-    /// a fifth of the way up. The path loops: the first frame is the one after the last.
+    /// Returns a path once around a scene, looking from outside and above at a point over the middle of its
+    /// footprint, a fifth of the way up. The path loops: the first frame is the one after the last.
     pub fn orbit(bounds: &Bounds, frames: u32) -> Self {
         const KEYFRAMES: u32 = 24;
         let frames = frames.clamp(1, MAX_FRAMES);
@@ -123,9 +123,9 @@ impl CameraPath {
         }
     }
 
-    /// Returns a path that moves from a camera by `walk_world` along its horizontal direction, then by `rise_world`
-    /// straight up. While it rises, the camera keeps looking ahead and increasingly down, so that one path has both
-    /// near and far shadows.
+    /// Returns a path that moves from a camera by `walk_world` along its horizontal direction, then by
+    /// `rise_world` straight up. While it rises, the camera keeps looking ahead and increasingly down, so
+    /// that one path has both near and far shadows.
     pub fn fly(from: &Camera, walk_world: f64, rise_world: f64, frames: u32) -> Self {
         let view = from.view();
         let flat = (view.forward[0].powi(2) + view.forward[2].powi(2)).sqrt().max(1e-9);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn path_of_one_keyframe_stands() {
+    fn path_of_one_keyframe_does_not_move() {
         let path =
             CameraPath::parse(br#"{"frames": 3, "keyframes": [{"eye": [1, 2, 3], "target": [0, 0, 0]}]}"#)
                 .unwrap();
@@ -237,7 +237,7 @@ mod tests {
     }
 
     #[test]
-    fn path_is_refused_with_its_fault() {
+    fn rejects_invalid_paths_naming_the_fault() {
         for (text, fault) in [
             ("{\"frames\": 0, \"keyframes\": []}", "0 frames"),
             ("{\"frames\": 2, \"keyframes\": []}", "no keyframes"),

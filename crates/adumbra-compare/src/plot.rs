@@ -6,6 +6,7 @@ use std::path::Path;
 use adumbra_program::exit::Failure;
 use adumbra_program::output::write_whole;
 use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
+use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
 use crate::Result;
@@ -22,7 +23,8 @@ pub struct Series {
 pub enum Along {
     /// Numbers, with points joined by lines. Holds the axis label.
     Numbers(&'static str),
-    /// Binary logarithms of the numbers in the tick labels, with points joined by lines. Holds the axis label.
+    /// Binary logarithms of the numbers in the tick labels, with points joined by lines. Holds the axis
+    /// label.
     Powers(&'static str),
     /// Names, with bars.
     Names(Vec<String>),
@@ -173,12 +175,36 @@ where
         .y_desc(panel.y_label)
         .label_style(("sans-serif", 11))
         .draw()?;
+    draw_series(&mut chart, panel, floor)?;
+    chart
+        .configure_series_labels()
+        .position(match panel.legend {
+            Legend::UpperRight => SeriesLabelPosition::UpperRight,
+            Legend::LowerLeft => SeriesLabelPosition::LowerLeft,
+        })
+        .background_style(WHITE.mix(0.85))
+        .border_style(BLACK.mix(0.2))
+        .label_font(("sans-serif", 11))
+        .draw()?;
+    Ok(())
+}
+
+/// Draws the lines or bars of a panel with values above `floor`.
+fn draw_series<'a, Y>(
+    chart: &mut ChartContext<'a, SVGBackend<'a>, Cartesian2d<RangedCoordf64, Y>>,
+    panel: &Panel,
+    floor: f64,
+) -> Result<(), Box<dyn std::error::Error + 'a>>
+where
+    Y: Ranged<ValueType = f64>,
+{
+    let has_bars = matches!(panel.along, Along::Names(_));
     let width = 0.8 / panel.series.len() as f64;
     for (i, series) in panel.series.iter().enumerate() {
         let color = COLORS[i % COLORS.len()];
         let points: Vec<_> =
             series.points.iter().copied().filter(|p| p.1.is_finite() && p.1 > floor).collect();
-        let drawn = if names.is_some() {
+        let drawn = if has_bars {
             let left = |x: f64| x - 0.4 + width * i as f64;
             chart.draw_series(points.iter().map(|&(x, y)| {
                 Rectangle::new([(left(x), floor), (left(x) + width * 0.92, y)], color.filled())
@@ -191,16 +217,6 @@ where
             .label(&series.name)
             .legend(move |(x, y)| Rectangle::new([(x, y - 4), (x + 12, y + 4)], color.filled()));
     }
-    chart
-        .configure_series_labels()
-        .position(match panel.legend {
-            Legend::UpperRight => SeriesLabelPosition::UpperRight,
-            Legend::LowerLeft => SeriesLabelPosition::LowerLeft,
-        })
-        .background_style(WHITE.mix(0.85))
-        .border_style(BLACK.mix(0.2))
-        .label_font(("sans-serif", 11))
-        .draw()?;
     Ok(())
 }
 

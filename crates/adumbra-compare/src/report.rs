@@ -125,7 +125,8 @@ pub enum TruthKind {
 /// These are acne and leaks, without the errors due to the size of a texel.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ClearErrors {
-    /// Share of compared pixels at that distance. If more than 65,536 were compared, all shares are of a sample.
+    /// Share of compared pixels at that distance. If more than 65,536 were compared, all shares are of a
+    /// sample.
     pub pixels: f64,
     /// Share of those that are shadowed but called lit.
     pub wrong_lit: f64,
@@ -152,7 +153,8 @@ pub struct TechniqueRow {
     pub bytes: u64,
     /// The truth that it was compared with.
     pub truth: TruthKind,
-    /// Root mean square error of the shadow factor, 0 to 1. This and the next five are `None` if no pixel was compared.
+    /// Root mean square error of the shadow factor, 0 to 1. This and the next five are `None` if no pixel was
+    /// compared.
     pub rmse: Option<f64>,
     /// Mean absolute error of the shadow factor, 0 to 1.
     pub mean_difference: Option<f64>,
@@ -457,7 +459,8 @@ fn triple(v: [f64; 3]) -> String {
     v.map(|c| format!("{}", (c * 1e4).round() / 1e4)).join(", ")
 }
 
-/// Returns the median, or the upper of the two middle values if their number is even. NaN if there are no values.
+/// Returns the median, or the upper of the two middle values if their number is even. NaN if there are no
+/// values.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
@@ -481,7 +484,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_are_no_markup() {
+    fn escaped_names_contain_no_markup() {
         assert_eq!(escaped("box-city-5k.glb"), "box-city-5k.glb");
         let name = "a<b&c`|d\n# e_f.obj";
         let text = escaped(name);
@@ -493,7 +496,7 @@ mod tests {
     }
 
     #[test]
-    fn figures_of_nothing_are_dashes() {
+    fn missing_figures_are_dashes() {
         assert_eq!((figure(None::<f64>, 3), figure(0.5, 3)), ("–".to_owned(), "0.500".to_owned()));
         assert_eq!((percent(0.01234, 2), megabytes(1_500_000, 1)), ("1.23".to_owned(), "1.5".to_owned()));
         let counts = PixelCounts { compared: 97, sky: 900, facing_away: 1, excluded: 2 };
@@ -502,7 +505,7 @@ mod tests {
     }
 
     #[test]
-    fn thousands_stand_apart() {
+    fn grouped_separates_thousands() {
         for (number, text) in [(0, "0"), (999, "999"), (1000, "1,000"), (15_058_044, "15,058,044")] {
             assert_eq!(grouped(number), text);
         }

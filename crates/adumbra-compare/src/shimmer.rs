@@ -1,9 +1,9 @@
 //! Shimmer: changes of the shadow factor at fixed world-space points while the camera moves.
 //!
-//! It is measured on points near an edge of the true shadow, each followed from one frame to the next. The results are
-//! the share of these points whose factor changes by more than [`CHANGE`], and their mean absolute change. The world is
-//! static, so both should be 0. The share over all points is reported as well. It also shows acne that flickers away
-//! from edges.
+//! It is measured on points near an edge of the true shadow, each followed from one frame to the next. The
+//! results are the share of these points whose factor changes by more than [`CHANGE`], and their mean
+//! absolute change. The world is static, so both should be 0. The share over all points is reported as well.
+//! It includes acne that flickers where no edge is near.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -39,8 +39,8 @@ pub struct ShimmerCount {
 }
 
 impl ShimmerCount {
-    /// Adds the factors `before` and `after` of the same points in two consecutive frames. `near_edge` says which of
-    /// them are near an edge.
+    /// Adds the factors `before` and `after` of the same points in two consecutive frames. `near_edge` says
+    /// which of them are near an edge.
     ///
     /// # Errors
     /// Returns [`Error::Sizes`] if the three differ in length.
@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn shimmer_of_nothing_is_nothing() {
+    fn shimmer_without_points_is_none() {
         assert_eq!(ShimmerCount::default().finish(), None);
         let mut flat = ShimmerCount::default();
         flat.add(&[1.0], &[1.0], &[false]).unwrap();

@@ -20,16 +20,17 @@ use adumbra_solar::{Day, position};
 use crate::baked::BakeOnDemand;
 use crate::error::Result;
 
-/// Cosine of the angle that the suns of a day may differ from those of a path of the same place and date: half a degree.
+/// Cosine of the largest angle between the suns of a day and of a path of the same place and date: half a
+/// degree.
 const SAME_SUN: f64 = 0.999_962;
 
 /// A sun that is swept across a day.
 pub struct SweptSun {
     moments: Vec<SunMoment>,
-    /// The day, if the sun is not that of a file.
+    /// The day; `None` if the sun comes from a path file.
     day: Option<Day>,
     keys: Option<PathKeys>,
-    /// How far the local clock is ahead of UTC; `None` of listed suns, which have no clock.
+    /// How far the local clock is ahead of UTC; `None` for listed suns, which have no clock.
     utc_offset_seconds: Option<i32>,
 }
 
@@ -53,11 +54,12 @@ struct PathKeys {
 type Key = (usize, ShadowFile);
 
 impl SweptSun {
-    /// Returns the sun of a day in so many equal steps of time.
+    /// Returns the sun of a day in `steps` equal steps of time.
     ///
     /// # Errors
     ///
-    /// Returns an error if the day has no such hours, or the sun is above the horizon in fewer than two steps.
+    /// Returns an error if the day has no such hours, or the sun is above the horizon in fewer than two
+    /// steps.
     pub fn of_day(day: &Day, steps: u32) -> Result<Self> {
         let ends = of_option(day.ends())?.map(|seconds| seconds as f64);
         let moment = |seconds: f64| {
@@ -70,12 +72,13 @@ impl SweptSun {
         Self { moments, day: Some(day.clone()), keys: None, utc_offset_seconds }.checked()
     }
 
-    /// Returns the sun of a path file in so many equal steps of time: of the whole path, or of a day within it.
+    /// Returns the sun of a path file in `steps` equal steps of time, over the whole path or a day within it.
     ///
     /// # Errors
     ///
-    /// Returns an error if the file is not a sun path or cannot be read, does not fit into the limit, does not cover the day, or has
-    /// other suns, and if the sun is above the horizon in fewer than two steps.
+    /// Returns an error if the file is not a sun path, cannot be read, does not fit into the limit, does not
+    /// cover the day, or has suns that differ from the day's, and if the sun is above the horizon in fewer
+    /// than two steps.
     pub fn of_file(file: &Path, day: Option<&Day>, steps: u32, limit: MemoryLimit) -> Result<Self> {
         let name = file.display();
         note_input("the shadow file itself", file);
@@ -129,7 +132,7 @@ impl SweptSun {
         .into())
     }
 
-    /// Bakes a sun path if a technique reads one and there is none, and says so on stderr before it does.
+    /// Bakes a sun path if a technique reads one and none was given. Prints a note to stderr before the bake.
     ///
     /// # Errors
     ///
@@ -167,7 +170,7 @@ impl SweptSun {
         Ok(())
     }
 
-    /// Sets the moment for which the keys answer. Keys that are around it already are not read again.
+    /// Sets the current moment, and reads the keys around it unless they are already loaded.
     ///
     /// # Errors
     ///
@@ -181,7 +184,7 @@ impl SweptSun {
         Ok(())
     }
 
-    /// Returns the files in the form that techniques take: the path, at the moment that is set.
+    /// Returns the files in the form that techniques take: the path at the current moment.
     pub fn baked(&self) -> TechniqueFiles<'_> {
         TechniqueFiles { light: self.keys.as_ref().map(|keys| LightFile::Moving(&keys.light)), other: None }
     }
@@ -191,20 +194,22 @@ impl SweptSun {
         self.keys.as_ref().map(|keys| LoadedAs::from(&keys.light.first_key().settings))
     }
 
-    /// Returns all steps, those of the night included.
+    /// Returns all steps, including those at night.
     pub fn moments(&self) -> &[SunMoment] {
         &self.moments
     }
 
-    /// Returns the path whose keys answer, if there is one.
+    /// Returns the path whose keys are used, if there is one.
     pub fn path(&self) -> Option<&SunPath> {
         self.keys.as_ref().map(|keys| &keys.path)
     }
 
-    /// Returns the moment in the middle of the steps in which the sun is up, and the unit vector towards its sun then.
+    /// Returns the middle moment of the steps in which the sun is up, and the unit vector towards the sun at
+    /// that moment.
     pub fn middle(&self) -> (f64, [f64; 3]) {
         let up: Vec<(f64, [f64; 3])> = self.up().collect();
-        // Between two steps if there is an even number of them, so that the camera does not depend on that.
+        // With an even number of steps, use the mean of the middle two, so that the camera does not depend on
+        // parity.
         let [a, b] = [up[(up.len() - 1) / 2], up[up.len() / 2]];
         (0.5 * (a.0 + b.0), normalize([0, 1, 2].map(|axis| a.1[axis] + b.1[axis])))
     }
@@ -213,19 +218,20 @@ impl SweptSun {
         self.moments.iter().filter_map(|moment| Some((moment.seconds, moment.towards_sun?)))
     }
 
-    /// Returns how far the local clock is ahead of UTC in seconds; `None` of listed suns, which have no clock.
+    /// Returns how far the local clock is ahead of UTC in seconds; `None` for listed suns, which have no
+    /// clock.
     pub fn utc_offset_seconds(&self) -> Option<i32> {
         self.utc_offset_seconds
     }
 }
 
-/// Returns the times of equal steps from one end to the other.
+/// Returns the times of `steps` equal steps from `first` to `last`.
 fn times([first, last]: [f64; 2], steps: u32) -> impl Iterator<Item = f64> {
     let share = move |step: u32| f64::from(step) / f64::from(steps.max(2) - 1);
     (0..steps).map(move |step| (first + share(step) * (last - first)).min(last))
 }
 
-/// Returns two keys of a path. Those that were read are not read again.
+/// Returns two keys of a path. Reads only keys that are not in `read`.
 fn read_keys(path: &SunPath, [first, second]: [usize; 2], read: &[Key]) -> Result<[Key; 2]> {
     let key = |index: usize, read: &[Key]| match read.iter().find(|key| key.0 == index) {
         Some(key) => Ok(key.clone()),
@@ -241,7 +247,7 @@ fn files_of(keys: &[Key; 2]) -> [&ShadowFile; 2] {
     keys.each_ref().map(|(_, file)| file)
 }
 
-/// Names the option in the error of a day.
+/// Adds the name of the option to an error of a day.
 fn of_option<T>(result: adumbra_solar::Result<T>) -> Result<T> {
     result.map_err(|error| Failure::Usage(format!("--sun-sweep: {error}")).into())
 }

@@ -1,4 +1,5 @@
-//! Temporary files that programs left because they were killed. A program holds a lock on each of its own while it runs.
+//! Temporary files that killed programs left behind. A running program holds a lock on each of its own
+//! temporary files.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -14,19 +15,19 @@ pub(crate) const SUFFIX: &str = ".tmp";
 pub(crate) const RANDOM_BYTES: usize = 6;
 /// Names have at most 255 bytes.
 const MOST_NAME_BYTES: usize = 200;
-/// Returns what the names of the temporary files for `target` begin with.
+/// Returns the prefix of the names of the temporary files for `target`.
 pub(crate) fn prefix_of(target: &Path) -> String {
     let name = target.file_name().unwrap_or_default().to_string_lossy();
     format!("{PREFIX}{}-", &name[..name.floor_char_boundary(MOST_NAME_BYTES)])
 }
 
-/// Removes the temporary files for `target` that were abandoned.
+/// Removes the abandoned temporary files for `target`.
 pub(crate) fn remove_beside(target: &Path) {
     let prefix = prefix_of(target);
     let is_own =
         |name: &str| name.len() == prefix.len() + RANDOM_BYTES + SUFFIX.len() && name.starts_with(&prefix);
     for file in Abandoned::find(&folder_of(target), |name, _| is_own(name)) {
-        // One that cannot be removed does no harm.
+        // An abandoned file that cannot be removed does no harm.
         let _ = file.remove();
     }
 }
@@ -36,13 +37,13 @@ pub(crate) fn remove_beside(target: &Path) {
 pub struct Abandoned {
     path: PathBuf,
     bytes: u64,
-    /// Locked until it is gone, so its name is not given to another file meanwhile.
+    /// Locked until the file is removed, so that its name is not reused meanwhile.
     _file: File,
 }
 
 impl Abandoned {
-    /// Finds those in a folder whose name and age are wanted. Where files cannot be locked, none is known to be abandoned. A
-    /// folder that cannot be read has none.
+    /// Finds the abandoned temporary files of a folder that `is_wanted` accepts by name and age. Where files
+    /// cannot be locked, no file is known to be abandoned. In a folder that cannot be read, none is found.
     pub fn find<F: Fn(&str, Duration) -> bool>(
         folder: &Path,
         is_wanted: F,
@@ -50,26 +51,26 @@ impl Abandoned {
         let entries = fs::read_dir(folder).into_iter().flatten().flatten();
         entries.filter_map(move |entry| {
             let (name, path) = (entry.file_name().into_string().ok()?, entry.path());
-            // Neither links, which lead elsewhere, nor pipes, which may never open.
+            // Skip links, which lead elsewhere, and pipes, which may block when they are opened.
             let found = entry.metadata().ok().filter(fs::Metadata::is_file)?;
             let is_temporary = name.starts_with(PREFIX) && name.ends_with(SUFFIX);
             let age = SystemTime::now().duration_since(found.modified().ok()?).unwrap_or_default();
             if !is_temporary || !is_wanted(&name, age) {
                 return None;
             }
-            // File servers lock only what can be written.
+            // File servers lock only writable files.
             let file = File::options().write(true).open(&path).or_else(|_| File::open(&path)).ok()?;
             file.try_lock().ok()?;
             Some(Self { path, bytes: found.len(), _file: file })
         })
     }
 
-    /// Returns its length in bytes.
+    /// Returns the file's length in bytes.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// Removes it.
+    /// Removes the file.
     ///
     /// # Errors
     /// Returns [`IoError`] if the operating system refuses to.
@@ -95,10 +96,10 @@ mod tests {
     }
 
     #[test]
-    fn files_of_programs_that_were_killed_are_removed_and_those_in_use_are_not() {
+    fn removes_abandoned_files_and_keeps_files_in_use() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
-        // Those of other outputs may be in use on another machine, whose locks are not seen here.
+        // Temporary files of other outputs may be in use on another machine, whose locks are invisible here.
         let kept = [".adumbra-file-x-abc123.tmp", ".adumbra-notes", "other.tmp"];
         for name in [kept[0], kept[1], kept[2], ".adumbra-file-abc123.tmp"] {
             fs::write(folder.path().join(name), "left").unwrap();
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn names_of_any_length_are_used() {
+    fn accepts_target_names_of_any_length() {
         let folder = tempfile::tempdir().unwrap();
         for name in ["a".repeat(255), "ä".repeat(127)] {
             replace_file(&folder.path().join(&name), |file| file.write_all(b"a").map(|()| 1)).unwrap();
@@ -124,7 +125,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn links_and_pipes_are_not_taken_for_temporary_files() {
+    fn keeps_links_and_pipes_named_like_temporary_files() {
         let folder = tempfile::tempdir().unwrap();
         let [link, pipe, other] =
             [".adumbra-file-abc123.tmp", ".adumbra-file-abc124.tmp", "other"].map(|n| folder.path().join(n));

@@ -6,10 +6,10 @@ use std::path::Path;
 
 use adumbra::IoError;
 
-/// Most bytes of a text that people or programs write to say what is to be done: a camera, edits, suns.
+/// Most bytes of a text file with instructions, such as a camera, edits or suns.
 pub const TEXT_BYTES: u64 = 64 << 20;
 
-/// Reads a whole file, or a pipe to its end. A device, which may have no end, is refused, and so is what has more than
+/// Reads a whole file, or a pipe to its end. Refuses a device, which may have no end, and more than
 /// `most_bytes`.
 ///
 /// # Errors
@@ -21,7 +21,7 @@ pub fn read_whole(path: &Path, most_bytes: u64) -> Result<Vec<u8>, IoError> {
 /// Reads a text as [`read_whole`] does.
 ///
 /// # Errors
-/// Returns the errors of [`read_whole`], and [`IoError`] if the bytes are no UTF-8.
+/// Returns the errors of [`read_whole`], and [`IoError`] if the bytes are not UTF-8.
 pub fn read_text(path: &Path, most_bytes: u64) -> Result<String, IoError> {
     let invalid = |error: std::string::FromUtf8Error| io::Error::new(ErrorKind::InvalidData, error);
     String::from_utf8(read_whole(path, most_bytes)?).map_err(invalid).map_err(IoError::at("read", path))
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_read_up_to_a_limit_and_devices_are_refused() {
+    fn reads_files_up_to_a_limit_and_rejects_devices() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         std::fs::write(&path, "five!").unwrap();

@@ -1,6 +1,6 @@
-//! Reads files within a limit, and writes files that are either complete or absent: a temporary file next to the target is
-//! renamed to it once it is complete. Symbolic links are followed: the file that a link leads to is replaced, and the link is
-//! kept.
+//! Reads files within a limit, and writes files that are either complete or absent: a temporary file next to
+//! the target is renamed to it once it is complete. Symbolic links are followed: the link's target is
+//! replaced, and the link is kept.
 
 mod abandoned;
 mod input;
@@ -28,12 +28,12 @@ pub use watch::FileWatch;
 /// Largest number of symbolic links that are followed in a chain, as on Linux.
 const MAX_LINKS: usize = 40;
 
-/// Calls `write` to fill a temporary file next to `path`, syncs it, and renames it to `path`. Returns what `write`
-/// returns.
+/// Calls `write` to fill a temporary file next to `path`, syncs it, and renames it to
+/// `path`. Returns what `write` returns.
 ///
 /// # Errors
-/// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at `path` is
-/// kept.
+/// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at
+/// `path` is kept.
 pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64>) -> Result<u64, IoError> {
     let staged = StagedFile::new(path, write)?;
     let bytes = staged.bytes();
@@ -41,13 +41,14 @@ pub fn replace_file(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64
     Ok(bytes)
 }
 
-/// Like [`replace_file`], but a symbolic link at `path` is replaced itself, the temporary file is in `folder`, on the same
-/// disk, and the system may still hold the file's contents in memory. After a power failure there may be a file at `path`
-/// with other contents, so readers must be able to tell. Remove what is [`Abandoned`] in `folder` from time to time.
+/// Like [`replace_file`], but it replaces a symbolic link at `path` itself, puts the temporary file in
+/// `folder`, which must be on the same disk, and does not sync. After a power failure there may be a file at
+/// `path` with other contents, so readers must be able to detect that. Remove [`Abandoned`] files from
+/// `folder` from time to time.
 ///
 /// # Errors
-/// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at `path` is
-/// kept.
+/// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at
+/// `path` is kept.
 pub fn replace_unsynced(
     path: &Path,
     folder: &Path,
@@ -72,8 +73,8 @@ fn lock<T>(mutex: &'static Mutex<T>) -> MutexGuard<'static, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all temporary files of this process and ends it by calling `end`. For signal handlers, where no values are
-/// dropped. If files are being renamed, all of them are renamed first.
+/// Removes all temporary files of this process and ends it by calling `end`. For signal handlers, where no
+/// values are dropped. If files are being renamed, all of them are renamed first.
 pub fn end_without_temporary_files(end: fn() -> !) -> ! {
     let _placing = lock(&PLACING);
     // Locked until the end, so that no other temporary file is created.
@@ -103,7 +104,7 @@ pub struct StagedFile {
     target: PathBuf,
     temporary: TempPath,
     bytes: u64,
-    /// Locked, so that no other program takes the file for abandoned.
+    /// Locked, so that no other program takes the file for an abandoned one.
     _file: File,
     _living: Living,
 }
@@ -112,8 +113,8 @@ impl StagedFile {
     /// Calls `write` to fill a temporary file next to `path`, and syncs it.
     ///
     /// # Errors
-    /// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file at `path`
-    /// is kept.
+    /// Returns [`IoError`] if the operating system fails. The temporary file is removed and the previous file
+    /// at `path` is kept.
     pub fn new(path: &Path, write: impl FnOnce(&mut File) -> io::Result<u64>) -> Result<Self, IoError> {
         let target = target_of(path).map_err(IoError::at("create", path))?;
         abandoned::remove_beside(&target);
@@ -136,10 +137,12 @@ impl StagedFile {
         self.bytes
     }
 
-    /// Renames the files to their targets, in this order. [`end_without_temporary_files`] waits until all are renamed.
+    /// Renames the files to their targets, in this order. [`end_without_temporary_files`] waits until all are
+    /// renamed.
     ///
     /// # Errors
-    /// Returns [`IoError`] if the operating system fails to rename a file. The files before it have been renamed.
+    /// Returns [`IoError`] if the operating system fails to rename a file. The files before it have been
+    /// renamed.
     pub fn place(files: impl IntoIterator<Item = Self>) -> Result<(), IoError> {
         let _placing = lock(&PLACING);
         for Self { path, target, temporary, .. } in files {
@@ -153,8 +156,9 @@ impl StagedFile {
     }
 }
 
-/// Sets the time of a file that has just been renamed to now. Programs that watch a folder for changes, such as engines
-/// that reload assets, may otherwise see only that a file of another name is gone. If this fails, nothing is lost.
+/// Sets the time of a file that has just been renamed to now. Otherwise programs that watch a folder for
+/// changes, such as engines that reload assets, may see only that a file with another name has disappeared.
+/// If this fails, nothing is lost.
 fn announce(target: &Path) {
     let _ = File::options().append(true).open(target).and_then(|file| file.set_modified(SystemTime::now()));
 }
@@ -168,7 +172,8 @@ pub fn check_output(path: &Path) -> Result<(), IoError> {
     temporary_beside(&target, path).map(|_| ())
 }
 
-/// Refuses what is there and is no file. Links of the system to its own pipes, such as `/dev/stdout`, lead to no path.
+/// Refuses an existing path that is not a file. The system's links to its own pipes, such as `/dev/stdout`,
+/// lead to no path.
 fn check_kind(path: &Path) -> io::Result<()> {
     let say = |kind, what: &str| Err(io::Error::new(kind, what));
     match fs::metadata(path) {
@@ -182,8 +187,8 @@ fn check_kind(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Returns the path at which a file written to `path` will be: `path` itself, or the target of its symbolic links,
-/// whether that exists or not.
+/// Returns the path at which a file written to `path` will be: `path` itself, or the target of its symbolic
+/// links, whether that exists or not.
 ///
 /// # Errors
 /// Returns [`io::Error`] if a link cannot be read, or if links form a cycle.
@@ -199,8 +204,8 @@ pub fn target_of(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::new(ErrorKind::InvalidInput, what))
 }
 
-/// Whether two paths refer to one file, under any spelling and through symbolic or hard links. A file that does not
-/// exist yet is identified by its folder and name.
+/// Whether two paths refer to one file, under any spelling and through symbolic or hard links. A file that
+/// does not exist yet is identified by its folder and name.
 pub fn same_file(a: &Path, b: &Path) -> bool {
     first_same([a, b]).is_some()
 }
@@ -247,7 +252,8 @@ fn identity(path: &Path) -> Option<Identity> {
     fs::metadata(path).ok().map(|found| (found.dev(), found.ino()))
 }
 
-/// Returns the canonical path of a file, which all spellings of its path share. Hard links are not recognized.
+/// Returns the canonical path of a file, which all spellings of its path share. Hard links are not
+/// recognized.
 #[cfg(not(unix))]
 fn identity(path: &Path) -> Option<Identity> {
     path.canonicalize().ok()
@@ -261,15 +267,16 @@ pub fn folder_of(path: &Path) -> PathBuf {
     }
 }
 
-/// Creates an empty temporary file beside `target`, to which `path` leads, with the permissions of the existing file.
+/// Creates an empty temporary file beside `target`, to which `path` leads, with the permissions of the
+/// existing file.
 fn temporary_beside(target: &Path, path: &Path) -> Result<(NamedTempFile, Living), IoError> {
     let folder = folder_of(target);
     check_kind(path).and_then(|()| check_folder(&folder)).map_err(IoError::at("create", path))?;
     temporary_in(&folder, target, path)
 }
 
-/// Creates an empty temporary file in `folder` for `target`, to which `path` leads, with the permissions of an existing
-/// file. It is removed when the returned value is dropped.
+/// Creates an empty temporary file in `folder` for `target`, to which `path` leads, with the permissions of
+/// an existing file. It is removed when the returned value is dropped.
 fn temporary_in(folder: &Path, target: &Path, path: &Path) -> Result<(NamedTempFile, Living), IoError> {
     #[cfg(unix)]
     let permissions =
@@ -280,8 +287,8 @@ fn temporary_in(folder: &Path, target: &Path, path: &Path) -> Result<(NamedTempF
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        // The mode of an ordinary new file, less the umask, because the default of `tempfile` is for secrets. If others
-        // may not read the existing file, they may not read the temporary file at any time.
+        // The mode of an ordinary new file, less the umask, because the default of `tempfile` is for secrets.
+        // If others may not read the existing file, they may not read the temporary file at any time.
         let mode = permissions.as_ref().map_or(0o666, |p| p.mode() & 0o666 | 0o600);
         builder.permissions(fs::Permissions::from_mode(mode));
     }
@@ -289,9 +296,9 @@ fn temporary_in(folder: &Path, target: &Path, path: &Path) -> Result<(NamedTempF
     let locked = || -> io::Result<NamedTempFile> {
         loop {
             let temporary = builder.tempfile_in(folder)?;
-            // Where files cannot be locked, none is known to be abandoned.
+            // Where files cannot be locked, no file is known to be abandoned.
             let _ = temporary.as_file().lock();
-            // Another program may have taken it for abandoned before it was locked.
+            // Another program may have removed the file as abandoned before it was locked.
             if temporary.path().exists() {
                 return Ok(temporary);
             }
@@ -357,7 +364,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn replace_file_leaves_the_earlier_one_when_the_disk_fills() {
+    fn replace_file_keeps_previous_file_when_the_disk_fills() {
         let output = EarlierFile::new();
         let result = replace_file(output.path(), |file| {
             file.write_all(b"half")?;
@@ -369,9 +376,9 @@ mod tests {
         output.assert_kept();
     }
 
-    /// Watchers that pair renames see a change of the file itself only if its time is that of the last step.
+    /// Watchers that pair renames see a change of the file itself only if its time is that of the rename.
     #[test]
-    fn a_renamed_file_has_the_time_of_its_renaming() {
+    fn placed_file_has_the_time_of_its_rename() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a");
         let staged = StagedFile::new(&path, |file| file.write_all(b"new").map(|()| 3)).unwrap();
@@ -384,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn same_file_is_known_under_any_spelling() {
+    fn same_file_recognizes_any_spelling_of_a_path() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::create_dir(at("sub")).unwrap();
@@ -400,7 +407,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn same_file_is_known_by_its_links() {
+    fn same_file_follows_hard_and_symbolic_links() {
         use std::os::unix::fs::symlink;
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
@@ -432,7 +439,7 @@ mod tests {
     }
 
     #[test]
-    fn staged_files_leave_earlier_ones_until_they_are_placed() {
+    fn staged_files_replace_previous_files_only_when_placed() {
         let folder = tempfile::tempdir().unwrap();
         let paths = ["a", "b"].map(|name| folder.path().join(name));
         paths.iter().for_each(|path| fs::write(path, "earlier").unwrap());

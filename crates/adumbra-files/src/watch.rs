@@ -12,21 +12,23 @@ use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 
 use crate::folder_of;
 
-/// How long files must rest before a change is reported: programs write them piece by piece.
+/// How long files must stay unchanged before a change is reported, because programs write files piece by
+/// piece.
 const REST: Duration = Duration::from_millis(200);
 
-/// Follows files until it is dropped.
+/// Watches files until it is dropped.
 pub struct FileWatch {
     // The thread that reports changes ends with the watcher, which holds the other end of its channel.
     _watcher: RecommendedWatcher,
 }
 
 impl FileWatch {
-    /// Calls `changed`, on another thread, whenever some of the files have been written, replaced, created or removed, and
-    /// then none of them for a fifth of a second. Files that are not there yet are followed too, if their folders are.
+    /// Calls `changed`, on another thread, whenever some of the files have been written, replaced, created or
+    /// removed, and then stayed unchanged for a fifth of a second. Files that do not exist yet are watched
+    /// too, if their folders exist.
     ///
     /// # Errors
-    /// Returns [`IoError`] if a folder of the files cannot be followed.
+    /// Returns [`IoError`] if a folder of the files cannot be watched.
     pub fn new(files: &[PathBuf], changed: impl Fn() + Send + 'static) -> Result<Self, IoError> {
         let (sender, changes) = mpsc::channel();
         // Programs replace files by renaming others, so folders are watched.
@@ -45,7 +47,7 @@ impl FileWatch {
                 Err(_) => true,
             };
             if is_ours {
-                // The thread is there as long as this handler.
+                // The receiving thread lives as long as this handler.
                 let _ = sender.send(());
             }
         };
@@ -80,7 +82,7 @@ mod tests {
     use crate::replace_file;
 
     #[test]
-    fn changes_of_the_files_are_reported_once_they_rest() {
+    fn changes_are_reported_once_after_files_stop_changing() {
         let folder = tempfile::tempdir().unwrap();
         let [scene, buffer, other] =
             ["scene.gltf", "scene.bin", "other"].map(|name| folder.path().join(name));
@@ -91,12 +93,12 @@ mod tests {
         let is_reported = || reports.recv_timeout(Duration::from_secs(5)).is_ok();
         let is_quiet = || reports.recv_timeout(Duration::from_millis(600)).is_err();
         assert!(is_quiet());
-        // Several writes are one change.
+        // Several writes are reported as one change.
         for text in ["b", "c", "d"] {
             fs::write(&scene, text).unwrap();
         }
         assert!(is_reported() && is_quiet());
-        // One that was not there, and one that is replaced.
+        // A file that did not exist before, and a file that is replaced.
         fs::write(&buffer, "new").unwrap();
         assert!(is_reported() && is_quiet());
         replace_file(&scene, |file| io::Write::write_all(file, b"e").map(|()| 1)).unwrap();

@@ -1,4 +1,5 @@
-//! Tests of shadow files on disk: a file is either complete or absent, and errors say what is wrong with the path.
+//! Tests of shadow files on disk: a file is either complete or absent, and errors say what is wrong with the
+//! path.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -26,7 +27,7 @@ fn written_file_reads_back_and_replaces_the_earlier_one() {
 }
 
 #[test]
-fn refused_write_leaves_the_earlier_output() {
+fn rejected_write_keeps_previous_output() {
     let output = EarlierFile::new();
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
     file.grid.size[0] += 1;
@@ -36,7 +37,7 @@ fn refused_write_leaves_the_earlier_output() {
 }
 
 #[test]
-fn write_says_what_is_wrong_with_the_path() {
+fn write_error_explains_what_is_wrong_with_the_path() {
     let folder = tempfile::tempdir().unwrap();
     let regular = folder.path().join("regular");
     fs::write(&regular, "a file").unwrap();

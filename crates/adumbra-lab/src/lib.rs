@@ -1,5 +1,5 @@
-//! The laboratory: measures what `adumbra` bakes and draws, and repeats the measurements of the papers. What it compares
-//! with the truth, it compares by [`adumbra_compare`].
+//! The laboratory: measures what `adumbra` bakes and draws, and repeats the measurements of the papers.
+//! Comparisons with the truth use [`adumbra_compare`].
 //!
 //! | module | contents |
 //! |---|---|

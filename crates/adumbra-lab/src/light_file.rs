@@ -1,8 +1,8 @@
-//! A file of columns along the light, in the product's layout or as a graph of the 2014 paper, so that both have a row in
-//! the tables.
+//! A file of columns along the light, in the product's layout or as a graph of the 2014 paper, so that both
+//! have a row in the tables.
 
 use adumbra::{FileSettings, Filter, LightGrid, PointVisibility, ShadowFile};
-use adumbra_bake::{BakeOptions, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Watch};
 use adumbra_compare::Result;
 use adumbra_papers::dag::build::{DagOptions, bake as bake_graph};
 use adumbra_papers::dag::{DagFile, DagLayout, DagQuery};
@@ -42,7 +42,7 @@ impl LightFile {
     /// Bakes a file.
     pub(crate) fn bake(scene: &Scene, options: &BakeOptions, kind: Kind) -> Result<Self> {
         Ok(match kind {
-            Kind::Quadtree => Self::Quadtree(Box::new(bake(scene, options, Watch::none())?.file)),
+            Kind::Quadtree => Self::Quadtree(Box::new(Bake::with_options(scene, options).in_memory()?)),
             Kind::Packed => {
                 let options = DagOptions { bake: options.clone(), layout: DagLayout::Packed };
                 let graph = bake_graph(scene, &options, Watch::none())?.file;

@@ -1,6 +1,6 @@
 //! The program `adumbra-lab`: measures what `adumbra` bakes and draws, and writes the report.
 
-// They panic where nothing can be written.
+// The print macros panic if output cannot be written.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 use std::process::ExitCode;
@@ -13,8 +13,8 @@ use adumbra_program::exit::Outcome;
 use adumbra_program::{signals, start};
 use clap::Parser;
 
-/// Measures what adumbra bakes and draws, compares it with ray-traced truth and with published results, and writes
-/// tables and a report.
+/// Measures what adumbra bakes and draws, compares it with ray-traced truth and with published results, and
+/// writes tables and a report.
 ///
 /// Some verbs run the program adumbra, which must be in the same folder.
 #[derive(Parser)]
@@ -38,7 +38,7 @@ impl start::Program for Args {
     }
 
     fn run(self) -> Outcome {
-        // A report keeps what it has measured.
+        // A report handles interrupts itself, to keep its finished measurements.
         if !matches!(self.verb, Verb::Report(_)) {
             signals::end_when_interrupted(Code::Interrupted);
         }

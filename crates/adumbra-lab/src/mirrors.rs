@@ -1,5 +1,5 @@
-//! Schemas of the types of [`adumbra_papers`] that the program prints, as [`adumbra_program::mirrors`] has those of the
-//! reader.
+//! Schemas of the types of [`adumbra_papers`] that the program prints, as [`adumbra_program::mirrors`] has
+//! those of the reader.
 #![expect(dead_code, reason = "only their schemas are used")]
 
 use adumbra_program::mirrors::{Bias, Bounds};
@@ -79,8 +79,8 @@ struct Region {
     depth: u32,
 }
 
-/// The depth of a tree in each part of the plan: a base depth, and regions that are deeper. At each point the deepest
-/// region that contains it counts.
+/// The depth of a tree in each part of the plan: a base depth, and regions that are deeper. At each point the
+/// deepest region that contains it counts.
 #[derive(JsonSchema)]
 pub(crate) struct Regions {
     /// Number of levels outside all regions.
@@ -103,8 +103,8 @@ struct CaptureBias {
 struct LossyChange {
     /// Maximum share of the leaf voxels that was allowed to change.
     max_share: f64,
-    /// Number of leaf voxels of the tree before the merge: the cells of the leaves of eight in the expanded tree, each
-    /// counted once whatever its size.
+    /// Number of leaf voxels of the tree before the merge: the cells of the leaves of eight in the expanded
+    /// tree, each counted once whatever its size.
     leaf_voxels: u64,
     /// Number of voxels of the finest level that changed; a larger cell counts as all the voxels in it.
     changed_voxels: u64,

@@ -1,5 +1,5 @@
-//! The two executables that `adumbra-lab` runs: itself, and `adumbra` in the same folder, whose verbs the benchmarks
-//! and the report measure.
+//! The two executables that `adumbra-lab` runs: itself, and `adumbra` in the same folder, whose verbs the
+//! benchmarks and the report measure.
 
 use adumbra::IoError;
 use std::path::{Path, PathBuf};
@@ -12,8 +12,8 @@ use adumbra_compare::Result;
 
 /// Version and revision of this program.
 pub const VERSION: &str = env!("ADUMBRA_VERSION");
-/// Git revision of the sources of this program, with `-dirty` if they had uncommitted changes; empty if git could not
-/// tell.
+/// Git revision of the sources of this program, with `-dirty` if they had uncommitted changes; empty if git
+/// could not tell.
 pub(crate) const REVISION: &str = env!("ADUMBRA_REVISION");
 
 const HOW_TO_BUILD: &str = "build both with: cargo build --release -p adumbra-cli -p adumbra-lab";
@@ -39,7 +39,8 @@ impl Program {
     /// Returns the path of the executable.
     ///
     /// # Errors
-    /// Returns [`adumbra_compare::Error::Program`] if `adumbra` is missing or was built from other sources than this program.
+    /// Returns [`adumbra_compare::Error::Program`] if `adumbra` is missing or was built from other sources
+    /// than this program.
     pub(crate) fn path(self) -> Result<PathBuf> {
         match self {
             Self::Laboratory => Ok(std::env::current_exe().map_err(IoError::at("find", "this program"))?),
@@ -93,13 +94,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn programs_of_one_commit_are_alike() {
+    fn version_check_ignores_dirty_suffix() {
         assert_eq!(committed("0.1.0 (abc-dirty)"), committed("0.1.0 (abc)"));
         assert_ne!(committed("0.1.0 (abd)"), committed("0.1.0 (abc)"));
     }
 
     #[test]
-    fn programs_missing_are_named_with_what_builds_them() {
+    fn missing_program_error_names_build_command() {
         let error = check_version(Path::new("/nowhere/adumbra")).unwrap_err().to_string();
         assert!(error.starts_with("/nowhere/adumbra: ") && error.contains("-p adumbra-cli"), "{error}");
     }

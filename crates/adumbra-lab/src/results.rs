@@ -1,5 +1,5 @@
-//! Parts shared by the results of the benchmarks: requirements with their outcome, what drew and timed, and numbers that
-//! JSON cannot hold.
+//! Parts shared by the results of the benchmarks: requirements with their outcome, how pictures are drawn and
+//! timed, and numbers that JSON cannot represent.
 
 use adumbra_render::Gpu;
 use schemars::JsonSchema;
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn checks_are_a_table_of_markdown() {
+    fn checks_render_as_markdown_table() {
         let check = |holds| Check { requirement: "a".to_owned(), measured: "b".to_owned(), holds };
         assert_eq!(
             Check::markdown(&[check(Some(true)), check(Some(false)), check(None)]),

@@ -1,4 +1,5 @@
-//! `adumbra-lab schema`: the JSON Schema of what a verb prints, and of the files that benchmarks and the report write.
+//! `adumbra-lab schema`: the JSON Schema of what a verb prints, and of the files that benchmarks and the
+//! report write.
 
 use adumbra_compare::camera_file::CameraFile;
 use adumbra_compare::report::Report;

@@ -1,5 +1,5 @@
-//! `adumbra-lab tune-ao`: runs the same parameter search for every ambient-occlusion estimator on the eight scenes, and
-//! records the results.
+//! `adumbra-lab tune-ao`: runs the same parameter search for every ambient-occlusion estimator on the eight
+//! scenes, and records the results.
 
 use std::path::Path;
 use std::time::Instant;
@@ -16,11 +16,13 @@ use crate::occlusion::{Record, TuneOptions, TuneScene, tune};
 use adumbra_compare::Result;
 use adumbra_compare::truth::Cache;
 
-/// Tunes the estimators and writes record and table. With `--variant`, tunes the variants and prints their results.
+/// Tunes the estimators and writes record and table. With `--variant`, tunes the variants and prints their
+/// results.
 ///
 /// # Errors
 ///
-/// Returns an error if a scene or the earlier record cannot be read, an output cannot be written, or the device fails.
+/// Returns an error if a scene or the earlier record cannot be read, an output cannot be written, or the
+/// device fails.
 pub fn run(args: &TuneAo) -> Result<Code> {
     // Read first, so that an invalid record is reported before hours of work.
     let known = earlier(&args.record)?;

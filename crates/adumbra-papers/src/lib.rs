@@ -1,5 +1,5 @@
-//! The laboratory of the papers: data structures and techniques that the product has left behind, kept working so that
-//! they can be compared with it.
+//! The laboratory of the papers: data structures and techniques that the product has left behind, kept
+//! working so that they can be compared with it.
 //!
 //! | module | paper |
 //! |---|---|

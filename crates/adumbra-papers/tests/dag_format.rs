@@ -1,6 +1,6 @@
-//! Tests of the graph file with `test_vectors/dag/` and with damaged files. For any bytes, reading must return either a
-//! file in which every voxel can be looked up, or an error that names the fault. Writing an invalid file must be an
-//! error.
+//! Tests of the graph file with `test_vectors/dag/` and with damaged files. For any bytes, reading must
+//! return either a file in which every voxel can be looked up, or an error that names the fault. Writing an
+//! invalid file must be an error.
 
 #[path = "dag_format_support/mod.rs"]
 mod dag_format_support;
@@ -38,7 +38,7 @@ fn fault(path: &Path) -> DagFileError {
 }
 
 #[test]
-fn dag_valid_vectors_give_their_answers() {
+fn dag_valid_vectors_give_expected_answers() {
     let mut layouts = [0; 2];
     for (name, bytes) in valid() {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -77,7 +77,7 @@ fn dag_agrees_with_the_reference_on_every_voxel() {
 }
 
 #[test]
-fn dag_invalid_vectors_give_their_errors() {
+fn dag_invalid_vectors_give_expected_errors() {
     let faulty = faulty_vectors("dag/invalid");
     for vector in &faulty {
         let fault = fault(&vector.path);
@@ -90,7 +90,7 @@ fn dag_invalid_vectors_give_their_errors() {
 }
 
 #[test]
-fn dag_specification_shows_the_example_as_it_is() {
+fn dag_example_in_specification_matches_vector() {
     let example = specified_example("adumbra-dag.md");
     assert_eq!(example.bytes, vector("example_8"));
     for (world, answer) in &example.answers {
@@ -102,7 +102,7 @@ fn dag_specification_shows_the_example_as_it_is() {
 }
 
 #[test]
-fn dag_settings_and_grid_come_back_bit_for_bit() {
+fn dag_settings_and_grid_round_trip_bit_for_bit() {
     for layout in ["example_8", "example_8_packed"] {
         let mut file = DagFile::from_bytes(&vector(layout)).unwrap();
         let sun = Sun::from_direction([0.3, 0.6, -0.2]).unwrap();
@@ -164,7 +164,7 @@ fn agrees_with_the_reference(file: &DagFile, bytes: &[u8], seed: u64) {
 
 #[test]
 #[ignore = "slow: thousands of damaged files"]
-fn dag_mutations_are_refused_or_answer_everywhere() {
+fn dag_mutated_files_are_rejected_or_answer_everywhere() {
     let (accepted, faults) = count_faults(&valid(), 200_000, |bytes, seed| {
         let mutated = LAYOUT.mutate(bytes, seed);
         let file = exercise(&mutated).map_err(|error| error.fault().unwrap_or(error.kind()))?;
@@ -200,7 +200,7 @@ fn dag_mutations_are_refused_or_answer_everywhere() {
 }
 
 #[test]
-fn dag_fuzz_input_of_even_first_byte_gets_its_checksums() {
+fn dag_fuzz_input_with_even_first_byte_gets_valid_checksums() {
     let mut input = vector("example_8");
     assert_eq!(LAYOUT.interpret(&input), input);
     input[0] = b'@';
@@ -231,7 +231,7 @@ fn dag_invalid_file_is_not_written() {
 }
 
 #[test]
-fn dag_and_shadow_files_are_told_apart() {
+fn dag_and_shadow_files_are_distinguished() {
     let (shadow, graph) = (vectors("valid/example_8_depths.adumbra"), vectors("dag/valid/example_8.adumbra"));
     assert!(DagFile::is_one(&graph).unwrap() && !DagFile::is_one(&shadow).unwrap());
     let fault = fault(&shadow);

@@ -1,16 +1,15 @@
-//! Tests the block that a look-up reports as its end: it is all lit or all shadowed, and no larger block is.
+//! Tests the block in which a look-up ends: the block is all lit or all shadowed, and no larger block is.
 
 use adumbra::layout::depths::DepthTree;
 use adumbra::query::{FixedReceiver, Receiver};
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch};
+use adumbra_bake::{Bake, BakeOptions, Size, Watch};
 use adumbra_papers::dag::build::{DagOptions, bake};
 use adumbra_papers::dag::{DagFile, DagLayout, DagQuery, LeafMasks};
 use adumbra_papers::tree::query::{TreeQuery, Weights};
 use adumbra_papers::tree::{Detail, TreeOptions, bake_tree};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
-use adumbra_testing::bake_file;
 
 fn sun() -> Sun {
     Sun::from_direction([0.5, 0.8, 0.35]).unwrap()
@@ -29,7 +28,7 @@ fn graph(layout: DagLayout) -> DagFile {
 }
 
 fn quadtree() -> ShadowFile {
-    bake_file(&scene(), &options()).unwrap()
+    Bake::with_options(&scene(), &options()).in_memory().unwrap()
 }
 
 /// Voxels of a grid, half of them near the switch depths of their columns.
@@ -46,8 +45,8 @@ fn voxels(depths: &DepthTree, count: usize) -> Vec<[u32; 3]> {
         .collect()
 }
 
-/// Whether all voxels of the block of this level around a voxel have its visibility, as far as the block is inside the
-/// grid.
+/// Whether all voxels of the block of this level around a voxel have its visibility. Voxels outside the grid
+/// are not checked.
 fn is_uniform(leaf_masks: &dyn LeafMasks, voxel: [u32; 3], level: u32) -> bool {
     let size = leaf_masks.size();
     let range = |a: usize| {
@@ -61,7 +60,7 @@ fn is_uniform(leaf_masks: &dyn LeafMasks, voxel: [u32; 3], level: u32) -> bool {
 }
 
 #[test]
-fn look_ups_in_graphs_end_in_the_largest_block_that_is_uniform() {
+fn graph_look_ups_end_in_largest_uniform_block() {
     let [file, packed] = [DagLayout::Plain, DagLayout::Packed].map(graph);
     let columns = &*quadtree().tree;
     let (plain, packed) = (file.body.leaf_masks(), packed.body.leaf_masks());
@@ -87,7 +86,7 @@ fn look_ups_in_graphs_end_in_the_largest_block_that_is_uniform() {
 }
 
 #[test]
-fn look_ups_in_depths_end_in_columns_that_switch_together() {
+fn depth_look_ups_end_in_columns_with_equal_depth() {
     let columns = &*quadtree().tree;
     let mut seen = [0; 14];
     for voxel @ [i, j, _] in voxels(columns, 2000) {
@@ -106,7 +105,7 @@ fn look_ups_in_depths_end_in_columns_that_switch_together() {
 }
 
 #[test]
-fn look_ups_beside_a_file_end_nowhere() {
+fn look_ups_outside_the_grid_have_no_end_level() {
     let (graph, quadtree) = (graph(DagLayout::Packed), quadtree());
     let query = DagQuery::new(&graph.grid, graph.body.leaf_masks(), graph.settings.bias, Filter::Box5);
     let sampler = quadtree.sampler(Filter::Box5);
@@ -118,19 +117,19 @@ fn look_ups_beside_a_file_end_nowhere() {
     for p in [[-0.5, 4.0, 4.0], [4.0, ny + 0.5, 4.0], [4.0, 4.0, -0.5], [nx + 1e9, 0.0, 0.0]] {
         assert_eq!(levels(p), [None; 2], "{p:?}");
     }
-    // Behind the grid its last layer answers.
+    // A look-up behind the grid uses the last layer.
     assert_eq!(levels([9.5, 9.5, nz + 100.0]), levels([9.5, 9.5, nz - 0.5]));
     assert!(levels([9.5, 9.5, 0.5]).iter().all(Option::is_some));
 }
 
 #[test]
-fn look_ups_in_small_trees_end_in_the_largest_cube_that_is_uniform() {
+fn small_tree_look_ups_end_in_largest_uniform_cube() {
     end_in_the_largest_cube(Detail::Uniform, 64);
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn look_ups_in_trees_end_in_the_largest_cube_that_is_uniform() {
+fn tree_look_ups_end_in_largest_uniform_cube() {
     end_in_the_largest_cube(Detail::Uniform, 128);
     end_in_the_largest_cube(Detail::Rings { center_xz: [0.0, 0.0], radii: vec![20.0, 60.0] }, 128);
 }
@@ -146,7 +145,7 @@ fn end_in_the_largest_cube(detail: Detail, resolution: u64) {
     for _ in 0..4000 {
         let p_world =
             std::array::from_fn(|a| t.space.p_min[a] + random.unit() * f64::from(side) * t.space.voxel_size);
-        // If the point is lifted above the cube, it is lit whatever the cube contains.
+        // If the point is lifted above the cube, it is lit regardless of the cube's contents.
         let Some(receiver) = query.receiver(p_world, Some([0.0, 1.0, 0.0])) else { continue };
         let voxel = query.voxel_at(p_world, Some([0.0, 1.0, 0.0])).unwrap();
         let level = query.end_level(&receiver);

@@ -15,7 +15,7 @@ use adumbra_scene::{LoadOptions, load};
 /// `ADUMBRA_RESOLUTION` sets the resolution.
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_depths_figures() {
+fn shared_print_sizes_and_speeds_of_depths() {
     if !adumbra_testing::full() {
         return;
     }

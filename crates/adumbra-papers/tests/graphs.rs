@@ -3,14 +3,14 @@
 use adumbra::layout::depths::DepthTree;
 use adumbra::{Receivers, Sun};
 use adumbra_bake::structure::{BlockColumns, BlockSink, BuiltStructure, Structure, build};
-use adumbra_bake::{BakeOptions, ColumnBuilder, FrameChoice, Size, Watch};
+use adumbra_bake::{Bake, BakeOptions, ColumnBuilder, FrameChoice, Size, Watch};
 use adumbra_papers::dag::build::convert::{body_in, graph_of, graph_of_depths};
 use adumbra_papers::dag::build::{DagOptions, GraphSink, bake};
 use adumbra_papers::dag::plain::Dag;
 use adumbra_papers::dag::{DagBody, DagFile, DagLayout, LeafMasks};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Mesh, Scene, generate};
-use adumbra_testing::{add_box, add_quad, bake_file, scene_of};
+use adumbra_testing::{add_box, add_quad, scene_of};
 
 /// The `[e, x]` of every column.
 struct Columns {
@@ -18,7 +18,7 @@ struct Columns {
     intervals: Vec<[u32; 2]>,
 }
 
-/// Keeps columns as they come: those of a block row by row.
+/// Records the columns of each block, row by row.
 struct Recorder {
     size: [u32; 3],
     level: u32,
@@ -35,6 +35,10 @@ impl BlockSink for Recorder {
         (0..64).map(|at| [columns.e[at], columns.x[at]]).collect()
     }
 
+    fn known(&self, _number: usize) -> Option<Self::Block> {
+        None
+    }
+
     fn join(&self, level: u32, quarters: [Self::Block; 4]) -> Self::Block {
         let (side, half) = (1 << level, 1 << (level - 1));
         let column = |at: usize| {
@@ -42,6 +46,10 @@ impl BlockSink for Recorder {
             quarters[2 * (x / half) + y / half][y % half * half + x % half]
         };
         (0..side * side).map(column).collect()
+    }
+
+    fn taken(&self, _number: usize, block: Self::Block) -> Self::Block {
+        block
     }
 }
 
@@ -78,7 +86,7 @@ impl Structure for Recorder {
     }
 }
 
-/// Everything that is made of one scene.
+/// All structures made from one scene.
 struct Structures {
     columns: Columns,
     dag: Dag,
@@ -99,13 +107,13 @@ impl Structures {
         assert!(plain == DagFile { grid, settings, body: DagBody::Plain(dag.clone()) });
         assert!(packed == DagFile { body: body_in(DagLayout::Packed, dag.clone()).unwrap(), ..plain });
         assert!(*graph_of(&packed.body).unwrap() == dag);
-        let depths = bake_file(scene, options).unwrap();
+        let depths = Bake::with_options(scene, options).in_memory().unwrap();
         assert_eq!((depths.grid, depths.settings), (grid, settings));
         Self { columns, dag, packed, depths: (*depths.tree).clone() }
     }
 
-    /// Checks every voxel near the ends of each column's interval, and one in the middle of nowhere. Returns the number
-    /// of columns with an end.
+    /// Checks the voxels at the ends of each column's interval and at its switch depth, and one random voxel.
+    /// Returns the number of columns with an end.
     fn check(&self, random: &mut Random) -> u32 {
         let [nx, ny, nz] = self.columns.size;
         assert_eq!((self.dag.size, self.depths.size()), ([nx, ny, nz], [nx, ny, nz]));
@@ -155,7 +163,7 @@ fn any_scene(random: &mut Random) -> Scene {
 }
 
 #[test]
-fn graphs_and_quadtrees_hold_to_the_same_columns() {
+fn graphs_and_quadtrees_respect_column_intervals() {
     let mut random = Random::for_batch(3, 0);
     let mut ends = 0;
     for case in 0..24_u32 {
@@ -178,7 +186,7 @@ fn graphs_and_quadtrees_hold_to_the_same_columns() {
 }
 
 #[test]
-fn graphs_and_quadtrees_of_masked_trees_hold_to_the_same_columns() {
+fn graphs_and_quadtrees_of_masked_trees_respect_intervals() {
     let mut scene = generate(GeneratedKind::Forest, 1);
     scene.instances.retain(|instance| instance.name.starts_with("tree"));
     scene.instances.truncate(6);
@@ -189,7 +197,7 @@ fn graphs_and_quadtrees_of_masked_trees_hold_to_the_same_columns() {
 
 #[test]
 #[ignore = "slow: a forest"]
-fn graphs_and_quadtrees_of_masked_cards_hold_to_the_same_columns() {
+fn graphs_and_quadtrees_of_masked_forest_respect_intervals() {
     let scene = generate(GeneratedKind::Forest, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(256)) };

@@ -1,5 +1,5 @@
-//! Converts the light-aligned graph to a tree and back: the voxels are the same after one conversion, the words after
-//! both.
+//! Converts the light-aligned graph to a tree and back: the voxels are the same after one conversion, the
+//! words after both.
 
 use std::time::Instant;
 
@@ -54,7 +54,7 @@ fn dag_of(size: [u32; 3], root_level: u32, lit: &dyn Fn([u32; 3]) -> bool) -> Da
     store.finish(size, root_level, dims, &top)
 }
 
-/// Converts there and back. The tree must also pass the check for untrusted words.
+/// Converts to a tree and back. The tree must also pass the check for untrusted words.
 fn there_and_back(dag: &Dag) -> VoxelTree {
     let tree = VoxelTree::from_dag(dag).unwrap();
     assert_eq!(VoxelTree::from_words(tree.depth(), tree.words().to_vec()).as_ref(), Ok(&tree));
@@ -85,7 +85,8 @@ proptest! {
         heights in prop::collection::vec(0_u32..64, 64),
         floating in any::<bool>(),
     ) {
-        // Stepped columns, lit before a depth and shadowed behind it. Some float and are lit again farther behind.
+        // Stepped columns, lit before a depth and shadowed behind it. Some float and are lit again farther
+        // behind.
         let lit = |[x, y, z]: [u32; 3]| {
             let depth = heights[((x >> coarse) * 7 + (y >> coarse) * 3) as usize % 64];
             z < depth || floating && z > depth + 9
@@ -138,7 +139,7 @@ fn light_tree_round_trip_of_uniform_grids_and_of_one_voxel() {
 }
 
 #[test]
-fn light_tree_refuses_what_it_has_no_room_for() {
+fn light_tree_rejects_sizes_beyond_its_limits() {
     assert_eq!(tree_depth([1 << 15, 1, 1], 10), Ok(15));
     let size = [1, 1, (1 << 15) + 1];
     assert_eq!(tree_depth(size, 10), Err(LightTreeError::TooDeep { size, depth: 16 }));
@@ -159,7 +160,7 @@ fn light_tree_refuses_what_it_has_no_room_for() {
 }
 
 #[test]
-fn light_tree_words_and_header_make_the_same_file() {
+fn light_tree_words_and_header_restore_the_same_file() {
     let scene = generate(GeneratedKind::Primitives, 1);
     for layout in [DagLayout::Plain, DagLayout::Packed] {
         let file = baked(&scene, 256, layout);
@@ -189,12 +190,12 @@ fn light_tree_words_and_header_make_the_same_file() {
 }
 
 #[test]
-fn light_tree_export_refuses_a_graph_that_was_not_merged() {
+fn light_tree_export_rejects_unmerged_graph() {
     let mut file = baked(&generate(GeneratedKind::Cornell, 1), 16, DagLayout::Plain);
     let mut dag = dag_of([16, 8, 8], 3, &|[x, y, _]| x % 8 > y % 8);
     assert_eq!((dag.top[0], dag.top[1]), (0, 0));
-    // The second root gets a node of its own with the same children: valid, but not the file that the tree converts
-    // back to.
+    // The second root gets a separate node with the same children. This is valid, but the tree converts back
+    // to a different file.
     let node = dag.nodes.clone();
     dag.top[1] = node.len() as u32;
     dag.nodes.extend(&node);

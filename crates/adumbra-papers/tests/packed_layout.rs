@@ -1,5 +1,5 @@
-//! Packed graphs of real bakes: always monotone, equal answers, a lossless round trip to the plain graph, at about a
-//! third of the bytes.
+//! Packed graphs of real bakes: always monotone, equal answers, a lossless round trip to the plain graph, at
+//! about a third of the bytes.
 
 use adumbra::{Receivers, Sun};
 use adumbra_bake::{BakeOptions, Size, Watch};
@@ -32,7 +32,7 @@ fn share_of_packed(dag: &Dag, look_ups: u32) -> f64 {
 }
 
 #[test]
-fn packed_bakes_answer_alike() {
+fn packed_bake_matches_plain() {
     let dag = baked(&generate(GeneratedKind::Primitives, 1), [0.5, 0.8, 0.35], |options| options);
     let share = share_of_packed(&dag, 20_000);
     assert!(share < 0.5, "{share}");
@@ -40,7 +40,7 @@ fn packed_bakes_answer_alike() {
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn packed_bakes_answer_alike_whatever_the_options() {
+fn packed_bakes_match_plain_for_all_options() {
     for kind in [GeneratedKind::City, GeneratedKind::Primitives] {
         let scene = generate(kind, 1);
         for (sun, receivers, ground, closed) in [
@@ -58,7 +58,7 @@ fn packed_bakes_answer_alike_whatever_the_options() {
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_scenes_pack_to_two_fifths_and_answer_alike() {
+fn shared_scenes_pack_to_two_fifths_and_match_plain() {
     let Some(scenes) = adumbra_testing::shared("scenes") else { return };
     for name in [
         "kaykit_city_21",

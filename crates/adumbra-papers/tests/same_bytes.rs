@@ -1,11 +1,11 @@
-//! Same input, same bytes: compares files with those that an earlier revision wrote, byte for byte. A change that is
-//! meant to alter them must rewrite the lists in `same_bytes/` and give the reason.
+//! Same input, same bytes: compares files with those that an earlier revision wrote, byte for byte. A change
+//! that is meant to alter them must rewrite the lists in `same_bytes/` and give the reason.
 
 use std::io::Cursor;
 use std::path::Path;
 
 use adumbra::{Encoding, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{AssumeGround, Bake, BakeOptions, FrameChoice, Size, Watch};
 use adumbra_papers::dag::DagLayout;
 use adumbra_papers::dag::build::{self, DagOptions};
 use adumbra_papers::tree::{TreeFile, TreeOptions, bake_tree};
@@ -30,7 +30,7 @@ fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) ->
         |frame| BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
     let mut bytes = Cursor::new(Vec::new());
     let mut quadtree = |frame| {
-        bake(scene, &in_frame(frame), Watch::none()).unwrap().file.write_to(&mut bytes, Encoding::Raw)
+        Bake::with_options(scene, &in_frame(frame)).in_memory().unwrap().write_to(&mut bytes, Encoding::Raw)
     };
     match kind {
         "depths" => quadtree(FrameChoice::Light),
@@ -55,9 +55,10 @@ fn hex(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|b| format!("{b:02x}")).collect()
 }
 
-/// Compares each listed digest with that of the file baked from the scene of that name or, for the kind `glb`, with
-/// that of the scene's own bytes. Scenes are baked side by side, as no order may change their bytes. A failure prints
-/// the lines that a new list would have. Only every so many files of the list are baked.
+/// Compares each listed digest with that of the file baked from the scene of that name or, for the kind
+/// `glb`, with that of the scene's own bytes. Scenes are baked in parallel, because their order must not
+/// change the bytes. A failure prints the lines that a new list would have. Only every `every`-th file of the
+/// list is baked.
 fn check(
     list: &str,
     resolutions: [u64; 2],

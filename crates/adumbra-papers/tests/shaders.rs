@@ -1,5 +1,5 @@
-//! Parses and validates the shaders of the papers' techniques with naga, and checks every structure's layout against
-//! naga's. No GPU is needed.
+//! Parses and validates the shaders of the papers' techniques with naga, and checks every structure's layout
+//! against naga's. No GPU is needed.
 
 #![cfg(feature = "gpu")]
 
@@ -22,8 +22,8 @@ use naga::valid::{Capabilities, ValidationFlags, Validator};
 /// A module's name and files.
 type Module = (String, Vec<Source>);
 
-/// The modules of a look-up that answers visibilities and levels, for pixels and for points, and visibilities of
-/// receivers in fixed point.
+/// The modules of a look-up that answers visibilities and levels, for pixels and for points, and visibilities
+/// of receivers in fixed point.
 fn modules_of(
     name: &str,
     look_up: &[Source],
@@ -82,7 +82,7 @@ fn every_module_is_valid_without_a_gpu() {
 }
 
 #[test]
-fn every_file_is_in_a_module() {
+fn every_wgsl_file_is_part_of_a_module() {
     let modules = modules();
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("wgsl");
     for folder in ["core", "access", "passes"] {
@@ -96,7 +96,7 @@ fn every_file_is_in_a_module() {
 }
 
 #[test]
-fn structures_have_the_layout_that_rust_writes() {
+fn shader_structures_match_rust_layout() {
     let module = module("structures", &[tree_declarations()]);
     for expected in STRUCTS {
         let (_, found) = module

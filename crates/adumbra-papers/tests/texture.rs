@@ -1,4 +1,5 @@
-//! Words in PNG pages: either exactly the input comes back, or an error describes what happened to the picture.
+//! Words in PNG pages: either exactly the input comes back, or an error describes what happened to the
+//! picture.
 
 use std::fs;
 use std::io::Cursor;
@@ -18,8 +19,8 @@ fn random(i: u64) -> u64 {
     v ^ v >> 29
 }
 
-/// Words like those of trees: mostly inner nodes with small and large indices, some leaves. All byte values occur,
-/// alpha 0 included.
+/// Words like those of trees: mostly inner nodes with small and large indices, some leaves. All byte values
+/// occur, alpha 0 included.
 fn words(count: usize) -> Vec<u32> {
     (0..count as u64)
         .map(|i| {
@@ -74,7 +75,7 @@ proptest! {
 }
 
 #[test]
-fn texture_round_trip_where_the_rest_meets_a_page_end() {
+fn texture_round_trip_with_rest_at_page_end() {
     for count in [0, 1, 4031, 4032, 4033, 8060, 8063, 8064] {
         for rest_bytes in [0, 1, 3, 4, 5, 384, 4 * 4032 + 1] {
             let (words, rest) = (words(count), vec![0xa5; rest_bytes]);
@@ -85,7 +86,7 @@ fn texture_round_trip_where_the_rest_meets_a_page_end() {
 }
 
 #[test]
-fn texture_word_stands_where_the_layout_says() {
+fn texture_words_are_at_pixels_given_by_layout() {
     let words = words(10_000);
     let rest = [1, 2, 3];
     for max_side in [64, 100, 128, 8192] {
@@ -106,7 +107,7 @@ fn texture_word_stands_where_the_layout_says() {
 }
 
 #[test]
-fn texture_png_has_no_chunk_that_asks_for_colour_management() {
+fn texture_png_has_no_colour_management_chunk() {
     let png = png_of(&encode(&words(300_000), b"rest", 8192).unwrap()[0]);
     assert_eq!(&png[..8], b"\x89PNG\r\n\x1a\n");
     let (mut at, mut kinds) = (8, Vec::new());
@@ -124,7 +125,7 @@ fn texture_png_has_no_chunk_that_asks_for_colour_management() {
 }
 
 #[test]
-fn texture_refuses_what_is_no_rgba8_png() {
+fn texture_rejects_files_other_than_rgba8_png() {
     let page = &encode(&words(200), b"", 64).unwrap()[0];
     let rgba = DynamicImage::ImageRgba8(picture(page));
     let rgb = DynamicImage::ImageRgb8(rgba.to_rgb8());
@@ -174,7 +175,7 @@ fn lying_png(width: u32, height: u32) -> Vec<u8> {
 }
 
 #[test]
-fn texture_reads_no_size_that_a_header_only_claims() {
+fn texture_rejects_png_header_with_false_size() {
     let large = Page::from_png(&lying_png(8193, 1));
     assert_eq!(large, Err(TextureError::TooLarge { width: 8193, height: 1 }));
     let huge = Page::from_png(&lying_png(u32::MAX, u32::MAX));
@@ -186,7 +187,7 @@ fn texture_reads_no_size_that_a_header_only_claims() {
 }
 
 #[test]
-fn texture_refuses_cut_and_changed_pngs() {
+fn texture_rejects_truncated_and_changed_pngs() {
     let page = &encode(&words(600), b"rest", 64).unwrap()[0];
     let png = png_of(page);
     for length in 0..png.len() {
@@ -204,7 +205,7 @@ fn texture_refuses_cut_and_changed_pngs() {
 }
 
 #[test]
-fn texture_refuses_every_changed_byte_of_a_page() {
+fn texture_rejects_every_changed_byte_of_a_page() {
     let page = &encode(&words(150), b"rest!", 64).unwrap()[0];
     for at in 0..page.rgba.len() {
         for bit in 0..8 {
@@ -221,7 +222,7 @@ fn texture_refuses_every_changed_byte_of_a_page() {
 }
 
 #[test]
-fn texture_says_what_happened_to_a_picture() {
+fn texture_errors_name_how_picture_was_altered() {
     let page = &encode(&words(40_000), b"rest", 8192).unwrap()[0];
     let whole = picture(page);
     let [w, h] = [page.width, page.height];
@@ -279,7 +280,7 @@ fn texture_says_what_happened_to_a_picture() {
 }
 
 #[test]
-fn texture_refuses_pages_that_are_not_one_export() {
+fn texture_rejects_pages_of_different_exports() {
     let words_a = words(9000);
     let mut words_b = words_a.clone();
     words_b[8999] ^= 1;
@@ -297,7 +298,7 @@ fn texture_refuses_pages_that_are_not_one_export() {
 }
 
 #[test]
-fn texture_files_stand_beside_each_other() {
+fn texture_pages_are_numbered_files_in_one_folder() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("city.day.png");
     let words = words(9000);
@@ -309,7 +310,7 @@ fn texture_files_stand_beside_each_other() {
     assert_eq!((written.layout.pages, written.bytes), (3, bytes));
     assert_eq!(texture::read(&path).unwrap(), (words.clone(), b"rest".to_vec()));
 
-    // A one-page export over it leaves pages that nothing reads.
+    // A one-page export to the same path leaves the later pages, which are not read.
     texture::write(&path, &words[..100], b"", 64).unwrap();
     assert_eq!(texture::read(&path).unwrap().0, words[..100]);
 
@@ -328,7 +329,7 @@ fn texture_files_stand_beside_each_other() {
 }
 
 #[test]
-fn texture_files_are_checked_before_any_is_written() {
+fn texture_write_checks_all_paths_before_writing() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.png");
     texture::write(&path, &words(50), b"", 64).unwrap();

@@ -1,5 +1,5 @@
-//! Tests the tree file with `test_vectors/tree/` and with damaged bytes: any input gives either a file that can be
-//! looked up everywhere or an error that names the fault.
+//! Tests the tree file with `test_vectors/tree/` and with damaged bytes: any input gives either a file that
+//! can be looked up everywhere or an error that names the fault.
 
 #[path = "tree_format_support/reference.rs"]
 mod reference;
@@ -49,7 +49,7 @@ fn words(file: &TreeFile) -> &VoxelTree {
 }
 
 #[test]
-fn tree_valid_vectors_give_their_answers() {
+fn tree_valid_vectors_give_expected_answers() {
     let (mut bytes_of_attribute, mut none) = (0, 0);
     for (name, bytes) in valid() {
         let file = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -94,10 +94,10 @@ fn tree_agrees_with_the_reference_on_every_voxel() {
     }
 }
 
-/// Compares every voxel of cubes up to 64 a side, as read by the library, by a reader made from the specification, and
-/// from words.
+/// Compares every voxel of cubes up to 64 a side, as read by the library, by a reader made from the
+/// specification, and from words.
 #[test]
-fn tree_symmetric_vectors_answer_as_their_words() {
+fn tree_symmetric_vectors_match_words() {
     for (name, bytes) in symmetric() {
         let symmetric = exercise(&bytes).unwrap_or_else(|e| panic!("{name}: {e}"));
         let TreeBody::Symmetric(tree) = &symmetric.body else { panic!("{name}: words") };
@@ -117,7 +117,7 @@ fn tree_symmetric_vectors_answer_as_their_words() {
 }
 
 #[test]
-fn tree_invalid_vectors_give_their_errors() {
+fn tree_invalid_vectors_give_expected_errors() {
     let mut seen = BTreeMap::new();
     for vector in faulty_vectors("tree/invalid") {
         let Err(Error::Format { source, .. }) = TreeFile::read(&vector.path) else {
@@ -133,7 +133,7 @@ fn tree_invalid_vectors_give_their_errors() {
 }
 
 #[test]
-fn tree_specification_shows_the_example_as_it_is() {
+fn tree_example_in_specification_matches_vector() {
     let example = specified_example("adumbra-tree.md");
     assert_eq!(example.bytes, vector("example_8"));
     for (world, answer) in &example.answers {
@@ -143,7 +143,7 @@ fn tree_specification_shows_the_example_as_it_is() {
 }
 
 #[test]
-fn tree_settings_and_space_come_back_bit_for_bit() {
+fn tree_settings_and_space_round_trip_bit_for_bit() {
     let mut file = file("example_8");
     for bits in 0..16_u32 {
         let s = &mut file.settings;
@@ -187,7 +187,7 @@ fn tree_every_changed_byte_is_an_error() {
 }
 
 #[test]
-fn tree_mutations_are_refused_or_answer_everywhere() {
+fn tree_mutated_files_are_rejected_or_answer_everywhere() {
     let seeds = [valid(), symmetric()].concat();
     let (accepted, faults) = count_faults(&seeds, 100_000, |bytes, seed| {
         let read = exercise(&LAYOUT.mutate(bytes, seed));
@@ -217,7 +217,7 @@ fn tree_mutations_are_refused_or_answer_everywhere() {
 }
 
 #[test]
-fn tree_fuzz_input_of_even_first_byte_gets_its_checksums() {
+fn tree_fuzz_input_with_even_first_byte_gets_valid_checksums() {
     let mut input = vector("example_8");
     assert_eq!(LAYOUT.interpret(&input), input);
     input[0] = b'@';
@@ -227,7 +227,7 @@ fn tree_fuzz_input_of_even_first_byte_gets_its_checksums() {
 }
 
 #[test]
-fn tree_symmetric_body_comes_back() {
+fn tree_symmetric_body_round_trips() {
     let mut file = file("regions");
     let TreeBody::Words(tree) = &file.body else { panic!("the vector holds words") };
     let tree = tree.clone();
@@ -242,7 +242,7 @@ fn tree_symmetric_body_comes_back() {
 }
 
 #[test]
-fn tree_words_travel_apart_and_come_back() {
+fn tree_words_stored_separately_restore_the_file() {
     let file = file("penumbra");
     let (rest, tree) = (file.without_words().unwrap(), words(&file).words().to_vec());
     assert_eq!(rest.len() + tree.len() * 4, file.encode().len());
@@ -260,7 +260,7 @@ fn tree_words_travel_apart_and_come_back() {
 }
 
 #[test]
-fn tree_and_light_files_are_told_apart() {
+fn tree_and_light_files_are_distinguished() {
     let light = vectors("valid/example_8_depths.adumbra");
     let tree = vectors("tree/valid/example_8.adumbra");
     assert!(TreeFile::is_one(&tree).unwrap() && !TreeFile::is_one(&light).unwrap());
@@ -300,8 +300,8 @@ fn tree_written_file_reads_back_and_replaces_the_earlier_one() {
     assert_eq!(TreeFile::read(output.path()).unwrap(), file);
 }
 
-/// Tries to write invalid contents: the write is refused, the earlier output remains, and the reader refuses the
-/// encoded bytes too.
+/// Tries to write invalid contents: the write is refused, the earlier output remains, and the reader refuses
+/// the encoded bytes too.
 #[test]
 fn tree_refused_write_leaves_the_earlier_output() {
     let output = EarlierFile::new();
@@ -334,8 +334,8 @@ fn tree_refused_write_leaves_the_earlier_output() {
 }
 
 #[test]
-fn tree_header_that_promises_too_much_costs_no_memory() {
-    // A body of 8 GiB that is not there is refused because of the length of the file.
+fn tree_header_with_huge_size_allocates_nothing() {
+    // The reader refuses a declared body of 8 GiB because the file is shorter.
     let mut bytes = vector("example_8");
     bytes[248 + 8..][..8].copy_from_slice(&(4_u64 << 31).to_le_bytes());
     bytes[272..][..8].copy_from_slice(&((4_u64 << 31) + 320).to_le_bytes());

@@ -101,7 +101,7 @@ fn tree_query_outside_the_cube() {
 }
 
 #[test]
-fn tree_query_takes_a_normal_that_is_not_finite_as_none() {
+fn tree_query_ignores_normal_that_is_not_finite() {
     let tree = tree(|[_, y, _]| y >= 8);
     let bias = Bias { normal_offset_texels: 0.5, ..Bias::default() };
     let query = query(&tree, UP, bias, 3, Weights::Mean);
@@ -117,7 +117,7 @@ fn tree_query_takes_a_normal_that_is_not_finite_as_none() {
 }
 
 #[test]
-fn tree_query_counts_every_tap_of_its_definition() {
+fn tree_query_matches_definition_for_every_tap() {
     // A pattern without symmetry.
     let lit = |[x, y, z]: [u32; 3]| (x * 7 + y * y * 3 + z * 5 + x * z) % 11 < 6;
     let tree = tree(lit);

@@ -67,7 +67,7 @@ fn tree_rings_nest_like_cascades() {
 }
 
 #[test]
-fn tree_refuses_regions_that_make_no_sense() {
+fn tree_rejects_invalid_regions() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let refused = |detail, depth: u32| {
         let options = TreeOptions { detail, ..TreeOptions::new(sun(), Size::Resolution(1_u64 << depth)) };
@@ -123,7 +123,8 @@ fn tree_regions_side_by_side_have_no_coarse_seam() {
     assert_eq!(size(2.3, 2.3), 16.0);
 }
 
-/// Every cube that the pyramid decides has cells with the same answer: with regions, given bounds, and several suns.
+/// Every cube that the pyramid decides has cells with the same answer: with regions, given bounds, and
+/// several suns.
 #[test]
 #[ignore = "slow: takes over eight seconds"]
 fn tree_pruned_and_exhaustive_builds_agree_everywhere() {
@@ -156,13 +157,13 @@ fn tree_pruned_and_exhaustive_builds_agree_everywhere() {
 }
 
 #[test]
-fn small_tree_regions_are_queried_without_seams() {
+fn small_tree_regions_have_no_seams() {
     have_no_seams(9, &[3], 200_000, 500.0);
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn tree_regions_are_queried_without_seams() {
+fn tree_regions_have_no_seams() {
     have_no_seams(11, &[1, 3, 5], 1_500_000, 10_000.0);
 }
 

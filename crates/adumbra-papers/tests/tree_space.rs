@@ -1,5 +1,5 @@
-//! The effect of boxes, sizes, biases and solids on the cube of a tree and the light's depth image, in hand-made
-//! scenes.
+//! The effect of boxes, sizes, biases and solids on the cube of a tree and the light's depth image, in
+//! hand-made scenes.
 
 use std::sync::atomic::AtomicBool;
 
@@ -61,7 +61,7 @@ fn ground(baked: &BakedTree, towards: [f64; 3], x: f64, z: f64) -> f32 {
 }
 
 #[test]
-fn tree_insides_of_solids_are_free_however_deep_they_lie() {
+fn tree_insides_of_solids_are_free_at_any_depth() {
     // A box below another one, both above the ground.
     let stacked =
         scene(&[[-2.1, 0.9, -2.2, 2.1, 3.1, 2.2], [-1.5, 5.0, -1.5, 1.5, 6.0, 1.5]], &[[8.0, 0.0, 0.0]]);
@@ -84,7 +84,8 @@ fn tree_insides_of_solids_are_free_however_deep_they_lie() {
         });
         assert!(merged, "{low:?}");
     }
-    // In the shadowed inside of the lower box the merged tree may have either visibility; outside, the two trees agree.
+    // In the shadowed inside of the lower box the merged tree may have either visibility; outside, the two
+    // trees agree.
     let side = free.space.side_voxels();
     for i in 0..20_000_u32 {
         let xyz = [i * 7919 % side, i * 104_729 % side, i * 1_299_709 % side];
@@ -102,7 +103,7 @@ fn tree_insides_of_solids_are_free_however_deep_they_lie() {
 }
 
 #[test]
-fn tree_in_a_given_box_is_cast_into_from_outside() {
+fn tree_in_given_box_receives_shadows_from_outside() {
     // A wall outside the box on the sun's side, and a square high up and far away.
     let towards = [1.0, 0.5, 0.0];
     let wall = [6.0, 0.0, -3.0, 6.2, 4.0, 3.0];
@@ -118,7 +119,8 @@ fn tree_in_a_given_box_is_cast_into_from_outside() {
         assert_eq!(ground(&baked, towards, x, 0.0), 0.0, "{x}");
         assert_eq!(ground(&baked, towards, x, 3.5), 1.0, "{x}");
     }
-    // The depths of the image begin at the cube, so the bake agrees with one of a scene without the distant parts.
+    // The depths of the image begin at the cube, so the bake agrees with one of a scene without the distant
+    // parts.
     let near = scene(&[wall], &[[40.0, 0.0, 0.0]]);
     let alone = bake(&near, &TreeOptions { bounds: Some(bounds), ..options(towards, Size::Resolution(512)) });
     assert_eq!(alone.space, baked.space);
@@ -132,7 +134,7 @@ fn tree_in_a_given_box_is_cast_into_from_outside() {
 }
 
 #[test]
-fn tree_voxel_size_is_what_was_asked_for() {
+fn tree_has_requested_voxel_size() {
     let world = scene(&[[-1.0, 0.0, -1.0, 1.0, 2.0, 1.0]], &[[5.0, 0.0, 0.0]]);
     let baked = bake(&world, &options(UP, Size::VoxelSize(0.1)));
     assert_eq!((baked.space.voxel_size, baked.space.depth), (0.1, 7));
@@ -160,8 +162,8 @@ fn tree_capture_bias_moves_depths_away_from_the_light() {
     };
     assert!(lit_below(0.0, 0.0, UP) <= 1);
     assert!((8..=9).contains(&lit_below(16.0, 0.0, UP)), "{}", lit_below(16.0, 0.0, UP));
-    // With the sun overhead there is no slope. At 45 degrees the slope is 1, and depth along the light grows √2 times
-    // as fast as height does.
+    // With the sun overhead there is no slope. At 45 degrees the slope is 1, and depth along the light grows
+    // √2 times as fast as height does.
     assert!(lit_below(0.0, 16.0, UP) <= 1);
     assert!(
         (5..=7).contains(&lit_below(0.0, 16.0, [1.0, 1.0, 0.0])),
@@ -177,7 +179,7 @@ fn tree_capture_bias_moves_depths_away_from_the_light() {
 }
 
 #[test]
-fn tree_answers_points_whose_normal_is_no_number() {
+fn tree_answers_points_with_nan_normal() {
     let world = scene(&[[-1.0, 0.0, -1.0, 1.0, 2.0, 1.0]], &[[5.0, 0.0, 0.0]]);
     let baked = bake(&world, &options(UP, Size::Resolution(64)));
     let query = query(&baked, Sun::from_direction(UP).unwrap());
@@ -189,7 +191,7 @@ fn tree_answers_points_whose_normal_is_no_number() {
 }
 
 #[test]
-fn tree_bake_refuses_too_little_memory_and_stops_when_asked() {
+fn tree_bake_stops_at_memory_limit_and_on_cancel() {
     let world = scene(&[[-1.0, 0.0, -1.0, 1.0, 2.0, 1.0]], &[[5.0, 0.0, 0.0]]);
     let small = TreeOptions { max_memory_bytes: Some(1 << 20), ..options(UP, Size::Resolution(1024)) };
     let refused = bake_tree(&world, &small, Watch::none());

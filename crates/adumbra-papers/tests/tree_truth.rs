@@ -1,8 +1,9 @@
-//! World-aligned trees compared with truth: rays at random points, and builders and reductions compared with each
-//! other.
+//! World-aligned trees compared with truth: rays at random points, and builders and reductions compared with
+//! each other.
 //!
-//! Where noted, CI builds trees two levels shallower; `ADUMBRA_FULL=1` builds them at full depth. The shared folder is
-//! `ADUMBRA_SHARED`, or `shared` beside the checkout. Without it the tests that need it print a message and pass.
+//! Where noted, CI builds trees two levels shallower; `ADUMBRA_FULL=1` builds them at full depth. The shared
+//! folder is `ADUMBRA_SHARED`, or `shared` beside the checkout. Without it the tests that need it print a
+//! message and pass.
 
 use std::sync::atomic::AtomicBool;
 
@@ -75,7 +76,8 @@ fn shared_tree_answers_agree_with_rays_on_zdm2() {
     holds_under_every_sun("zdm2", &load(&scenes.join("zdm2.glb"), &LoadOptions::default()).unwrap());
 }
 
-/// Every builder and every reduction is compared, at depth 9, on every scene with fewer instanced triangles than this.
+/// Every builder and every reduction is compared, at depth 9, on every scene with fewer instanced triangles
+/// than this.
 const MAX_TRIANGLES: u64 = 500_000;
 
 #[test]

@@ -1,5 +1,5 @@
-//! Small valid files that declare huge grids: they can be looked up as they are, but conversion to another layout is
-//! refused. Work that grew with what they declare would take longer than a test may.
+//! Small valid files that declare huge grids. Look-ups in them work, but conversion to another layout is
+//! refused. If any work were proportional to the declared size, the tests would time out.
 
 use adumbra::layout::depths::code::LeafHead;
 use adumbra::layout::depths::page::PAGE_LEVEL;
@@ -12,7 +12,7 @@ use adumbra_papers::dag::{DagBody, DagFile, DagFileError, DagQuery, LeafMasks, T
 use adumbra_papers::tree::{LightTreeError, WordsError, words_of};
 use adumbra_testing::{Leaf, PageParts, TreeParts, from_leaves, overhead_grid, settings_for};
 
-/// Makes a file by way of its bytes, so that it is one that a reader accepts.
+/// Encodes a file and reads it back, so that only files that the reader accepts are tested.
 fn file(body: DagBody) -> DagFile {
     let grid = overhead_grid([0.0, 8.0, 0.0], body.space().0);
     let settings = FileSettings { resolution: 8, ..settings_for(&grid) };
@@ -45,7 +45,7 @@ fn tall_packed() -> DagFile {
 }
 
 #[test]
-fn small_files_of_tall_grids_are_looked_up_in_but_not_converted() {
+fn small_files_of_tall_grids_allow_look_ups_but_no_conversion() {
     let (packed, depths) = (tall_packed(), tall_depths());
     let query = DagQuery::new(&packed.grid, packed.body.leaf_masks(), Bias::default(), Filter::Box9);
     let sampler = depths.sampler(Filter::Box9);
@@ -69,7 +69,7 @@ fn small_files_of_tall_grids_are_looked_up_in_but_not_converted() {
 }
 
 #[test]
-fn top_grid_of_too_many_root_cubes_is_refused() {
+fn top_grid_with_too_many_root_cubes_is_rejected() {
     let DagBody::Packed(mut packed) = tall_packed().body else { panic!("another layout") };
     let depth = 1 << 20;
     (packed.size[2], packed.top_dims[2]) = (8 * depth, depth);
@@ -86,7 +86,7 @@ fn top_grid_of_too_many_root_cubes_is_refused() {
     assert!(dag.top.iter().all(|&root| root == LIT));
 }
 
-/// Pages that share one shape of 64 x 64 leaves, which are all the same one of many depths.
+/// Returns pages that share one shape of 64 x 64 leaves. All of them are the same leaf, which has 64 depths.
 fn one_shape([across, down]: [u32; 2], base: impl Fn(u32) -> u32) -> DepthTree {
     let leaf = Leaf { width: 1, differences: vec![3; 63], ranks: (0..64).collect(), ..Leaf::default() };
     let of_leaf = from_leaves(&[leaf], 1, 0, 1 << 20).unwrap();
@@ -107,8 +107,8 @@ fn one_shape([across, down]: [u32; 2], base: impl Fn(u32) -> u32) -> DepthTree {
 }
 
 #[test]
-fn shapes_that_are_shared_are_converted_once() {
-    // Converted as if no page were shared, it would be 2 million leaves of 64 depths.
+fn shared_shapes_are_converted_once() {
+    // If each page were converted separately, there would be 2 million leaves of 64 depths.
     let found = one_shape([64, 8], |i| 100 * (i & 1));
     let dag = graph_of_depths(&found).unwrap();
     assert_eq!(dag.validate(), Ok(()));
@@ -121,7 +121,7 @@ fn shapes_that_are_shared_are_converted_once() {
 }
 
 #[test]
-fn shape_that_is_shared_at_too_many_depths_is_refused() {
+fn shape_shared_at_too_many_depths_is_rejected() {
     let found = one_shape([64, 64], |i| i);
     let limit = graph_of_depths(&found).unwrap_err();
     // The leaves of each page, and its nodes of levels 5, 7 and 9.

@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use adumbra::SunStep;
 use adumbra::{Frame, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size, Watch};
 use adumbra_scene::Scene;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
@@ -25,8 +25,8 @@ pub struct BakedKey {
     pub bytes: Vec<u8>,
     /// Bytes of the file's words in memory.
     pub raw_bytes: u64,
-    /// The error half way between the key before and this one; `None` for the first key of a run, and where no step is
-    /// between them.
+    /// The error half way between the key before and this one; `None` for the first key of a run, and where
+    /// no step is between them.
     pub gap: Option<GapError>,
 }
 
@@ -37,7 +37,7 @@ pub struct BakedPath {
     pub keys: Vec<BakedKey>,
     /// Edge of the finest voxels, world units.
     pub voxel_size: f64,
-    /// For how many voxels a ray must be hidden from both keys to be taken to meet something; 0 = never.
+    /// A ray that is hidden from both keys for this many voxels counts as blocked; 0 = never.
     pub dark_after_voxels: u32,
 }
 
@@ -54,7 +54,8 @@ struct Keys<'a> {
 impl Probe for Keys<'_> {
     fn bake(&self, towards_sun: [f64; 3]) -> Result<ShadowFile> {
         let options = BakeOptions { sun: Sun::from_direction(towards_sun)?, ..self.options.clone() };
-        let mut file = bake(self.scene, &options, self.watch)?.file;
+        let bake = Bake::with_options(self.scene, &options);
+        let mut file = bake.watch(self.watch).in_memory()?;
         file.settings.dark_after_voxels = self.dark_after_voxels;
         Ok(file)
     }
@@ -64,7 +65,7 @@ impl Probe for Keys<'_> {
     }
 }
 
-/// Bakes a path. `on_key` hears of each key as it is placed.
+/// Bakes a path. Calls `on_key` with each key once it is placed.
 ///
 /// Cost: about two bakes per key, and up to twelve before the first.
 ///
@@ -109,8 +110,8 @@ pub fn bake_path(
     Ok(BakedPath { keys, voxel_size, dark_after_voxels: probe.dark_after_voxels })
 }
 
-/// Returns the options of all keys: voxels of the size that a bake with this sun has, the yaw of the oblique frame, and
-/// one level, because marches read no coarser ones.
+/// Returns the options of all keys: the voxel size of a bake with this sun, the yaw of the oblique frame, and
+/// one level, because marches do not read coarser ones.
 fn on_one_lattice(
     scene: &Scene,
     options: &PathOptions,
@@ -119,7 +120,8 @@ fn on_one_lattice(
 ) -> Result<BakeOptions> {
     let sun = Sun::from_direction(towards_sun)?;
     let probe = BakeOptions { sun, frame: FrameChoice::Oblique, levels: 1, ..options.bake.clone() };
-    let grid = bake(scene, &probe, watch)?.file.grid;
+    let bake = Bake::with_options(scene, &probe).watch(watch);
+    let grid = bake.in_memory()?.grid;
     let yaw_radians = match grid.frame {
         Frame::Oblique { yaw_radians } => yaw_radians,
         Frame::Light => 0.0,

@@ -1,8 +1,9 @@
-//! Rays that neither key knows: from which length of their hidden part on they are taken to meet something.
+//! Rays that neither key can decide: the length of their hidden part from which they count as blocked.
 //!
-//! A point in the shadow of something far away may have something near between it and the sun as well, which neither key shows.
-//! When the far shadow leaves it, the near one is there, or the point is lit. The longer a ray is hidden, the more has room
-//! there. The length from which on more rays meet something than not depends on the scene, so it is measured.
+//! A point in the shadow of something far away may also have something near between it and the sun, which
+//! neither key shows. When the far shadow moves away, the point is in the near shadow, or it is lit. The
+//! longer a ray is hidden, the more can be hidden there. The length above which more rays are blocked than
+//! not depends on the scene, so it is measured.
 
 use adumbra::grid::vec3::dot;
 use adumbra::{Filter, PathSampler, SunStep};
@@ -12,16 +13,17 @@ use crate::error::Result;
 use crate::place::{Probe, steps_within};
 use crate::visible::VisiblePoint;
 
-/// Gaps that are tried, from the path's beginning to its end: at most so many, and one for every few degrees that the sun moves.
+/// Gaps that are tried, from the path's beginning to its end: at most this many, and one for every few
+/// degrees that the sun moves.
 const MOST_GAPS: usize = 6;
 const DEGREES_FOR_EACH: f64 = 8.0;
-/// Angle between their keys.
+/// Angle between the two keys of a gap.
 const GAP_DEGREES: f64 = 4.0;
-/// Rays that must be right in excess of those that become wrong.
+/// Least gain: rays that become right minus rays that become wrong.
 const LEAST_GAIN: i64 = 5;
 
-/// Returns the number of voxels for which a ray must be hidden from both keys to be taken to meet something: that with which
-/// most rays to some suns of the path are right. 0 if that is hardly better than never.
+/// Returns the number of voxels from which a ray that is hidden from both keys counts as blocked. With it,
+/// the most rays to some suns of the path are right. 0 if that is hardly better than never.
 ///
 /// Cost: two bakes for each gap that is tried: none if the sun moves by less than 8°, six for a day.
 pub(crate) fn dark_after(probe: &dyn Probe, steps: &[SunStep], runs: &[[usize; 2]]) -> Result<u32> {
@@ -56,8 +58,8 @@ fn degrees_apart(steps: &[SunStep]) -> f64 {
     dot(steps[0].towards_sun, steps[1].towards_sun).min(1.0).acos().to_degrees()
 }
 
-/// Adds the rays to three suns of a gap that neither of its keys knows: for how many voxels each is hidden, and whether it meets
-/// nothing.
+/// Adds the rays to three suns of a gap that neither key decides: for how many voxels each is hidden, and
+/// whether it is lit.
 fn unknown(probe: &dyn Probe, gap: &[SunStep], rays: &mut Vec<(u32, bool)>) -> Result<()> {
     let [a, b] = [gap[0], gap[gap.len() - 1]].map(|key| probe.bake(key.towards_sun));
     let (a, b) = (a?, b?);
@@ -73,7 +75,7 @@ fn unknown(probe: &dyn Probe, gap: &[SunStep], rays: &mut Vec<(u32, bool)>) -> R
     Ok(())
 }
 
-/// Returns the length from which on most rays are dark.
+/// Returns the length from which most rays are blocked.
 fn best(mut rays: Vec<(u32, bool)>) -> u32 {
     rays.sort_unstable_by(|a, b| b.cmp(a));
     let (mut gain, mut most, mut length) = (0, LEAST_GAIN - 1, 0);
@@ -91,7 +93,7 @@ mod tests {
     use super::best;
 
     #[test]
-    fn the_length_is_that_with_which_most_rays_are_right() {
+    fn best_length_makes_most_rays_right() {
         let rays = |dark: &[u32], lit: &[u32]| -> Vec<(u32, bool)> {
             let of = |lengths: &[u32], lit| lengths.iter().map(|l| (*l, lit)).collect::<Vec<_>>();
             [of(dark, false), of(lit, true)].concat()

@@ -1,11 +1,12 @@
-//! Bakes the path of a sun: a few *key* suns, between which a march through their depths answers for any moment.
+//! Bakes the path of a sun: a few *key* suns, between which a march through their depths answers for any
+//! moment.
 //!
-//! Keys are placed by error. From each key on the next one is as far away as the error half way allows: there visible
-//! points are looked up between the keys and in a file of that very sun, and both are compared with rays. So keys are close
-//! where the sun is low and shadows are long, and far apart around noon.
+//! Keys are placed by error. The distance to the next key is as large as the error half way allows. There,
+//! visible points are looked up between the keys and in a file of that very sun, and both are compared with
+//! rays. So keys are close where the sun is low and shadows are long, and far apart around noon.
 //!
-//! All keys share one lattice: voxels of one size in the oblique frame, with one yaw. Data flows one way: options,
-//! visible → place → bake and measure; follow stands alone.
+//! All keys share one lattice: voxels of one size in the oblique frame, with one yaw. Data flows one way:
+//! options, visible → place → bake and measure. `follow` is independent of these.
 
 mod bake;
 mod error;

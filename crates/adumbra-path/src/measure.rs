@@ -1,4 +1,4 @@
-//! How wrong a path is, moment by moment.
+//! The error of a path, moment by moment.
 
 use std::sync::Arc;
 
@@ -17,13 +17,13 @@ pub struct Moment {
     pub seconds: f64,
     /// Elevation of the sun.
     pub elevation_degrees: f64,
-    /// Share of the visible points that face the sun whose answer is not that of rays, in percent.
+    /// Share of the visible points that face the sun whose answer differs from the rays, in percent.
     pub wrong_percent: f64,
-    /// The same share in the files of the keys around, each at its own sun, in between by time.
+    /// The same share in the files of the keys around, each at its own sun, interpolated by time.
     pub own_percent: f64,
 }
 
-/// The keys of a path that were read last, and their own errors.
+/// The most recently read keys of a path, and their own errors.
 struct Keys<'a> {
     path: &'a SunPath,
     read: Vec<(usize, Arc<ShadowFile>, f64)>,
@@ -39,7 +39,7 @@ impl Keys<'_> {
         let file = Arc::new(self.path.key(index)?);
         let seen = seen(self.tracer, self.points, file.sun().towards());
         let own = wrong_percent(&seen, &file.sampler(Filter::Nearest));
-        // Moments ascend, so only the two keys around are asked for again.
+        // Moments ascend, so only the two keys around are used again.
         if self.read.len() == 2 {
             self.read.remove(0);
         }
@@ -48,7 +48,8 @@ impl Keys<'_> {
     }
 }
 
-/// Compares a path with rays at these moments, which ascend. Those at which the path has no sun are left out.
+/// Compares a path with rays at these moments, which ascend. Moments at which the path has no sun are
+/// skipped.
 ///
 /// Cost: reading each key once, and two rays per point and moment.
 ///
@@ -69,7 +70,7 @@ pub fn measure(
         let (Some(towards_sun), Some([near, far])) = (path.sun_at(seconds), path.keys_at(seconds)) else {
             continue;
         };
-        // The earlier key first, so that it is not the one that is given up.
+        // Get the earlier key first, so that it is not the one to be dropped.
         let (low, high) = (keys.get(near.min(far))?, keys.get(near.max(far))?);
         let (first, second) = if near <= far { (&low, &high) } else { (&high, &low) };
         let seen = seen(tracer, &points, towards_sun);

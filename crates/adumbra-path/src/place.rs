@@ -8,16 +8,16 @@ use crate::error::Result;
 use crate::options::PathOptions;
 use crate::visible::VisiblePoint;
 
-/// The largest angle between two keys, however small the error is.
+/// The largest angle between two keys, even if the error is small.
 const MAX_APART_DEGREES: f64 = 16.0;
-/// The smallest one, however large the error is: with large voxels a march may be worse than a file of that very sun by more than is
-/// allowed, however short it is.
+/// The smallest angle, even if the error is large. With large voxels, even a short march may be worse than a
+/// file of that very sun by more than the allowed error.
 const MIN_APART_DEGREES: f64 = 1.0;
 /// The first distance that is tried.
 const FIRST_APART_DEGREES: f64 = 4.0;
-/// Bakes for a key, at most.
+/// Largest number of bakes for a key.
 const MOST_TRIES: u32 = 6;
-/// The share of the allowed error that a gap aims at, so that most are good at the first try.
+/// The share of the allowed error to aim at, so that most gaps are good at the first try.
 const AIM: f64 = 0.7;
 
 /// Errors half way between two keys, in percent of the visible points that face the sun.
@@ -25,9 +25,9 @@ const AIM: f64 = 0.7;
 pub struct GapError {
     /// The step half way, by its index.
     pub middle: usize,
-    /// Points whose answer between the keys is not that of rays.
+    /// Points whose answer between the keys differs from the rays.
     pub wrong_percent: f64,
-    /// Points whose answer in a file of that very sun is not that of rays: the mean of those at either key.
+    /// Points whose answer in a file of that very sun differs from the rays: the mean of both keys.
     pub own_percent: f64,
 }
 
@@ -37,7 +37,7 @@ impl GapError {
     }
 }
 
-/// What keys are placed by.
+/// The inputs for placing keys.
 pub(crate) trait Probe: Sync {
     /// Bakes a key.
     fn bake(&self, towards_sun: [f64; 3]) -> Result<ShadowFile>;
@@ -61,7 +61,8 @@ pub(crate) struct Placer<'a> {
 }
 
 impl Placer<'_> {
-    /// Places keys from one step to another, both included. Calls `placed` with each key and the error of the gap before it.
+    /// Places keys from one step to another, both included. Calls `placed` with each key and the error of the
+    /// gap before it.
     pub(crate) fn place(
         &self,
         [first, last]: [usize; 2],
@@ -80,8 +81,9 @@ impl Placer<'_> {
         Ok(())
     }
 
-    /// Returns the key after `key`, and the error of the gap between them. Where not even the shortest gap has the allowed error,
-    /// the longest one counts that has the error of the shortest and the allowed one.
+    /// Returns the key after `key`, and the error of the gap between them. If even the shortest gap exceeds
+    /// the allowed error, the result is the longest gap whose error exceeds the shortest gap's by at most the
+    /// allowed error.
     fn next_key(&self, key: &Candidate, last: usize, guess: usize) -> Result<(Candidate, Option<GapError>)> {
         let [nearest, farthest] = [MIN_APART_DEGREES, MAX_APART_DEGREES]
             .map(|degrees| steps_within(self.steps, key.step, last, degrees));
@@ -95,7 +97,7 @@ impl Placer<'_> {
             let error = self.error(key, &candidate);
             let better = self.better_gap(gap, error).clamp(nearest, farthest);
             if self.is_allowed(error) {
-                // What is longer by less than a third is not worth another bake.
+                // Another bake is not worth it for a gap less than a third longer.
                 if tries >= MOST_TRIES || 3 * better < 4 * gap {
                     return Ok((candidate, error));
                 }
@@ -112,8 +114,9 @@ impl Placer<'_> {
         }
     }
 
-    /// Returns the longest gap that has no more errors than the shortest one and the allowed ones, where that has too many: of those
-    /// that were tried, or, if none was, twice the shortest and so on.
+    /// Returns the longest gap whose error exceeds that of the shortest gap, which has too many errors, by at
+    /// most the allowed error. Chooses among the gaps that were tried. If none was tried, it tries twice the
+    /// shortest gap, and so on.
     fn longest_as_good(
         &self,
         key: &Candidate,
@@ -146,7 +149,7 @@ impl Placer<'_> {
         error.is_none_or(|error| error.excess() <= self.options.error_percent)
     }
 
-    /// Returns the gap that is expected to have the allowed error, as errors grow with the square of gaps.
+    /// Returns the gap that should have the allowed error. Errors grow with the square of the gap.
     fn better_gap(&self, gap: usize, error: Option<GapError>) -> usize {
         let excess = error.map_or(0.0, |error| error.excess().max(0.0));
         let ratio = (AIM * self.options.error_percent / excess.max(1e-9)).sqrt().clamp(0.4, 2.0);
@@ -160,7 +163,7 @@ impl Placer<'_> {
         }
         let middle = a.step.midpoint(b.step);
         let towards_sun = self.steps[middle].towards_sun;
-        // As `SunPath::keys_at` has it half way.
+        // The same order as that of `SunPath::keys_at` half way.
         let is_higher = |one: &Candidate, other: &Candidate| {
             self.steps[one.step].towards_sun[1] >= self.steps[other.step].towards_sun[1]
         };
@@ -184,7 +187,8 @@ impl Placer<'_> {
     }
 }
 
-/// Returns how many steps after one the sun has moved by an angle, at least 1, and not beyond `last`.
+/// Returns the number of steps after step `first` for which the sun stays within an angle of it, at least 1,
+/// and not beyond `last`.
 pub(crate) fn steps_within(steps: &[SunStep], first: usize, last: usize, degrees: f64) -> usize {
     let from = steps[first].towards_sun;
     let cosine = degrees.to_radians().cos();
@@ -196,7 +200,7 @@ pub(crate) fn steps_within(steps: &[SunStep], first: usize, last: usize, degrees
     within.clamp(1, (last - first).max(1))
 }
 
-/// Returns the share of points, in percent, whose answer is not that of rays.
+/// Returns the share of points, in percent, whose answer differs from the rays.
 pub(crate) fn wrong_percent(seen: &[(VisiblePoint, bool)], answers: &dyn PointVisibility) -> f64 {
     if seen.is_empty() {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Points that somebody sees, with what rays say about them.
+//! Visible points, with the results of rays from them.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,24 +7,25 @@ use adumbra_scene::random::Random;
 use adumbra_truth::trace::{Ray, Tracer};
 use rayon::prelude::*;
 
-/// Surfaces whose cosine to the sun is below this are shaded by themselves, whatever their shadows are.
+/// Surfaces whose cosine to the sun is below this are shaded by themselves, with or without shadows.
 pub const LEAST_N_DOT_L: f64 = 0.05;
-/// Draws for a point before the scene is given up.
+/// Number of tries for a point before it is skipped.
 const TRIES: u32 = 256;
 
-/// A point on a surface that somebody sees.
+/// A visible point on a surface.
 #[derive(Clone, Copy, Debug)]
 pub struct VisiblePoint {
     /// World position.
     pub p_world: [f64; 3],
-    /// Unit normal on the side that is seen.
+    /// Unit normal on the visible side.
     pub normal: [f64; 3],
     /// Where rays begin, just above the surface.
     pub lifted_world: [f64; 3],
 }
 
-/// Returns points that are seen: every other one from above at a slant, the others from places to stand in the scene.
-/// There are fewer than asked for if most of the scene's space is empty. The points depend on the seed alone.
+/// Returns visible points: every other one seen from above at a slant, the others from standing places in the
+/// scene. Returns fewer points than requested if most of the scene's space is empty. The points depend only
+/// on the seed.
 pub fn visible_points(tracer: &Tracer<'_>, count: usize, seed: u64) -> Vec<VisiblePoint> {
     let bounds = tracer.scene().bounds();
     let diagonal = bounds.diagonal();

@@ -1,4 +1,4 @@
-//! Paths that are baked answer as rays do, at any moment.
+//! Baked paths answer as rays do, at any moment.
 
 use std::io::Cursor;
 use std::ops::Range;
@@ -14,7 +14,8 @@ use adumbra_path::{
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
-/// Suns of an afternoon, every two minutes from `from` to `to` degrees of the hour angle, at the equinox and 48° north.
+/// Suns of an afternoon, every two minutes from `from` to `to` degrees of the hour angle, at the equinox and
+/// 48° north.
 fn afternoon(from: u32, to: u32) -> Vec<SunStep> {
     let (sin, cos) = 48_f64.to_radians().sin_cos();
     let step = |half_degree: u32| {
@@ -43,20 +44,20 @@ fn city() -> Scene {
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn moments_between_keys_are_about_as_right_as_the_keys() {
+fn moments_between_keys_are_about_as_exact_as_keys() {
     moments_between_keys_are_right(&city(), &options(1024), 40, &(4..40), 5.0);
 }
 
 #[test]
-fn moments_of_an_hour_between_keys_are_about_as_right_as_the_keys() {
+fn moments_of_an_hour_are_about_as_exact_as_keys() {
     let scene = generate(GeneratedKind::Primitives, 1);
-    // Of so few points some are wrong by chance, and the shadows of small solids pass few of them.
+    // With this few points, some are wrong by chance, and the shadows of small solids pass over few points.
     let options = PathOptions { points: 5000, error_percent: 0.5, ..options(1024) };
     moments_between_keys_are_right(&scene, &options, 14, &(2..8), 1.5);
 }
 
-/// Bakes a path from noon to an hour angle in degrees, which must have so many keys. With the nearest key alone, so many times as
-/// many points must be wrong in excess as between the keys.
+/// Bakes a path from noon to an hour angle in degrees, and checks the number of its keys. The excess of wrong
+/// points with the nearest key alone must be at least `times` that between the keys.
 fn moments_between_keys_are_right(
     scene: &Scene,
     options: &PathOptions,
@@ -107,7 +108,7 @@ fn moments_between_keys_are_right(
 }
 
 #[test]
-fn filters_are_between_their_rays_and_quick_look_ups_differ_where_shadows_pass() {
+fn filter_is_mean_of_rays_and_quick_differs_at_passing_shadows() {
     let scene = city();
     let steps = afternoon(10, 18);
     let mut options = options(1024);
@@ -139,14 +140,14 @@ fn filters_are_between_their_rays_and_quick_look_ups_differ_where_shadows_pass()
 }
 
 #[test]
-fn a_path_without_a_high_sun_is_refused_and_night_has_no_keys() {
+fn rejects_path_without_high_sun_and_places_no_keys_at_night() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let night: Vec<SunStep> = (0..5)
         .map(|i| SunStep { seconds: f64::from(i), towards_sun: [0.999_f64.sqrt(), -0.001_f64.sqrt(), 0.0] })
         .collect();
     let error = bake_path(&scene, &night, &options(256), Watch::none(), |_| ()).unwrap_err();
     assert!(matches!(error, Error::NoSun { .. }) && error.to_string().contains("never 3°"), "{error}");
-    // Over a night there are two runs, each with keys at its ends.
+    // Around a night there are two runs, each with keys at its ends.
     let mut steps = afternoon(0, 3);
     let day = steps.len();
     steps.extend((0..4).map(|i| SunStep { seconds: 2000.0 + f64::from(i), ..night[0] }));
@@ -163,9 +164,9 @@ fn a_path_without_a_high_sun_is_refused_and_night_has_no_keys() {
 }
 
 #[test]
-fn keys_are_not_close_where_closer_ones_do_no_better() {
-    // Near the zenith, at midsummer and 20° north, and with large voxels: there a march is worse than a file by more than is
-    // allowed, however short it is.
+fn keys_stay_apart_where_closer_keys_do_not_help() {
+    // Near the zenith, at midsummer and 20° north, and with large voxels: there, even a short march is worse
+    // than a file by more than the allowed error.
     let step = |minute: u32| {
         let (latitude, declination) = (20_f64.to_radians(), 23.44_f64.to_radians());
         let hour = (0.25 * f64::from(minute) - 7.5).to_radians();
@@ -185,16 +186,16 @@ fn keys_are_not_close_where_closer_ones_do_no_better() {
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn a_follower_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
+fn follower_bakes_ahead_and_answers_as_rays_do() {
     a_follower_answers_as_rays_do(generate(GeneratedKind::City, 1), 2048, 300, 60);
 }
 
 #[test]
-fn a_follower_of_a_small_scene_bakes_ahead_of_a_sun_and_answers_as_rays_do() {
+fn follower_of_small_scene_bakes_ahead_and_answers_as_rays_do() {
     a_follower_answers_as_rays_do(generate(GeneratedKind::Primitives, 1), 1024, 100, 25);
 }
 
-/// Follows a sun for so many frames, and compares every so many with rays.
+/// Follows a sun for `frames` frames, and compares every `every`-th with rays.
 fn a_follower_answers_as_rays_do(scene: Scene, resolution: u64, frames: u32, every: u32) {
     let scene = Arc::new(scene);
     let tracer = Tracer::build(&scene, TraceOptions::default());
@@ -203,7 +204,8 @@ fn a_follower_answers_as_rays_do(scene: Scene, resolution: u64, frames: u32, eve
     let options = FollowOptions::new(BakeOptions::new(first, Size::Resolution(resolution)));
     let (woken, wakes) = mpsc::channel();
     let mut follower = SunFollower::start(Arc::clone(&scene), options, move || _ = woken.send(())).unwrap();
-    // Half a degree a second, ten times a second; the clock stops while a key is baked that is needed now.
+    // The sun moves half a degree per second, at ten frames per second. The clock stops while a needed key is
+    // baked.
     let mut changes = 0;
     for frame in 0..frames {
         let seconds = f64::from(frame) / 10.0;
@@ -214,7 +216,7 @@ fn a_follower_answers_as_rays_do(scene: Scene, resolution: u64, frames: u32, eve
             followed = follower.follow(seconds, sun);
         }
         if frame % 10 == 0 && follower.is_baking() {
-            // As if the bake had taken no longer than ten frames.
+            // Wait, so that no bake takes longer than ten frames.
             wakes.recv().unwrap();
         }
         let Followed::Moment(moment) = followed else { panic!("{followed:?}") };
@@ -235,7 +237,7 @@ fn a_follower_answers_as_rays_do(scene: Scene, resolution: u64, frames: u32, eve
     assert!(changes >= 3, "{changes}");
     assert!(matches!(follower.follow(f64::from(frames) / 10.0 + 1.0, [0.8, -0.6, 0.0]), Followed::Night));
     assert!(follower.take_fault().is_none());
-    // Once it has been stopped, it bakes for no other sun.
+    // A stopped follower does not bake for another sun.
     while follower.is_baking() {
         wakes.recv().unwrap();
         _ = follower.follow(f64::from(frames) / 10.0 + 1.0, [0.8, -0.6, 0.0]);

@@ -1,5 +1,5 @@
-//! The options that an error's advice refers to. Libraries name fields and have no options, but the programs' users
-//! know only options.
+//! The options that an error's advice refers to. Libraries name fields and have no options, but the programs'
+//! users know only options.
 
 use adumbra::{RangeError, RangeField};
 
@@ -8,8 +8,8 @@ pub(crate) fn shown(options: Option<&str>) -> String {
     options.map_or_else(String::new, |options| format!(" ({options})"))
 }
 
-/// The options that set a field. `None`: parameters of techniques, which say themselves what they take, and values that
-/// only callers of the libraries give.
+/// The options that set a field. `None` for parameters of techniques, whose messages name their values, and
+/// for values that only callers of the libraries give.
 fn options_of_range(error: &RangeError) -> Option<&'static str> {
     Some(match error.field {
         RangeField::SunElevation => "--elevation",

@@ -1,19 +1,19 @@
-//! The parameters of glibc's allocator. It keeps what is freed, so that a process takes more memory than it counts. Other
-//! allocators are left as they are.
+//! The parameters of glibc's allocator. The allocator keeps freed memory, so a process takes more memory than
+//! it counts. Other allocators are left unchanged.
 
-/// Size from which freed blocks go back to the system at once.
+/// Freed blocks from this size on are returned to the system immediately.
 #[cfg(target_env = "gnu")]
 const RETURNED_BYTES: i32 = 4 << 20;
 
-/// Makes the allocator return large blocks to the system as soon as they are freed. To be called once, when the program
-/// begins. Without it, blocks of up to 32 MiB are kept once one of that size has been freed, such as the tables that sort a
-/// scene's triangles.
+/// Makes the allocator return large blocks to the system as soon as they are freed. Call it once, when the
+/// program begins. Without it, the allocator keeps blocks of up to 32 MiB once a block of that size has been
+/// freed, such as the tables that sort a scene's triangles.
 pub(crate) fn return_large_blocks() {
     #[cfg(target_env = "gnu")]
     for parameter in [libc::M_MMAP_THRESHOLD, libc::M_TRIM_THRESHOLD] {
         #[expect(unsafe_code, reason = "the standard library does not reach the allocator's parameters")]
-        // SAFETY: `mallopt` takes two numbers, and holds the allocator's own lock while it stores them. It refuses what it
-        // does not know.
+        // SAFETY: `mallopt` takes two numbers, and holds the allocator's own lock while it stores them. It
+        // refuses parameters that it does not know.
         let is_set = unsafe { libc::mallopt(parameter, RETURNED_BYTES) };
         debug_assert_eq!(is_set, 1, "parameter {parameter}");
     }
@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pages_between_blocks_that_are_kept_go_back_to_the_system() {
+    fn free_pages_between_kept_blocks_return_to_the_system() {
         let mut blocks: Vec<Option<Vec<u8>>> = (0..256).map(|i| Some(vec![i as u8; 16 << 10])).collect();
         blocks.iter_mut().step_by(2).for_each(|block| *block = None);
         assert!(return_free_pages());

@@ -6,8 +6,8 @@ use std::path::Path;
 use adumbra::Bounds;
 use adumbra_scene::Scene;
 
-/// Whether bounds contain no part of a scene, which was loaded from `path`; if so, a warning says it on stderr. Bounds that
-/// are not a box are left to the bake, which refuses them with the allowed range.
+/// Whether bounds contain no part of a scene, which was loaded from `path`. If so, prints a warning on
+/// stderr. Bounds that are not a box are left to the bake, which refuses them with the allowed range.
 pub fn warn_if_empty(bounds: Option<&Bounds>, scene: &Scene, path: &Path) -> bool {
     let is_empty = bounds.is_some_and(|b| is_box(b) && !hold_geometry(b, scene));
     if is_empty {
@@ -34,8 +34,8 @@ fn hold_geometry(bounds: &Bounds, scene: &Scene) -> bool {
     })
 }
 
-/// Whether a triangle and a box have a point in common, by the separating-axis theorem. The axes are those of the box,
-/// the triangle's normal, and the cross products of a box axis and a triangle edge.
+/// Whether a triangle and a box have a point in common, by the separating-axis theorem. The axes are those of
+/// the box, the triangle's normal, and the cross products of a box axis and a triangle edge.
 fn meets(bounds: &Bounds, triangle: [[f64; 3]; 3]) -> bool {
     let half: [f64; 3] = from_fn(|a| (bounds.max[a] - bounds.min[a]) / 2.0);
     // Relative to the centre of the box.
@@ -73,20 +73,21 @@ mod tests {
     fn triangles_and_boxes_meet_only_where_they_share_points() {
         let triangle = [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0], [0.0, 100.0, 100.0]];
         for (min, max, expected) in [
-            // Inside the triangle's bounding box: past its long edge, off its plane, past its long edge again, and on
-            // it.
+            // Inside the triangle's bounding box: past its long edge, off its plane, past its long edge
+            // again, and on it.
             ([90.0, 80.0, 90.0], [95.0, 95.0, 95.0], false),
             ([20.0, 10.0, 40.0], [30.0, 30.0, 60.0], false),
             ([60.0, 58.0, 58.0], [70.0, 62.0, 62.0], false),
             ([30.0, 30.0, 30.0], [31.0, 31.0, 31.0], true),
-            // The triangle passes through a box that contains none of its corners, has a corner inside one, is inside
-            // one, touches one, and just misses one.
+            // The triangle passes through a box that contains none of its corners, has a corner inside one,
+            // is inside one, touches one, and just misses one.
             ([40.0, -10.0, -10.0], [45.0, 90.0, 90.0], true),
             ([-5.0, -5.0, -5.0], [1.0, 1.0, 1.0], true),
             ([-1e3; 3], [1e3; 3], true),
             ([-5.0, -5.0, -5.0], [0.0, 0.0, 0.0], true),
             ([-5.0, -5.0, -5.0], [-0.1, 0.0, 0.0], false),
-            // Past its long edge, where only an axis perpendicular to that edge and to an edge of the box separates.
+            // Past its long edge, where only an axis perpendicular to that edge and to an edge of the box
+            // separates.
             ([52.0, 50.0, 40.0], [60.0, 60.0, 60.0], false),
         ] {
             assert_eq!(meets(&Bounds { min, max }, triangle), expected, "{min:?} {max:?}");

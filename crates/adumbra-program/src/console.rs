@@ -1,4 +1,4 @@
-//! Stdout and stderr. `println!` and `eprintln!` panic where nothing can be written, as on a full disk.
+//! Stdout and stderr. `println!` and `eprintln!` panic if writing fails, as on a full disk.
 
 use std::fmt::Arguments;
 use std::io::{self, ErrorKind, Write};
@@ -21,14 +21,14 @@ pub fn note(words: Arguments<'_>) {
     let _ = writeln!(io::stderr(), "{words}");
 }
 
-/// Keeps an error of stdout. A reader that has closed its end of a pipe, such as `head`, has all that it wants.
+/// Keeps an error of stdout. Ignores a closed pipe: its reader, such as `head`, has read enough.
 pub(crate) fn fail(error: io::Error) {
     if error.kind() != ErrorKind::BrokenPipe {
         FAILURE.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
     }
 }
 
-/// Checks that stdout has all that was said.
+/// Checks that everything was written to stdout.
 ///
 /// # Errors
 ///

@@ -1,10 +1,10 @@
 //! Environment variables that the process needs, set before anything else runs.
 
-/// On Linux, re-executes the program with `XDG_RUNTIME_DIR` set if the variable is not an absolute path. Mesa's Vulkan
-/// layer for device selection asks Wayland for the compositor's device whatever is drawn, and without the variable
-/// libwayland-client writes two errors to stderr. The folder that is set does not exist, so that no compositor is found
-/// in it, just as none is found without the variable. Setting a variable within a process is unsafe; starting a process
-/// with it is not.
+/// On Linux, re-executes the program with `XDG_RUNTIME_DIR` set if the variable is not an absolute path.
+/// Mesa's Vulkan layer for device selection asks Wayland for the compositor's device whatever is drawn, and
+/// without the variable libwayland-client writes two errors to stderr. The folder that is set does not exist,
+/// so that no compositor is found in it, just as none is found without the variable. Setting a variable
+/// within a process is unsafe; starting a process with it is not.
 #[cfg(target_os = "linux")]
 pub(crate) fn set_runtime_folder() {
     use std::os::unix::process::CommandExt;
@@ -19,7 +19,7 @@ pub(crate) fn set_runtime_folder() {
         return;
     }
     let (Ok(program), Some(name)) = (std::env::current_exe(), words.next()) else { return };
-    // `exec` returns only if it fails. Then the two lines are printed, and nothing else is wrong.
+    // `exec` returns only if it fails. Then the two errors are printed, and nothing else is wrong.
     let _ = std::process::Command::new(program).arg0(name).args(words).env(VARIABLE, NOWHERE).exec();
 }
 

@@ -13,7 +13,7 @@ use crate::advice::{options_of_bake, options_of_reader, options_of_scene, shown}
 pub enum Code {
     /// Success.
     Fine = 0,
-    /// A check failed: something was measured and does not hold.
+    /// A check failed: a measured value does not meet its requirement.
     CheckFailed = 1,
     /// The arguments ask for something that does not exist, or they contradict each other.
     Usage = 2,
@@ -23,9 +23,9 @@ pub enum Code {
     OutOfRoom = 4,
     /// The GPU was lost.
     DeviceLost = 5,
-    /// Something is not there yet, or cannot be reached now: the same command may succeed later.
+    /// Something is missing now, or unreachable: the same command may succeed later.
     TryAgain = 75,
-    /// A signal ended the work.
+    /// A signal ended the program.
     Interrupted = 130,
 }
 
@@ -63,14 +63,15 @@ pub enum Failure {
         limit_bytes >> 20
     )]
     FileMemory {
-        /// The file, or what is read of it.
+        /// The file, or the part of it that is read.
         what: &'static str,
-        /// What it may need.
+        /// The memory that it may need.
         needed_bytes: u64,
         /// The limit.
         limit_bytes: u64,
     },
-    /// An error of a library that this crate does not depend on, with the exit code that the caller assigns to it.
+    /// An error of a library that this crate does not depend on, with the exit code that the caller assigns
+    /// to it.
     #[error("{message}")]
     Other {
         /// The program's exit code.
@@ -186,7 +187,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_have_their_codes_and_options() {
+    fn errors_map_to_exit_codes_and_name_options() {
         let range = |field| Failure::from(RangeError::new(field, "x", "y"));
         let memory = Failure::memory("the bake", 2, 1);
         let resolution: Failure =

@@ -20,7 +20,7 @@ impl MemoryLimit {
         Ok(ShadowFile::read(path)?)
     }
 
-    /// Checks that the shadow file at `path` fits into the limit. Its first bytes are read.
+    /// Checks that the shadow file at `path` fits into the limit. Reads only its first bytes.
     ///
     /// # Errors
     ///
@@ -29,11 +29,12 @@ impl MemoryLimit {
         self.check_files("the shadow file", || Ok(ShadowFile::memory(path)?.peak_bytes))
     }
 
-    /// Reads the shadow file at `path`, to store it again in this way.
+    /// Reads the shadow file at `path`, to store it again in this encoding.
     ///
     /// # Errors
     ///
-    /// Returns [`Failure`] if the file cannot be read, or if it or coding it does not fit into the limit.
+    /// Returns [`Failure`] if the file cannot be read, or if the file or its coding does not fit into the
+    /// limit.
     pub fn read_to_store(&self, path: &Path, encoding: Encoding) -> Result<ShadowFile, Failure> {
         self.check_files("storing the shadow file", || {
             let FileMemory { peak_bytes, writing_bytes, .. } = ShadowFile::memory(path)?;
@@ -52,7 +53,7 @@ impl MemoryLimit {
         Ok(path.key(index)?)
     }
 
-    /// Checks that any two keys of a sun path that follow each other fit into the limit.
+    /// Checks that any two successive keys of a sun path fit into the limit.
     ///
     /// # Errors
     ///
@@ -66,7 +67,8 @@ impl MemoryLimit {
         })
     }
 
-    /// Checks that the files of all regions fit into the limit. `manifest` is the path that the manifest was read from.
+    /// Checks that the files of all regions fit into the limit. `manifest` is the path that the manifest was
+    /// read from.
     ///
     /// # Errors
     ///
@@ -75,8 +77,8 @@ impl MemoryLimit {
         self.check_files("the regions' files", || Ok(regions.memory(manifest)?.peak_bytes))
     }
 
-    /// Checks that the file at `path` fits into the limit, if its contents take as much memory as its bytes, which are
-    /// held at the same time.
+    /// Checks that the file at `path` fits into the limit, if its contents take as much memory as its bytes,
+    /// and both are held at the same time.
     ///
     /// # Errors
     ///
@@ -86,7 +88,7 @@ impl MemoryLimit {
         self.check_files("the file", || Ok(2 * bytes))
     }
 
-    /// Nothing is read twice without a limit, so a pipe can be a file too.
+    /// Without a limit, nothing is read twice, so a pipe can be given as a file.
     fn check_files(
         &self,
         what: &'static str,
@@ -107,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn file_is_read_if_what_it_takes_is_allowed() {
+    fn shadow_file_is_read_only_within_the_memory_limit() {
         let path = adumbra_testing::vectors("valid/many_pages_depths.adumbra");
         let file = ShadowFile::read(&path).unwrap();
         assert!(MemoryLimit::new(None).read_shadow_file(&path).unwrap() == file);

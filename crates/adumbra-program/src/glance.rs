@@ -1,4 +1,4 @@
-//! The line that says what a person would see of a scene, and warnings of what is out of the ordinary.
+//! The line that describes a scene as a person would see it, and warnings about unusual scenes.
 
 use std::fmt;
 use std::path::Path;
@@ -14,10 +14,10 @@ use crate::output::format_number;
 
 /// Voxels larger than this share of the box that holds nearly all triangles show little of the scene.
 const LARGEST_VOXEL: f64 = 0.01;
-/// More of the places where people stand is seldom in shadow.
+/// Above this share of standing places in shadow, a scene is unusual.
 const MOSTLY_DARK: f64 = 0.95;
 
-/// Looks at a scene, and warns on stderr of what is out of the ordinary in it under a sun. `path` is the scene's.
+/// Looks at a scene, and warns on stderr if it is unusual under a sun. `path` is the scene's.
 pub fn look(scene: &Scene, path: &Path, sun: Sun, ignore_alpha: bool) -> Glance {
     let glance = Glance::of(scene, sun.towards(), ignore_alpha);
     warn_of_darkness(path, &glance);
@@ -27,12 +27,13 @@ pub fn look(scene: &Scene, path: &Path, sun: Sun, ignore_alpha: bool) -> Glance 
 /// What a person would see of a scene at a glance.
 #[derive(Clone, Debug, Serialize, JsonSchema)]
 pub struct AtAGlance {
-    /// Share of the ground that is in shadow by rays, 0 to 1. The ground is the lowest surface that faces up. Null if there is
-    /// no place on it.
+    /// Share of the ground that is in shadow by rays, 0 to 1. The ground is the lowest surface that faces up.
+    /// Null if there is no place on it.
     ground_in_shadow: Option<f64>,
     /// Share of the places that are in shadow 1.7 above the ground.
     standing_in_shadow: Option<f64>,
-    /// Things that hide the sun from nearly everything else, by name, as a sky dome does. Empty if there are none.
+    /// Things that hide the sun from nearly everything else, by name, as a sky dome does. Empty if there are
+    /// none.
     hide_the_sun: Vec<String>,
     /// Longest side of the box that holds nearly all triangles, world units.
     side: f64,
@@ -41,7 +42,7 @@ pub struct AtAGlance {
 }
 
 impl AtAGlance {
-    /// Takes what was seen.
+    /// Converts the results of a glance.
     pub fn of(glance: &Glance) -> Self {
         Self {
             ground_in_shadow: shadowed_share(&glance.ground),
@@ -84,7 +85,7 @@ fn warn_of_darkness(scene: &Path, glance: &Glance) {
     }
 }
 
-/// Warns on stderr of voxels that are large compared with the scene, and of what makes them so.
+/// Warns on stderr of voxels that are large compared with the scene, and of the cause.
 pub fn warn_of_large_voxels(scene: &Path, glance: &Glance, voxel_size: f64) {
     let spread = &glance.spread;
     let side = spread.side_world();
@@ -113,7 +114,7 @@ pub fn warn_of_large_voxels(scene: &Path, glance: &Glance, voxel_size: f64) {
     }
 }
 
-/// The option that leaves out what has a name.
+/// Returns the option that leaves out the nodes of a name.
 fn exclude(name: &str) -> String {
     format!("--exclude {}", quoted(&pattern_of(name)))
 }

@@ -1,5 +1,5 @@
-//! Code shared by the programs `adumbra` and `adumbra-lab`. It depends only on the core crates, so that a program
-//! without GPU support links no graphics library.
+//! Code shared by the programs `adumbra` and `adumbra-lab`. It depends only on the core crates, so that a
+//! program without GPU support links no graphics library.
 //!
 //! | module | contents |
 //! |---|---|
@@ -7,16 +7,16 @@
 //! | [`exit`] | exit codes, and the errors that lead to them |
 //! | [`args`], [`lookup`] | groups of options that several verbs share |
 //! | [`scene`], [`sun`], [`bounds`] | loading a scene, with its warnings; the sun, and where it comes from; the box of `--bounds` |
-//! | [`glance`] | what a person would see of a scene, and warnings of what is out of the ordinary |
+//! | [`glance`] | a description of a scene as a person would see it, and warnings about unusual scenes |
 //! | [`moment`] | moments of sun paths |
-//! | [`query`], [`verify`] | verbs that several programs offer for files of their own |
+//! | [`query`], [`verify`] | verbs that several programs offer for their own kinds of files |
 //! | [`console`] | stdout and stderr |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
 //! | [`text`] | captions in pictures |
 //! | [`schemas`], [`mirrors`] | the verb `schema`; schemas of the reader's types |
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
-// They panic where nothing can be written.
+// These macros panic if writing fails.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
 mod advice;
@@ -55,7 +55,7 @@ macro_rules! say {
     };
 }
 
-/// Prints a line on stderr. If it cannot be written, nothing is left to say.
+/// Prints a line on stderr. A line that cannot be written is dropped.
 #[macro_export]
 macro_rules! note {
     ($($words:tt)*) => {

@@ -1,26 +1,29 @@
 //! Memory use of the process, and its limit.
 //!
-//! A library counts what it holds. The program holds more: its code, its stacks, what the allocator keeps of what has
-//! been freed. This is measured before a library begins, and the library gets the rest of the limit. What was not
-//! foreseen is found by the peak of the process, which is checked while a long step runs and at its end.
+//! A library counts the memory that it holds. The program holds more: its code, its stacks, and freed memory
+//! that the allocator keeps. This is measured before a library begins, and the library gets the remainder of
+//! the limit. The peak of the process shows memory that was not foreseen. It is checked during a long step
+//! and at its end.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use crate::allocator;
 use crate::exit::Failure;
 
-/// What the process needs besides what is measured and counted: code that is not yet loaded, and buffers of files.
+/// Memory that the process needs in addition to what is measured and counted: code that is not loaded yet,
+/// and file buffers.
 const BASE_BYTES: u64 = 5 << 20;
 /// The stack and the allocator's arena of a thread.
 const THREAD_BYTES: u64 = 1 << 19;
-/// What the process holds before it loads anything, where the system does not say.
+/// Memory that the process holds before it loads anything, if the system does not report it.
 const UNMEASURED_BYTES: u64 = 10 << 20;
 /// The peak may exceed the limit by one part in this many.
 const TOLERANCE: u64 = 20;
-/// Free memory is returned from this part of the limit on: a half.
+/// Free memory is returned once 1 / RETURNED_FROM of the limit is used.
 const RETURNED_FROM: u64 = 2;
 
-/// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux does.
+/// Returns the largest resident set size so far in bytes. `None` if the system does not report it; Linux
+/// does.
 pub fn peak_bytes() -> Option<u64> {
     status_bytes("VmHWM:")
 }
@@ -61,7 +64,8 @@ impl MemoryLimit {
         self.limit_bytes.is_some()
     }
 
-    /// Returns the share of what counts the memory that it holds. `counted_bytes` of that are held already.
+    /// Returns the share of a library that counts the memory that it holds. `counted_bytes` of it are held
+    /// already.
     pub fn share(&self, counted_bytes: u64) -> Share {
         let threads = rayon::current_num_threads() as u64;
         if self.limit_bytes.is_some() {
@@ -75,17 +79,17 @@ impl MemoryLimit {
         }
     }
 
-    /// Returns the peak of the process if it is beyond the limit.
+    /// Returns the peak of the process if it exceeds the limit.
     pub fn exceeded_bytes(&self) -> Option<u64> {
         let limit = self.limit_bytes?;
         peak_bytes().filter(|&peak| peak > limit.saturating_add(limit / TOLERANCE))
     }
 
-    /// Checks that the process has kept to the limit.
+    /// Checks that the process has not exceeded the limit.
     ///
     /// # Errors
     ///
-    /// Returns [`Failure::Bake`] with the peak of the process if it has not. `what` was being done.
+    /// Returns [`Failure::Bake`] with the peak of the process if it has. `what` names the step.
     pub fn check_peak(&self, what: &'static str) -> Result<(), Failure> {
         match (self.exceeded_bytes(), self.limit_bytes) {
             (Some(peak), Some(limit)) => Err(Failure::memory(what, peak, limit)),
@@ -95,7 +99,7 @@ impl MemoryLimit {
 }
 
 impl Share {
-    /// Returns the bytes that may be held and counted; `None` is no limit.
+    /// Returns the bytes that the library may hold and count; `None` is no limit.
     pub fn bytes(&self) -> Option<u64> {
         self.limit_bytes.map(|limit| limit.saturating_sub(self.beside_bytes))
     }
@@ -112,14 +116,14 @@ impl Share {
         }
     }
 
-    /// Returns what the whole process would need and the limit, if this many bytes do not fit into the share.
+    /// Returns the need of the whole process and the limit, if this many bytes do not fit into the share.
     pub(crate) fn excess(&self, counted_bytes: u64) -> Option<[u64; 2]> {
         let needed_bytes = counted_bytes.saturating_add(self.beside_bytes);
         self.limit_bytes.filter(|&limit_bytes| needed_bytes > limit_bytes).map(|limit| [needed_bytes, limit])
     }
 
-    /// Returns a library's error in the terms of the whole process: what it needs and what is allowed include what it
-    /// does not count.
+    /// Converts a library's memory error to the whole process: adds the memory that the library does not
+    /// count to its need and its limit.
     pub fn whole(&self, failure: Failure) -> Failure {
         use adumbra_bake::Error as Bake;
         use adumbra_scene::Error as Scene;
@@ -144,7 +148,7 @@ impl Share {
     }
 }
 
-/// Ends a long step once the process takes more memory than allowed.
+/// Ends a long step once the process exceeds its memory limit.
 pub struct Guard {
     limit: MemoryLimit,
     cancel: AtomicBool,
@@ -152,7 +156,7 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// Creates a guard of a step that ends soon after [`Guard::cancel`] is set.
+    /// Creates a guard for a step that ends soon after [`Guard::cancel`] is set.
     pub fn new(limit: MemoryLimit) -> Self {
         Self { limit, cancel: AtomicBool::new(false), exceeded_bytes: AtomicU64::new(0) }
     }
@@ -162,8 +166,9 @@ impl Guard {
         &self.cancel
     }
 
-    /// Cancels the step if the process is beyond the limit. To be called now and then. Free memory goes back to the system as
-    /// soon as half of the limit is used: pages that have gone to disk one by one leave holes, which no large table fits.
+    /// Cancels the step if the process exceeds the limit. Call it from time to time. Once half of the limit
+    /// is used, it returns free memory to the system: pages that have gone to disk one by one leave holes
+    /// that are too small for a large table.
     pub fn look(&self) {
         let Some(limit) = self.limit.limit_bytes else { return };
         if resident_bytes().is_some_and(|bytes| bytes > limit / RETURNED_FROM) {
@@ -179,8 +184,8 @@ impl Guard {
     ///
     /// # Errors
     ///
-    /// Returns the step's error in the terms of the whole process, or [`Failure::Bake`] if the process is or was beyond
-    /// the limit.
+    /// Returns the step's error in the terms of the whole process, or [`Failure::Bake`] if the process is or
+    /// was beyond the limit.
     pub fn end<T>(
         &self,
         what: &'static str,
@@ -204,7 +209,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_leave_room_for_what_nothing_counts() {
+    fn share_leaves_room_for_uncounted_memory() {
         let limit = MemoryLimit::new(Some(1 << 30));
         let share = limit.share(0);
         let bytes = share.bytes().unwrap();

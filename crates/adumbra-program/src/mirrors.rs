@@ -1,5 +1,5 @@
-//! Schemas of the reader's types that the programs print. The reader itself does not depend on `schemars`; a field
-//! names the mirror of its type: `#[schemars(with = "mirrors::Bounds")]`.
+//! Schemas of the reader's types that the programs print. The reader itself does not depend on `schemars`; a
+//! field names the mirror of its type: `#[schemars(with = "mirrors::Bounds")]`.
 
 use schemars::JsonSchema;
 
@@ -29,8 +29,8 @@ pub struct Region {
 pub enum Frame {
     /// Perpendicular to the light. Voxels are cubes, with z away from the sun and x horizontal.
     Light,
-    /// Upright: a shear turns the light to the vertical. x and y are horizontal, and z is depth below the top of the
-    /// grid.
+    /// Upright: a shear turns the light to the vertical. x and y are horizontal, and z is depth below the top
+    /// of the grid.
     Oblique {
         /// Angle from the world's +X to the grid's x axis, in radians, positive towards +Z.
         yaw_radians: f64,
@@ -71,10 +71,11 @@ pub enum Receivers {
 /// The settings that determine what a file returns.
 #[derive(JsonSchema)]
 pub struct FileSettings {
-    /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the smallest
-    /// power of two that is at least that number.
+    /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the
+    /// smallest power of two that is at least that number.
     pub resolution: u32,
-    /// How far below an open surface its shadow may begin, in world units; 0 = the bias at the surface's slope.
+    /// How far below an open surface its shadow may begin, in world units; 0 = the bias at the surface's
+    /// slope.
     pub thickness_world: f64,
     /// Whether the bake assumed that no static surface is behind the last one of a column.
     pub assume_ground: bool,
@@ -82,15 +83,16 @@ pub struct FileSettings {
     pub closed_regions: bool,
     /// Whether alpha masks were ignored.
     pub ignore_alpha: bool,
-    /// Whether Z points up in the scene's own file: its (x, y, z) is (x, z, −y) in the world, in which Y does.
+    /// Whether Z points up in the scene's own file: its (x, y, z) is (x, z, −y) in the world, in which Y
+    /// does.
     pub scene_is_z_up: bool,
     /// The points at which the file is correct.
     pub receivers: Receivers,
-    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. 0 = anywhere that no
-    /// look-up from a surface reads.
+    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. 0 = anywhere
+    /// that no look-up from a surface reads.
     pub switch_within_voxels: u32,
-    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to
-    /// meet something. 0 = never.
+    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on
+    /// is taken to meet something. 0 = never.
     pub dark_after_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,
@@ -112,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn mirrors_describe_the_readers_types() {
+    fn mirror_schemas_match_the_readers_types() {
         let bounds = adumbra::Bounds { min: [0.0; 3], max: [1.0; 3] };
         let settings = adumbra::FileSettings {
             resolution: 64,

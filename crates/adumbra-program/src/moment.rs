@@ -15,7 +15,7 @@ use crate::memory::MemoryLimit;
 /// A moment of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TimeArg {
-    /// By the path's local clock, the first time that it shows so many seconds after midnight.
+    /// By the path's local clock: the first time that it shows this many seconds after midnight.
     Clock(u32),
     /// As the path counts seconds.
     Seconds(f64),
@@ -123,7 +123,7 @@ pub fn moment(path: &SunPath, option: &str, time: TimeArg) -> Result<f64, Failur
 pub struct PathMoment {
     /// The sun.
     pub sun: Sun,
-    /// The files of the keys, the one that is asked first and the other one.
+    /// The files of the keys: the key to march in first, and the other.
     pub keys: [ShadowFile; 2],
 }
 

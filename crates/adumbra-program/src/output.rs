@@ -49,8 +49,8 @@ impl Outputs {
     }
 }
 
-/// Refuses two outputs that are one file, whatever their spelling and through whichever links: the later would replace
-/// the earlier.
+/// Refuses two outputs that are one file, whatever their spelling and through whichever links: the later
+/// would replace the earlier.
 ///
 /// # Errors
 ///
@@ -99,8 +99,8 @@ pub fn png(path: &Path, picture: &Picture) -> Result<Vec<u8>, Failure> {
     Ok(bytes)
 }
 
-/// Refuses an output that a verb also reads, whatever its spelling and through whichever links. `option` is the option
-/// that gave its path. Each input has a name for the error.
+/// Refuses an output that a verb also reads, whatever its spelling and through whichever links. `option` is
+/// the option that gave its path. Each input has a name for the error.
 ///
 /// # Errors
 ///
@@ -155,8 +155,8 @@ fn note(new: Read) {
 /// Name of a scene in errors about outputs that would replace it.
 pub const SCENE: &str = "the scene itself";
 
-/// Refuses an output that would replace a file that this run has read, or one that a scene names. `option` is the
-/// option that gave its path.
+/// Refuses an output that would replace a file that this run has read, or one that a scene names. `option` is
+/// the option that gave its path.
 ///
 /// # Errors
 ///
@@ -184,7 +184,7 @@ pub fn make_folder(path: &Path) -> Result<(), Failure> {
     Ok(std::fs::create_dir_all(path).map_err(IoError::at("create", path))?)
 }
 
-/// Formats a number of any size: with four decimals, or with an exponent where they would be many digits or none.
+/// Formats a number of any size: with four decimals, or with an exponent if it is very large or very small.
 pub fn format_number(value: f64) -> String {
     if value == 0.0 || (1e-3..1e9).contains(&value.abs()) {
         format!("{value:.4}")

@@ -1,4 +1,5 @@
-//! Progress on stderr: a bar on a terminal, plain lines every ten seconds elsewhere, or JSON lines for programs.
+//! Progress on stderr: a bar on a terminal, plain lines every ten seconds elsewhere, or JSON lines for
+//! programs.
 
 use std::io::IsTerminal;
 use std::sync::Mutex;

@@ -23,11 +23,12 @@ pub struct Query {
     /// World-space points as little-endian float32 triples
     #[arg(long, value_name = "FILE", required_unless_present = "points_f64", conflicts_with = "points_f64")]
     points: Option<PathBuf>,
-    /// World-space points as little-endian float64 triples: far from the origin float32 would round them to whole
-    /// voxels
+    /// World-space points as little-endian float64 triples: far from the origin float32 would round them to
+    /// whole voxels
     #[arg(long, value_name = "FILE")]
     pub points_f64: Option<PathBuf>,
-    /// Unit normals as little-endian float32 triples, one per point; the slope bias and the filter's plane need them
+    /// Unit normals as little-endian float32 triples, one per point; the slope bias and the filter's plane
+    /// need them
     #[arg(long, value_name = "FILE")]
     pub normals: Option<PathBuf>,
     /// Look-up.
@@ -48,8 +49,8 @@ pub struct Answered {
     points: usize,
     /// Number of points with a component that is infinite or not a number. They count as lit.
     points_not_finite: usize,
-    /// Number of normals with a component that is infinite or not a number. Their points are looked up as if without a
-    /// normal.
+    /// Number of normals with a component that is infinite or not a number. Their points are looked up as if
+    /// without a normal.
     normals_not_finite: usize,
     /// Mean of the answers, 0 to 1. 1 is lit.
     mean_visibility: f64,
@@ -57,10 +58,11 @@ pub struct Answered {
     output: String,
 }
 
-/// Number of points that are looked up one after the other. A look-up remembers the position of the last point.
+/// Number of points that are looked up one after the other. A look-up remembers the position of the last
+/// point.
 const BATCH: usize = 1 << 14;
 
-/// A second value of each point, which is written to a file of its own.
+/// A second value of each point, which is written to its own file.
 pub struct More<'a> {
     /// The option that names the file.
     pub option: &'static str,
@@ -70,8 +72,8 @@ pub struct More<'a> {
     pub value: &'a (dyn Fn([f64; 3], Option<[f64; 3]>) -> f32 + Sync),
 }
 
-/// While points are read, their bytes, a copy of these, and their numbers are in memory. Of float32 that is four times
-/// their bytes.
+/// While points are read, memory holds their bytes, a copy of these, and their numbers. For float32 that is
+/// four times their bytes.
 const READING_RATIO: u64 = 4;
 
 /// Points and normals that were read.
@@ -86,8 +88,8 @@ impl Query {
         self.points_f64.as_deref().or(self.points.as_deref()).unwrap_or(Path::new(""))
     }
 
-    /// Refuses outputs that cannot be written or would replace an input. `more` is a further output, with its option.
-    /// To be called before hours of look-ups whose results could not be written.
+    /// Refuses outputs that cannot be written or would replace an input. `more` is a further output, with its
+    /// option. Call it before hours of look-ups, so that their results can be written.
     ///
     /// # Errors
     ///
@@ -112,12 +114,13 @@ impl Query {
     ///
     /// # Errors
     ///
-    /// Returns [`Failure`] if a file cannot be read, if there is not one normal per point, or if memory is not enough.
+    /// Returns [`Failure`] if a file cannot be read, if there is not one normal per point, or if memory is
+    /// not enough.
     pub fn read(&self) -> Result<Points, Failure> {
         let paths = [Some(self.points_path()), self.normals.as_deref()];
         let bytes: u64 = paths.into_iter().flatten().filter_map(|p| Some(p.metadata().ok()?.len())).sum();
         self.run.check_memory("the points", 0, READING_RATIO * bytes)?;
-        // The length of a pipe is not known before.
+        // The length of a pipe is not known in advance.
         let most_bytes = self.run.max_memory.map_or(u64::MAX, |limit| limit / READING_RATIO);
         let points = match &self.points_f64 {
             Some(path) => read_f64_triples(path, most_bytes)?,
@@ -135,8 +138,8 @@ impl Query {
                 points.len()
             )));
         }
-        // Bytes per point: the point (24), its normal (24), its answer in its batch (4) and in the whole (4), and the
-        // answer's bytes (4).
+        // Bytes per point: the point (24), its normal (24), its answer in its batch (4) and in the whole (4),
+        // and the answer's bytes (4).
         let count = points.len() as u64;
         let held = count * if normals.is_some() { 24 + 24 } else { 24 };
         self.run.check_memory("the points", held, count * (24 + 24 + 4 + 4 + 4))?;

@@ -40,8 +40,8 @@ pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Scene, Failure> 
 ///
 /// # Errors
 ///
-/// Returns [`Failure::Scene`] if the scene, or a file that it names, cannot be read, and [`Failure::Scene`] or
-/// [`Failure::Bake`] if that takes more memory than allowed.
+/// Returns [`Failure::Scene`] if the scene, or a file that it names, cannot be read, and [`Failure::Scene`]
+/// or [`Failure::Bake`] if that takes more memory than allowed.
 pub fn load_scene_within(limit: MemoryLimit, path: &Path, options: &LoadOptions) -> Result<Scene, Failure> {
     let share = limit.share(0);
     let options = LoadOptions { max_memory_bytes: share.bytes(), ..options.clone() };

@@ -1,6 +1,6 @@
-//! The verb `schema`: prints the JSON Schema of what another verb prints or writes as JSON.
+//! The verb `schema`: prints the JSON Schema of the JSON that another verb prints or writes.
 //!
-//! A program lists what it can describe as [`Described`].
+//! A program lists its schemas as [`Described`].
 
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
@@ -21,7 +21,7 @@ pub struct SchemaArgs {
 pub struct Described {
     /// Its name: the verb that prints it, or the file that a verb reads.
     pub name: &'static str,
-    /// What it is, in the list of names.
+    /// Its description in the list of names.
     pub about: &'static str,
     root: fn() -> Schema,
 }
@@ -47,7 +47,7 @@ impl Described {
 }
 
 impl SchemaArgs {
-    /// Prints the schema of what is named, or the names.
+    /// Prints the schema of the given name, or all names.
     ///
     /// # Errors
     ///
@@ -109,13 +109,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn links_become_names() {
+    fn descriptions_turn_links_into_names() {
         let text = "See [`A`] and\n[`b`](crate::b). `None` (of [c]) if there is none.";
         assert_eq!(plain(text), "See `A` and `b`. null (of [c]) if there is none.");
     }
 
     #[test]
-    fn unknown_names_are_refused_with_the_known_ones() {
+    fn rejects_unknown_names_and_lists_known_ones() {
         let described = [Described::of::<u32>("tree bake", "A."), Described::of::<bool>("dag bake", "B.")];
         let run = |words: &[&str]| {
             SchemaArgs { words: words.iter().map(|&word| word.to_owned()).collect() }.run(&described)

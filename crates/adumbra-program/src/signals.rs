@@ -1,5 +1,6 @@
-//! Signals: an interrupt ends the program at once, in whatever it does, and removes its temporary files. Verbs that have
-//! something to finish are asked to stop first. Exceeding a file-size limit becomes an error instead of ending the program.
+//! Signals: an interrupt ends the program immediately, at any point, and removes its temporary files. Verbs
+//! that have something to finish are asked to stop first. Exceeding a file-size limit becomes an error
+//! instead of ending the program.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -10,34 +11,34 @@ use signal_hook::consts::{SIGINT, SIGTERM};
 
 use crate::exit::Code;
 
-/// How long the end of the program waits until its last message is read.
+/// How long the ending program waits for its last message to be written.
 #[cfg(unix)]
 const PATIENCE: std::time::Duration = std::time::Duration::from_millis(200);
 
 /// The exit code of a program that an interrupt ends.
 static CODE: AtomicU8 = AtomicU8::new(Code::Interrupted as u8);
 
-/// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the program. For verbs
-/// that look at the flag often.
+/// Installs the handlers and returns a flag that the first interrupt sets. The second interrupt ends the
+/// program. For verbs that look at the flag often.
 pub fn install() -> Arc<AtomicBool> {
     let cancel = Arc::new(AtomicBool::new(false));
     listen(&cancel);
     cancel
 }
 
-/// Makes the first interrupt end the program with this code: files that are written appear whole or not at all, so that no
+/// Makes the first interrupt end the program with this code. Output files appear whole or not at all, so no
 /// verb needs to finish anything.
 pub fn end_when_interrupted(code: Code) {
     CODE.store(code as u8, Ordering::Relaxed);
     listen(&Arc::new(AtomicBool::new(true)));
 }
 
-/// Starts a thread that handles interrupts, because a signal handler must not remove files. If the flag is already set,
-/// an interrupt removes the temporary files and ends the program; otherwise it sets the flag. If signals cannot be
-/// received, they keep the system's default action.
+/// Starts a thread that handles interrupts, because a signal handler must not remove files. If the flag is
+/// already set, an interrupt removes the temporary files and ends the program; otherwise it sets the flag. If
+/// signals cannot be received, they keep the system's default action.
 #[cfg(unix)]
 fn listen(flag: &Arc<AtomicBool>) {
-    // The end of the terminal ends the program too, unless it was started by `nohup` or the like.
+    // Closing the terminal ends the program too, unless it was started by `nohup` or the like.
     let caught = [SIGINT, SIGTERM].into_iter().chain((!ignores_hangup()).then_some(SIGHUP));
     let Ok(mut signals) = signal_hook::iterator::Signals::new(caught) else { return };
     let heard = Arc::clone(flag);
@@ -49,7 +50,7 @@ fn listen(flag: &Arc<AtomicBool>) {
         }
     };
     if std::thread::Builder::new().name("signals".to_owned()).spawn(each).is_err() {
-        // Signals that were once received stay without effect until there is another handler.
+        // Without the thread, received signals have no effect until another handler is installed.
         listen_without_thread(flag);
     }
 }
@@ -58,7 +59,7 @@ fn listen(flag: &Arc<AtomicBool>) {
 fn end() -> ! {
     let code = CODE.load(Ordering::Relaxed);
     if code == Code::Interrupted as u8 {
-        // Whoever should read it may have stopped to.
+        // Print on a thread: stderr may block if its reader has stopped reading.
         let (said, is_said) = std::sync::mpsc::channel();
         let say = move || {
             crate::note!("error: interrupted; no file was left half written");
@@ -71,7 +72,7 @@ fn end() -> ! {
     signal_hook::low_level::exit(code.into())
 }
 
-/// Whether the program was started so that the end of its terminal does not end it. Where that is not known, the system's
+/// Whether the program was started to survive the closing of its terminal. If that is unknown, the system's
 /// default action is kept.
 #[cfg(unix)]
 fn ignores_hangup() -> bool {
@@ -86,10 +87,11 @@ fn listen(flag: &Arc<AtomicBool>) {
     listen_without_thread(flag);
 }
 
-/// Makes an interrupt end the program if the flag is already set, and set the flag otherwise. Temporary files remain.
+/// Makes an interrupt end the program if the flag is already set, and set the flag otherwise. Temporary files
+/// remain.
 fn listen_without_thread(flag: &Arc<AtomicBool>) {
     for signal in [SIGINT, SIGTERM] {
-        // If a handler cannot be set, the signal keeps the action that it has.
+        // If a handler cannot be set, the signal keeps its present action.
         let _ = signal_hook::flag::register_conditional_shutdown(
             signal,
             Code::Interrupted as i32,
@@ -99,7 +101,8 @@ fn listen_without_thread(flag: &Arc<AtomicBool>) {
     }
 }
 
-/// Turns writing past a file-size limit into an error (EFBIG). Without a handler the signal would end the program.
+/// Turns writing past a file-size limit into an error (EFBIG). Without a handler the signal would end the
+/// program.
 pub(crate) fn survive_file_size_limit() {
     #[cfg(unix)]
     {

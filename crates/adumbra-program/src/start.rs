@@ -1,5 +1,5 @@
-//! The course of a program: it parses its arguments, runs a verb, prints its error if it fails, and ends with an exit
-//! code.
+//! The life of a program: it parses its arguments, runs a verb, prints its error if it fails, and ends with
+//! an exit code.
 
 use std::process::ExitCode;
 
@@ -10,7 +10,7 @@ use crate::{allocator, console, environment, note, signals};
 
 /// A program's arguments, and how they are run.
 pub trait Program: Parser {
-    /// Whether the arguments are only checked. This is how documents are checked whose commands take hours.
+    /// Whether the arguments are only checked. Tests of documents use this for commands that take hours.
     fn checks_arguments_only(&self) -> bool;
 
     /// Runs the verb that the arguments ask for.
@@ -21,7 +21,7 @@ pub trait Program: Parser {
     fn run(self) -> Outcome;
 }
 
-/// Runs a program: its whole `main`. What it said must have reached stdout.
+/// Runs a program: its whole `main`. Fails if its output did not reach stdout.
 pub fn main<P: Program>() -> ExitCode {
     environment::set_runtime_folder();
     allocator::return_large_blocks();
@@ -50,7 +50,7 @@ pub fn main<P: Program>() -> ExitCode {
     }
 }
 
-/// Returns the code of a program that has done its work, which may not have reached stdout.
+/// Returns the exit code of a program that has done its work. Its output may not have reached stdout.
 fn ended(code: Code) -> Code {
     let Err(error) = console::check() else { return code };
     let failure = Failure::from(error);

@@ -1,5 +1,5 @@
-//! The sun of a run, and where it comes from: the options, a file that determines it, the scene's own lights, or the
-//! default.
+//! The sun of a run, and where it comes from: the options, a file that determines it, the scene's own lights,
+//! or the default.
 
 use std::fmt;
 use std::path::Path;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// Direction towards the sun where nothing else gives one.
 pub const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
-/// From this component on, a direction is shown with a length of 1.
+/// A direction with a component from this size on is shown with length 1.
 const LONG: f64 = 1e6;
 
 /// Where the direction of a sun comes from.
@@ -74,7 +74,7 @@ pub struct ChosenSun {
 }
 
 impl ChosenSun {
-    /// Returns a sun that something else than the scene determines.
+    /// Returns a sun that does not come from the scene.
     pub fn from_source(sun: Sun, source: SunSource) -> Self {
         Self { sun, origin: source.into(), towards: sun.towards() }
     }
@@ -95,8 +95,8 @@ impl fmt::Display for ChosenSun {
     }
 }
 
-/// Returns the sun of a scene if nothing else determines it: its first directional light that shines and is above the horizon, or
-/// the default. Also returns one message for each light before it that cannot be the sun.
+/// Returns the sun of a scene if nothing else determines it: its first directional light that shines and is
+/// above the horizon, or the default. Also returns one message for each earlier light that cannot be the sun.
 ///
 /// # Errors
 ///

@@ -1,4 +1,5 @@
-//! Captions in pictures, in a bitmap font of 8 × 8 pixels, scaled by whole numbers. Characters beyond ASCII are drawn as '?'.
+//! Captions in pictures, in a bitmap font of 8 × 8 pixels, scaled by whole numbers. Characters beyond ASCII
+//! are drawn as '?'.
 
 use adumbra_truth::picture::Picture;
 use font8x8::legacy::BASIC_LEGACY;
@@ -11,7 +12,8 @@ pub fn height(scale: u32) -> u32 {
     SIDE * scale
 }
 
-/// Draws `text` with its top left corner at `x`, `y`. Characters that do not fit into `width` pixels are omitted.
+/// Draws `text` with its top left corner at `x`, `y`. Characters that do not fit into `width` pixels are
+/// omitted.
 pub fn draw(picture: &mut Picture, text: &str, [x, y]: [u32; 2], width: u32, scale: u32, color: [u8; 3]) {
     let fitting = (width / (SIDE * scale)) as usize;
     for (column, character) in (0_u32..).zip(text.chars().take(fitting)) {

@@ -54,7 +54,7 @@ pub struct Verify {
     pub run: RunArgs,
 }
 
-/// What the comparison needs to know of a file besides its answers.
+/// The properties of a file that the comparison needs, in addition to its answers.
 pub struct Verified {
     /// The sun that it was baked for.
     pub sun: Sun,
@@ -66,7 +66,7 @@ pub struct Verified {
     pub scene: LoadedAs,
     /// Whether shadows below the last surface of a column were left out.
     pub assumes_ground: bool,
-    /// What cast shadows in it, if the file says it.
+    /// The casters of the bake, if the file names them.
     pub casters: Option<Casters>,
     /// Its volume, for points in free space.
     pub volume: VolumeSampler,
@@ -80,8 +80,8 @@ pub struct VerifiedScene {
     result: Verification,
     /// What a person would see of the scene.
     glance: AtAGlance,
-    /// Number of triangles that cast shadows in the scene that the file was baked from, every instance counted. Null for a
-    /// manifest of regions.
+    /// Number of triangles that cast shadows in the scene that the file was baked from, every instance
+    /// counted. Null for a manifest of regions.
     baked_triangles: Option<u64>,
     /// Number of triangles that cast shadows in the scene that it was compared with.
     scene_triangles: u64,
@@ -211,11 +211,11 @@ pub fn warn_of_other_casters(baked: Casters, scene: Casters) {
     }
 }
 
-/// Below this agreement inside, most errors are not those of a grid that is too coarse.
+/// Below this interior agreement, a too coarse grid is not the main cause of errors.
 const LEAST_OF_ANY_GRID: f64 = 0.98;
 
-/// Says what may help against missed promises. A grid that is too coarse is wrong in a few points; another scene is not of the
-/// same casters, or many points are wrong far from all edges.
+/// Returns advice on missed promises. With a grid that is too coarse, few points are wrong. With another
+/// scene, the casters differ, or many points far from all edges are wrong.
 pub fn remedy(result: &Verification, is_of_same_casters: bool) -> &'static str {
     if is_of_same_casters && result.interior_agreement >= LEAST_OF_ANY_GRID {
         "a bake with a finer --resolution has fewer such points"
@@ -224,7 +224,7 @@ pub fn remedy(result: &Verification, is_of_same_casters: bool) -> &'static str {
     }
 }
 
-/// Says which promise a class misses.
+/// Describes the promise that a class misses.
 fn missed(class: &ClassResult) -> String {
     match (class.promised_agreement, class.promised_misplaced) {
         (Some(least), _) if !(class.agreement >= least) => {
@@ -242,8 +242,8 @@ fn missed(class: &ClassResult) -> String {
     }
 }
 
-/// Prints the properties of the file that affect the comparison. They show if the file is for another sun or too
-/// coarse.
+/// Prints the properties of the file that affect the comparison. They show whether the file is for another
+/// sun or too coarse.
 fn print_file(sun: Sun, voxel_size: f64, scene: LoadedAs) {
     let [x, y, z] = sun.towards();
     let elevation = y.asin().to_degrees();
@@ -268,7 +268,7 @@ fn print_result(result: &Verification, glance: &AtAGlance, filter: u32) {
     say!("  interior agreement  {:.4} %", 100.0 * result.interior_agreement);
     say!();
     say!("  class       points   share  agreement       acne       leak  misplaced  promise");
-    // Most files promise nothing of ground that the scene does not have.
+    // Most files make no promise about ground that the scene does not have.
     let is_shown = |class: &&ClassResult| class.class != Class::Ground || class.promised_agreement.is_some();
     for class in result.classes.iter().filter(is_shown) {
         let share = 100.0 * class.points as f64 / result.samples.max(1) as f64;
@@ -286,7 +286,7 @@ fn print_result(result: &Verification, glance: &AtAGlance, filter: u32) {
     }
 }
 
-/// Says what a class promises and whether it holds.
+/// Describes a class's promise and whether it holds.
 fn promise(class: &ClassResult) -> String {
     let promised = match (class.promised_agreement, class.promised_misplaced) {
         (Some(least), _) => format!("agreement >= {} %", 100.0 * least),

@@ -1,16 +1,16 @@
-//! An engine's own wgpu program that shades with a shadow file: upload the file, set bind group 1, include the WGSL,
-//! call `adumbra_shadow_factor`.
+//! An engine's own wgpu program that shades with a shadow file: upload the file, set bind group 1, include
+//! the WGSL, call `adumbra_shadow_factor`.
 //!
-//! `cargo run --release -p adumbra-render --example engine` bakes the generated city, shades a square of 200 m over its
-//! streets, seen from straight above, and writes it to square.png, white = lit. `-- city.adumbra picture.png` takes
-//! another file. The example fails if more than one pixel in a thousand differs from the CPU look-up by more than one
-//! row of the filter's taps. Cost in bindings: one uniform and one storage buffer in group 1, or six storage buffers
-//! for files larger than one binding may be.
+//! `cargo run --release -p adumbra-render --example engine` bakes the generated city, shades a square of 200
+//! m over its streets, seen from straight above, and writes it to square.png, white = lit.
+//! `-- city.adumbra picture.png` takes another file. The example fails if more than one pixel in a thousand
+//! differs from the CPU look-up by more than one row of the filter's taps. Cost in bindings: one uniform and
+//! one storage buffer in group 1, or six storage buffers for files larger than one binding may be.
 
 use std::error::Error;
 
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_render::gpu::{Gpu, binding};
 use adumbra_render::readback::read_buffer;
 use adumbra_render::voxel::{BakedLight, VoxelSettings};
@@ -24,12 +24,12 @@ const METRES_PER_PIXEL: f64 = 200.0 / PIXELS as f64;
 const CORNER_WORLD: [f64; 3] = [-150.0, 0.25, -50.0];
 /// The filter.
 const FILTER: Filter = Filter::Box9;
-/// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one that the
-/// CPU's `f64` gives.
+/// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one
+/// that the CPU's `f64` gives.
 const ROW_OF_TAPS: f32 = 1.001 / FILTER.width() as f32;
 
-/// The engine's own shader, with its own group 0. An engine fills `AdumbraSurface` from its G-buffer or in its fragment
-/// shader; this one shades a square in mid-air.
+/// The engine's own shader, with its own group 0. An engine fills `AdumbraSurface` from its G-buffer or in
+/// its fragment shader; this one shades a square in mid-air.
 const ENGINE_WGSL: &str = "
 struct Engine { corner: vec3f, metres_per_pixel: f32, towards_sun: vec3f, pixels: u32 }
 @group(0) @binding(0) var<uniform> engine: Engine;
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
             let options = BakeOptions::new(sun, Size::Resolution(8192));
             let city = generate(GeneratedKind::City, 1);
-            bake(&city, &options, Watch::none())?.file
+            Bake::with_options(&city, &options).in_memory()?
         }
     };
     let picture = arguments.next().unwrap_or_else(|| "square.png".into());
@@ -74,7 +74,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let anchor = [-50.0, 1.7, 50.0];
     light.set_anchor(&gpu, anchor)?;
 
-    // Once: assemble the shader from the files of the look-up and the engine's own text, and build its pipeline.
+    // Once: assemble the shader from the files of the look-up and the engine's own text, and build its
+    // pipeline.
     let mut files = vec![source::SURFACE];
     files.extend(light.visibility_sources());
     files.push(Source { name: "engine", text: ENGINE_WGSL });

@@ -1,5 +1,5 @@
-//! The finished picture: a plain sun and sky, the material's colour, the shadow factor and ambient visibility. The
-//! arithmetic matches `adumbra_truth::picture`, its CPU twin.
+//! The finished picture: a plain sun and sky, the material's colour, the shadow factor and ambient
+//! visibility. The arithmetic matches `adumbra_truth::picture`, its CPU twin.
 
 use adumbra_scene::daylight::{GROUND_COLOR, SKY_COLOR, SUN_COLOR};
 use adumbra_shaders::constants::PIXEL_GROUP;

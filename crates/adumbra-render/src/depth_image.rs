@@ -1,5 +1,5 @@
-//! Uploads depths into a depth texture by drawing them, because depth textures cannot be the target of a copy. The
-//! shader is passes/depth_image.wgsl.
+//! Uploads depths into a depth texture by drawing them, because depth textures cannot be the target of a
+//! copy. The shader is passes/depth_image.wgsl.
 
 use adumbra_shaders::{assemble, source};
 use wgpu::{BindGroupLayout, CompareFunction, LoadOp, ShaderStages, TextureFormat, TextureView};

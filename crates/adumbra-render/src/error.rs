@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// How to fix something that is larger than the device allows. A program with matching options may name them instead.
+/// How to fix something that is larger than the device allows. A program with matching options may name them
+/// instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fix {
     /// A picture of fewer pixels, or with fewer samples per pixel.
@@ -52,7 +53,7 @@ pub enum RenderError {
         /// Why.
         what: String,
     },
-    /// A sun is too far from those of a path's keys.
+    /// The sun is too far from the suns of the path's keys.
     #[error(
         "the sun towards ({0}, {1}, {2}) is too far from the sun path's keys around it; choose another moment",
         towards_sun[0], towards_sun[1], towards_sun[2]
@@ -136,7 +137,7 @@ pub enum RenderError {
     /// An error of [`adumbra`].
     #[error(transparent)]
     Library(#[from] adumbra::Error),
-    /// An error of a technique that a crate above adds.
+    /// An error of a technique that a dependent crate adds.
     #[error(transparent)]
     Other(Box<dyn std::error::Error + Send + Sync>),
 }

@@ -1,8 +1,8 @@
 //! An adapter and a device, without a window.
 //!
-//! No optional feature is required: [`Gpu::missing_features`] lists what this device lacks and what that costs. Errors
-//! that the device reports asynchronously are kept and returned by the next [`Gpu::check`]. A device that is lost, or
-//! does not respond for [`SUBMIT_TIMEOUT`], gives [`RenderError::Lost`].
+//! No optional feature is required: [`Gpu::missing_features`] lists what this device lacks and what that
+//! costs. Errors that the device reports asynchronously are kept and returned by the next [`Gpu::check`]. A
+//! device that is lost, or does not respond for [`SUBMIT_TIMEOUT`], gives [`RenderError::Lost`].
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -24,8 +24,8 @@ const WANTED: Features = Features::TIMESTAMP_QUERY
 /// Which adapter to use, and which of its features to avoid.
 #[derive(Clone, Debug, Default)]
 pub struct GpuOptions {
-    /// Part of the adapter's name, case-insensitive. `None` takes the first real GPU, or a software adapter if there is
-    /// none.
+    /// Part of the adapter's name, case-insensitive. `None` takes the first real GPU, or else a software
+    /// adapter.
     pub adapter: Option<String>,
     /// Optional features not to use, as if the device lacked them.
     pub without: Features,
@@ -48,17 +48,19 @@ pub struct Gpu {
 }
 
 impl Gpu {
-    /// Opens the best adapter that fits `options`: a discrete GPU, else an integrated one, else a virtual one, else a
-    /// software adapter.
+    /// Opens the best adapter that fits `options`: a discrete GPU, else an integrated one, else a virtual
+    /// one, else a software adapter.
     ///
     /// # Errors
-    /// Returns [`RenderError::NoAdapter`] if no adapter fits, [`RenderError::NoDevice`] if it gives no device.
+    /// Returns [`RenderError::NoAdapter`] if no adapter fits, [`RenderError::NoDevice`] if it gives no
+    /// device.
     pub fn request(options: &GpuOptions) -> Result<Self> {
         let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());
         pollster::block_on(Self::request_async(&instance, None, options)).map(|(gpu, _)| gpu)
     }
 
-    /// Opens the best adapter that can present to `surface`, as [`Gpu::request`] does, and returns the adapter too.
+    /// Opens the best adapter that can present to `surface`, as [`Gpu::request`] does, and returns the
+    /// adapter too.
     ///
     /// # Errors
     /// Returns the errors of [`Gpu::request`].
@@ -70,8 +72,8 @@ impl Gpu {
         pollster::block_on(Self::request_async(instance, Some(surface), options))
     }
 
-    /// Wraps an engine's own device and queue. The device's errors go to the engine's own handlers, so [`Gpu::check`]
-    /// never sees them.
+    /// Wraps an engine's own device and queue. The device's errors go to the engine's own handlers, so
+    /// [`Gpu::check`] never sees them.
     pub fn sharing(device: &wgpu::Device, queue: &wgpu::Queue) -> Self {
         Self {
             max_binding_bytes: device.limits().max_storage_buffer_binding_size,
@@ -173,7 +175,7 @@ impl Gpu {
         notes.into_iter().filter(|(feature, _)| !self.has(*feature)).map(|(_, text)| text).collect()
     }
 
-    /// Reports what went wrong since the last call, if anything did.
+    /// Checks that no error has occurred since the last call.
     ///
     /// # Errors
     /// Returns [`RenderError::Lost`], [`RenderError::OutOfMemory`] or [`RenderError::Refused`].
@@ -217,8 +219,8 @@ impl Gpu {
         self.buffer(label, bytes, wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST)
     }
 
-    /// Creates a buffer with these bytes, padded with zeros to a multiple of 4 bytes. An empty one gets four zero
-    /// bytes.
+    /// Creates a buffer with these bytes, padded with zeros to a multiple of 4 bytes. Without bytes, the
+    /// buffer has four zero bytes.
     pub fn buffer(&self, label: &str, bytes: &[u8], usage: wgpu::BufferUsages) -> wgpu::Buffer {
         let buffer = self.device.create_buffer(&wgpu::BufferDescriptor {
             label: Some(label),
@@ -372,7 +374,8 @@ impl Gpu {
     }
 }
 
-/// Turns the outcome of a poll into a result. If the device is really lost, wgpu's own poll panics.
+/// Turns the outcome of a poll into a result. wgpu's poll panics if the device is lost, so a panic becomes
+/// [`RenderError::Lost`].
 fn answered<T, E: std::fmt::Display>(poll: impl FnOnce() -> std::result::Result<T, E>) -> Result<()> {
     let reason = match catch_unwind(AssertUnwindSafe(poll)) {
         Ok(Ok(_)) => return Ok(()),

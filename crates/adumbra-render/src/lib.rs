@@ -1,7 +1,7 @@
 //! Draws a scene with baked and real-time shadows on any wgpu adapter, without a window.
 //!
-//! [`Gpu`] → [`Renderer`] (a scene on the device) → [`Renderer::draw`] with a [`Prepared`] technique → read back. GPU
-//! work is timed per stage ([`FrameTimes`]):
+//! [`Gpu`] → [`Renderer`] (a scene on the device) → [`Renderer::draw`] with a [`Prepared`] technique → read
+//! back. GPU work is timed per stage ([`FrameTimes`]):
 //!
 //! | stage | what happens |
 //! |---|---|
@@ -17,20 +17,20 @@
 //!
 //! Conventions:
 //!
-//! - Shadow factors and ambient occlusion are visibilities, 1 = unoccluded. A look-up can also return other quantities,
-//!   such as a point's cascade: see [`Answer`].
-//! - Camera depth is reversed: 1 is near; 0 is infinity or the far plane, and also the background. Light depth is
-//!   linear: 0 is near the sun, 1 is far.
+//! - Shadow factors and ambient occlusion are visibilities, 1 = unoccluded. A look-up can also return other
+//!   quantities, such as a point's cascade: see [`Answer`].
+//! - Camera depth is reversed: 1 is near; 0 is infinity or the far plane, and also the background. Light
+//!   depth is linear: 0 is near the sun, 1 is far.
 //! - Bind group 0 belongs to the pass, 1 to baked voxels, 2 to shadow maps.
-//! - Lengths that affect the image come from cameras and texels, never from the size of the scene. A stray triangle far
-//!   away therefore changes nothing near the camera.
+//! - Lengths that affect the image come from cameras and texels, never from the size of the scene. A stray
+//!   triangle far away therefore changes nothing near the camera.
 //!
 //! ```no_run
-//! use adumbra_render::{Answer, Baked, Gpu, GpuOptions, Renderer, SceneOptions, Shot, build};
+//! use adumbra_render::{Answer, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 //!
 //! # fn draw(scene: adumbra_scene::Scene, camera: adumbra_scene::Camera) -> adumbra_render::Result<()> {
 //! let mut renderer = Renderer::new(Gpu::request(&GpuOptions::default())?, &scene, SceneOptions::default())?;
-//! let technique = build(renderer.gpu(), &"none".parse()?, Baked::default())?;
+//! let technique = build(renderer.gpu(), &"none".parse()?, TechniqueFiles::default())?;
 //! let mut technique = renderer.prepare(technique)?;
 //! let shot = Shot { camera, towards_sun: [0.0, 1.0, 0.0], number: 0 };
 //! let times = renderer.draw(&shot, &mut technique, Answer::Visibility)?;

@@ -1,14 +1,14 @@
-//! Octahedral encoding of a unit vector in two bytes: the CPU twin of core/octahedral.wgsl, which has the table of
-//! bytes.
+//! Octahedral encoding of a unit vector in two bytes: the CPU twin of core/octahedral.wgsl, which has the
+//! table of bytes.
 //!
-//! Source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, *A Survey of Efficient Representations for Independent
-//! Unit Vectors*, 2014. Departure: rounds to nearest, which is the survey's plain variant.
+//! Source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, *A Survey of Efficient Representations for
+//! Independent Unit Vectors*, 2014. Departure: rounds to nearest, which is the survey's plain variant.
 
 /// Two bytes that encode no vector.
 pub const NONE: [u8; 2] = [0; 2];
 
-/// Encodes a direction as two bytes, each 1 to 255. The direction need not have unit length but must not be zero. The
-/// error of the decoded direction is at most 0.95 degrees.
+/// Encodes a direction as two bytes, each 1 to 255. The direction need not have unit length but must not be
+/// zero. The error of the decoded direction is at most 0.95 degrees.
 pub fn encode(direction: [f32; 3]) -> [u8; 2] {
     let [x, y, z] = direction;
     let sum = x.abs() + y.abs() + z.abs();
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_those_of_the_table() {
+    fn encode_matches_the_table() {
         assert_eq!(encode([0.0, 0.0, 1.0]), [128, 128]);
         assert_eq!(encode([0.0, 1.0, 0.0]), [128, 255]);
         assert_eq!(encode([0.6, 0.0, -0.8]), [255, 201]);
@@ -52,7 +52,7 @@ mod tests {
 
     /// Tests directions of a Fibonacci lattice over the sphere.
     #[test]
-    fn directions_come_back_within_a_degree_and_none_is_none() {
+    fn directions_round_trip_within_a_degree_without_zero_bytes() {
         let count = 200_000;
         let (mut worst, mut sum) = (0.0_f64, 0.0);
         for i in 0..count {

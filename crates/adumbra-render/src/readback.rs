@@ -65,7 +65,8 @@ pub fn read_floats(gpu: &Gpu, texture: &wgpu::Texture, mip_level: u32, layer: u3
     Ok(bytes.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
 }
 
-/// Reads one layer of a depth map, row by row. 32-bit depth is returned as stored, 16-bit depth as `k / 65535`.
+/// Reads one layer of a depth map, row by row. 32-bit depth is returned as stored, 16-bit depth as
+/// `k / 65535`.
 ///
 /// # Errors
 /// Returns whatever error the device reports.
@@ -94,7 +95,7 @@ fn landing(gpu: &Gpu, size: u64) -> wgpu::Buffer {
 fn land(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>> {
     let (sender, receiver) = mpsc::channel();
     buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-        // The receiver is gone only if waiting has already failed.
+        // The receiver is dropped only if the wait has already failed; ignore the error.
         let _ = sender.send(result);
     });
     gpu.wait()?;

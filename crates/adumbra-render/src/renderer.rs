@@ -122,7 +122,8 @@ impl Renderer {
         &self.scene.buffers
     }
 
-    /// Uploads the movers. They cast and receive shadows like everything else, but no baked file contains them.
+    /// Uploads the movers. They cast and receive shadows like everything else, but no baked file contains
+    /// them.
     ///
     /// # Errors
     /// Returns an error if the device cannot hold the movers.
@@ -166,7 +167,8 @@ impl Renderer {
         self.ambient.as_mut()
     }
 
-    /// Runs ambient occlusion alone on the G-buffer of the last frame, which must have been drawn from `shot`.
+    /// Runs ambient occlusion alone on the G-buffer of the last frame, which must have been drawn from
+    /// `shot`.
     ///
     /// # Errors
     /// Returns whatever error the device reports.
@@ -209,22 +211,23 @@ impl Renderer {
         Ok(Prepared { technique, lookup })
     }
 
-    /// Draws a frame. Its results can be read back until the next frame. Screen passes and ambient occlusion run for
-    /// [`Answer::Visibility`] only: other answers stay unfiltered, and the history of ambient occlusion is unchanged.
+    /// Draws a frame. Its results can be read back until the next frame. Screen passes and ambient occlusion
+    /// run for [`Answer::Visibility`] only: other answers stay unfiltered, and the history of ambient
+    /// occlusion is unchanged.
     ///
     /// # Errors
-    /// Returns [`RenderError::Camera`] if nothing can be drawn from the camera, [`RenderError::Technique`] if the
-    /// technique does not support `answer`, and [`RenderError::Ambient`] if the given ambient visibility has another
-    /// size. Also returns whatever error the technique or the device reports.
+    /// Returns [`RenderError::Camera`] if nothing can be drawn from the camera, [`RenderError::Technique`] if
+    /// the technique does not support `answer`, and [`RenderError::Ambient`] if the given ambient visibility
+    /// has another size. Also returns whatever error the technique or the device reports.
     pub fn draw(&mut self, shot: &Shot, prepared: &mut Prepared, answer: Answer) -> Result<FrameTimes> {
         self.drawn = None;
         self.draw_again(shot, prepared, answer)
     }
 
-    /// Draws a frame as [`Renderer::draw`] does, but reuses what it can of the last frame. If `shot` equals that of the
-    /// last frame, including its number, and nothing has moved since, the G-buffer is kept, and so is the ambient
-    /// occlusion once it has been computed. This serves to draw one frame with another technique or for another answer.
-    /// The returned times include those of the reused passes.
+    /// Draws a frame as [`Renderer::draw`] does, but reuses what it can of the last frame. If `shot` equals
+    /// that of the last frame, including its number, and nothing has moved since, the G-buffer is kept, and
+    /// so is the ambient occlusion once it has been computed. This serves to draw one frame with another
+    /// technique or for another answer. The returned times include those of the reused passes.
     ///
     /// # Errors
     /// Returns the errors of [`Renderer::draw`].
@@ -238,7 +241,7 @@ impl Renderer {
         if let Some(ambient) = &self.ambient {
             ambient.check(size)?;
         }
-        // Taken out while drawing, so that a failure leaves nothing behind that looks reusable.
+        // Take the frame out while drawing, so that a failed draw leaves no reusable frame behind.
         let drawn = self.drawn.take().filter(|drawn| drawn.shot == *shot);
         let targets = match self.targets.take() {
             Some(targets) if targets.size == size => targets,
@@ -303,12 +306,13 @@ impl Renderer {
         Ok(times)
     }
 
-    /// Looks up the visibility of a list of points, as in a frame drawn from `shot`: cascades are fitted to its camera.
+    /// Looks up the visibility of a list of points, as in a frame drawn from `shot`: cascades are fitted to
+    /// its camera.
     ///
     /// # Errors
-    /// Returns [`RenderError::Camera`] if nothing can be drawn from the camera, and [`RenderError::Technique`] if the
-    /// technique works on whole pictures only, such as a screen-space blur. Also returns whatever error the technique
-    /// or the device reports.
+    /// Returns [`RenderError::Camera`] if nothing can be drawn from the camera, and
+    /// [`RenderError::Technique`] if the technique works on whole pictures only, such as a screen-space blur.
+    /// Also returns whatever error the technique or the device reports.
     pub fn answer(
         &mut self,
         shot: &Shot,
@@ -331,8 +335,8 @@ impl Renderer {
             .map(|p| {
                 let r: [f64; 3] = std::array::from_fn(|a| p.p_world[a] - input.anchor_world[a]);
                 let n = p.normal.map(|c| c as f32);
-                // The pixel that the point would have in a frame, because noise is fixed in screen space, not on
-                // surfaces.
+                // The pixel that the point would have in a frame, because noise is fixed in screen space, not
+                // on surfaces.
                 let [x, y] = view.pixel(p.p_world).unwrap_or_default();
                 let [x, y] = [(x, shot.camera.width), (y, shot.camera.height)]
                     .map(|(c, size)| (c.max(0.0) as u32).min(size.saturating_sub(1)));
@@ -347,8 +351,9 @@ impl Renderer {
         self.resolver.answer(&self.gpu, &self.frame, &**technique, lookup, &queries)
     }
 
-    /// Reads the answers of the last frame, row 0 at the top: visibilities after the technique's screen passes, with 1
-    /// for the background, or whichever other [`Answer`] it was drawn for. Empty before the first frame.
+    /// Reads the answers of the last frame, row 0 at the top: visibilities after the technique's screen
+    /// passes, with 1 for the background, or whichever other [`Answer`] it was drawn for. Empty before the
+    /// first frame.
     ///
     /// # Errors
     /// Returns whatever error the device reports.
@@ -357,8 +362,8 @@ impl Renderer {
         read_floats(&self.gpu, &self.factor_of(prepared, targets).texture, 0, 0)
     }
 
-    /// Reads the ambient visibility of the last frame drawn for [`Answer::Visibility`], row 0 at the top. 1 means
-    /// unoccluded or background. All values are 1 without ambient occlusion.
+    /// Reads the ambient visibility of the last frame drawn for [`Answer::Visibility`], row 0 at the top. 1
+    /// means unoccluded or background. All values are 1 without ambient occlusion.
     ///
     /// # Errors
     /// Returns whatever error the device reports.
@@ -370,7 +375,8 @@ impl Renderer {
         }
     }
 
-    /// Reads the picture of the last frame: RGBA, sRGB-encoded, row 0 at the top. Empty before the first frame.
+    /// Reads the picture of the last frame: RGBA, sRGB-encoded, row 0 at the top. Empty before the first
+    /// frame.
     ///
     /// # Errors
     /// Returns whatever error the device reports.
@@ -478,7 +484,7 @@ mod tests {
     use super::half_to_f32;
 
     #[test]
-    fn half_floats_have_their_values() {
+    fn half_to_f32_converts_known_values() {
         for (bits, value) in [(0x3c00, 1.0), (0xbc00, -1.0), (0x3800, 0.5), (0, 0.0), (0x3555, 0.333_251_95)]
         {
             assert_eq!(half_to_f32(bits), value);

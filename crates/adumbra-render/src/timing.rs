@@ -1,4 +1,5 @@
-//! Times of each stage of a frame: GPU timestamps if available, else the wall-clock time of the stage's submission.
+//! Times of each stage of a frame: GPU timestamps if available, else the wall-clock time of the stage's
+//! submission.
 
 use wgpu::{BufferUsages, Features};
 
@@ -32,8 +33,8 @@ pub enum Stage {
 }
 
 const STAGES: usize = 10;
-/// Bytes per stage in the resolve buffer. It holds the stage's two ticks; the size is the alignment that resolving
-/// queries requires.
+/// Bytes per stage in the resolve buffer. It holds the stage's two ticks; the size is the alignment that
+/// resolving queries requires.
 const RESOLVED_BYTES: u64 = wgpu::QUERY_RESOLVE_BUFFER_ALIGNMENT;
 
 /// Times of a frame's stages, milliseconds.
@@ -51,12 +52,14 @@ impl FrameTimes {
         self.milliseconds[stage as usize]
     }
 
-    /// Time of the shadow stages before the look-up, milliseconds: depth passes, and what is derived from them.
+    /// Time of the shadow stages before the look-up, milliseconds: depth passes, and what is derived from
+    /// them.
     pub fn before_lookup(&self) -> f64 {
         self.of(Stage::Depth) + self.of(Stage::Build)
     }
 
-    /// Time of the shadows, milliseconds: depth passes, what is derived from them, look-up and screen-space passes.
+    /// Time of the shadows, milliseconds: depth passes, what is derived from them, look-up and screen-space
+    /// passes.
     pub fn shadow(&self) -> f64 {
         self.before_lookup() + self.of(Stage::Lookup) + self.of(Stage::Screen)
     }
@@ -92,7 +95,8 @@ pub(crate) struct StageTimer {
 
 impl StageTimer {
     pub(crate) fn new(gpu: &Gpu) -> Self {
-        // A software adapter writes timestamps on other threads than those that do the work, so they mean little.
+        // A software adapter does not write timestamps on the threads that do the work, so they are
+        // unreliable.
         let has = gpu.has(Features::TIMESTAMP_QUERY | Features::TIMESTAMP_QUERY_INSIDE_ENCODERS)
             && !gpu.is_software();
         let queries = has.then(|| {

@@ -1,7 +1,8 @@
 //! The technique `voxel+csm`: shadows of static casters from a baked file, those of movers from cascaded
 //! shadow maps. The darker of the two is used.
 //!
-//! Source: the future work of *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm*,
+//! Source: the future work of *The Optimization and realization of Compact Precomputed Voxelized Shadows
+//! Algorithm*,
 //! 2021. The cascades contain only movers, so the cost of their depth passes depends on the movers alone.
 
 use std::any::Any;
@@ -36,8 +37,8 @@ impl VoxelCsmSettings {
     /// with `/` between them, such as `csm=cascades=2/filter=3`.
     ///
     /// # Errors
-    /// Returns [`crate::RenderError::Technique`] for other parameters, and for `static=cached`, which is useless in
-    /// cascades without static casters.
+    /// Returns [`crate::RenderError::Technique`] for other parameters, and for `static=cached`, which is
+    /// useless in cascades without static casters.
     pub fn from_spec(spec: &SpecText) -> Result<Self> {
         spec.read(Self::from_reader)
     }
@@ -63,8 +64,8 @@ impl VoxelCsm {
     /// Builds the technique `voxel+csm` from text, read by [`VoxelCsmSettings::from_spec`].
     ///
     /// # Errors
-    /// Returns the errors of [`BakedLight::new`] and [`ShadowMap::new`], and [`crate::RenderError::Technique`]
-    /// for other parameters or if there is no file.
+    /// Returns the errors of [`BakedLight::new`] and [`ShadowMap::new`], and
+    /// [`crate::RenderError::Technique`] for other parameters or if there is no file.
     pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<LightFile<'_>>) -> Result<Self> {
         let settings = VoxelCsmSettings::from_spec(spec)?;
         let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;

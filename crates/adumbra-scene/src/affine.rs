@@ -26,8 +26,8 @@ pub(super) fn is_finite(m: &Affine) -> bool {
     m.iter().flatten().all(|&v| (v as f32).is_finite())
 }
 
-/// Translation · rotation · scale. The quaternion (x, y, z, w) is normalised first; a zero quaternion means no
-/// rotation.
+/// Translation · rotation · scale. The quaternion (x, y, z, w) is normalised first; a zero quaternion means
+/// no rotation.
 pub(super) fn compose(translation: [f64; 3], [x, y, z, w]: [f64; 4], scale: [f64; 3]) -> Affine {
     let square = [x, y, z, w].iter().map(|c| c * c).sum::<f64>();
     let k = if square == 0.0 { 0.0 } else { 2.0 / square };
@@ -41,8 +41,8 @@ pub(super) fn compose(translation: [f64; 3], [x, y, z, w]: [f64; 4], scale: [f64
     })
 }
 
-/// Translation, rotation (x, y, z, w) and scale whose composition is nearest to a map: exact for maps that
-/// [`compose`] returns. Shear is lost. Of a mirrored map, the scale along x is negative.
+/// Splits a map into a translation, a rotation (x, y, z, w) and a scale. The result is exact for maps that
+/// [`compose`] returns. Shear is lost. For a mirrored map, the scale along x is negative.
 pub(super) fn decompose(map: &Affine) -> ([f64; 3], [f64; 4], [f64; 3]) {
     let column = |c: usize| map.map(|row| row[c]);
     let length = |c: usize| column(c).iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -54,7 +54,8 @@ pub(super) fn decompose(map: &Affine) -> ([f64; 3], [f64; 4], [f64; 3]) {
         return (column(3), [0.0, 0.0, 0.0, 1.0], scale);
     }
     let turn: [[f64; 3]; 3] = std::array::from_fn(|r| std::array::from_fn(|c| map[r][c] / scale[c]));
-    // Four times the square of each component; the largest one is divided by (Shepperd, 1978).
+    // Shepperd's method (1978): compute four times the square of each component, and divide by the largest
+    // component.
     let [x, y, z] = [turn[0][0], turn[1][1], turn[2][2]];
     let squares = [1.0 + x - y - z, 1.0 - x + y - z, 1.0 - x - y + z, 1.0 + x + y + z];
     let sums = |r: usize, c: usize| turn[r][c] + turn[c][r];
@@ -81,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_composed_is_decomposed() {
+    fn decompose_inverts_compose() {
         let half = std::f64::consts::FRAC_1_SQRT_2;
         for rotation in [
             [0.0, 0.0, 0.0, 1.0],
@@ -105,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn the_stretch_of_a_map_is_its_largest_scale() {
+    fn stretch_is_the_largest_scale_of_a_map() {
         let map = compose([9.0; 3], [0.5, -0.5, 0.5, 0.5], [0.5, -3.0, 2.0]);
         assert!((stretch(&map) - 3.0).abs() < 1e-12);
         let shear = [[1.0, 1.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];

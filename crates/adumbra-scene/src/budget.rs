@@ -1,17 +1,17 @@
 //! Limits how much memory a load may hold.
 //!
-//! A few bytes of a scene file can request a great deal of memory: an image of one colour, or a thousand primitives
-//! that share their vertices. Allocations are therefore counted before they are made. Only the large ones are counted:
-//! files, JSON objects, texels, triangles, vertices, instances and animation keys.
+//! A few bytes of a scene file can request a great deal of memory: an image of one colour, or a thousand
+//! primitives that share their vertices. Allocations are therefore counted before they are made. Only the
+//! large ones are counted: files, JSON objects, texels, triangles, vertices, instances and animation keys.
 
 use std::cell::Cell;
 use std::path::Path;
 
 use crate::error::{Error, Result};
 
-/// If the caller gives no limit, a load may hold this much memory, whatever the size of its files, bytes.
+/// Bytes that a load may hold if the caller gives no limit, whatever the size of its files.
 pub(super) const BASE_BYTES: u64 = 2 << 30;
-/// If the caller gives no limit, a load may hold this many more bytes for each byte of its files.
+/// Additional bytes per byte of the load's files that it may hold if the caller gives no limit.
 pub(super) const BYTES_PER_FILE_BYTE: u64 = 64;
 
 /// Counts the bytes that a load holds.
@@ -59,9 +59,10 @@ impl<'a> Budget<'a> {
         self.held_bytes.set(self.held_bytes.get().saturating_sub(bytes));
     }
 
-    /// Counts `bytes` that are about to be decoded. They are never released: decoding takes time even if the result is
-    /// not kept, and a small file can request the same image many times, through views of different lengths. The limit
-    /// on all decoded bytes is the default memory limit, or the caller's if that is larger.
+    /// Counts `bytes` that are about to be decoded. They are never released: decoding takes time even if the
+    /// result is not kept, and a small file can request the same image many times, through views of different
+    /// lengths. The limit on all decoded bytes is the default memory limit, or the caller's if that is
+    /// larger.
     ///
     /// # Errors
     /// Returns [`Error::SceneMemory`] if this exceeds the limit.
@@ -90,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn limits_are_given_or_follow_the_files() {
+    fn limit_is_the_callers_or_grows_with_file_size() {
         let path = Path::new("scene.glb");
         let given = Budget::new(path, Some(100));
         given.allow_for(1 << 40);
@@ -110,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn decoding_is_counted_for_good() {
+    fn decoded_bytes_are_never_released() {
         let path = Path::new("scene.glb");
         for (given, limit) in
             [(None, BASE_BYTES), (Some(1), BASE_BYTES), (Some(2 * BASE_BYTES), 2 * BASE_BYTES)]

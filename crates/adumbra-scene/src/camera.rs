@@ -1,7 +1,7 @@
 //! A perspective or orthographic camera, shared by rays, pictures and GPU frames.
 //!
-//! Pixel (0, 0) is at the top left, its centre at (0.5, 0.5). Right-handed: x to the right, y up; the camera looks
-//! along forward.
+//! Pixel (0, 0) is at the top left, its centre at (0.5, 0.5). Right-handed: x to the right, y up; the camera
+//! looks along forward.
 
 use adumbra::grid::Bounds;
 use adumbra::grid::vec3::{cross, dot, normalize};
@@ -57,8 +57,8 @@ pub struct View {
     pub right: [f64; 3],
     /// Unit vector up.
     pub up: [f64; 3],
-    /// Half the extent of the view, to the right and up: at distance 1 for a perspective camera, in world units for an
-    /// orthographic one.
+    /// Half the extent of the view, to the right and up: at distance 1 for a perspective camera, in world
+    /// units for an orthographic one.
     pub half: [f64; 2],
     /// Whether rays are parallel.
     pub orthographic: bool,
@@ -66,8 +66,8 @@ pub struct View {
 }
 
 impl Camera {
-    /// A camera of 1280 × 720 pixels that sees a whole box from above at an angle. The default sun is to its side, so
-    /// that shadows fall across the view.
+    /// A camera of 1280 × 720 pixels that sees a whole box from above at an angle. The default sun is to its
+    /// side, so that shadows fall across the view.
     pub fn overview(bounds: &Bounds, fov_degrees: f64) -> Self {
         let mut center: [f64; 3] = std::array::from_fn(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
         let extent: [f64; 3] = std::array::from_fn(|a| bounds.max[a] - bounds.min[a]);
@@ -122,8 +122,8 @@ impl View {
         dot(self.forward, std::array::from_fn(|a| p_world[a] - self.eye[a]))
     }
 
-    /// Projects a world point to pixels from the top left corner. Returns `None` if the point is at or behind a
-    /// perspective camera's eye.
+    /// Projects a world point to pixels from the top left corner. Returns `None` if the point is at or behind
+    /// a perspective camera's eye.
     pub fn pixel(&self, p_world: [f64; 3]) -> Option<[f64; 2]> {
         let d: [f64; 3] = std::array::from_fn(|a| p_world[a] - self.eye[a]);
         let z = if self.orthographic { 1.0 } else { dot(self.forward, d) };
@@ -140,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rays_and_pixels_are_each_others_inverse() {
+    fn pixel_is_the_inverse_of_ray() {
         for projection in
             [Projection::Perspective { fov_degrees: 50.0 }, Projection::Orthographic { height_world: 7.0 }]
         {

@@ -15,27 +15,28 @@ use crate::{Error, Instance, Result, Scene};
 ///
 /// ```json
 /// { "moved": [{ "instance": "tree_7", "world_from_mesh": [[1, 0, 0, 12.5], [0, 1, 0, 0], [0, 0, 1, -3]] }],
-///   "added": [{ "like": 41, "name": "tree_99", "world_from_mesh": [[1, 0, 0, 8], [0, 1, 0, 0], [0, 0, 1, 2]] }],
+///   "added": [{ "like": 41, "name": "tree_99",
+///                "world_from_mesh": [[1, 0, 0, 8], [0, 1, 0, 0], [0, 0, 1, 2]] }],
 ///   "removed": ["bench_3", 12] }
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Edits {
-    /// Instances that have another place.
+    /// Instances to move.
     pub moved: Vec<Moved>,
-    /// New instances of meshes that the scene has. They come after the others, in this order.
+    /// New instances of the scene's meshes. They are appended to the other instances, in this order.
     pub added: Vec<Added>,
-    /// Instances that are not there any more.
+    /// Instances to remove.
     pub removed: Vec<Which>,
 }
 
-/// An instance that has another place.
+/// An instance to move.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Moved {
     /// The instance.
     pub instance: Which,
-    /// Its new place, as [`Instance::world_from_mesh`].
+    /// Its new transform, as [`Instance::world_from_mesh`].
     pub world_from_mesh: [[f64; 4]; 3],
 }
 
@@ -48,7 +49,7 @@ pub struct Added {
     /// The new instance's name; empty if it has none.
     #[serde(default)]
     pub name: String,
-    /// Its place, as [`Instance::world_from_mesh`].
+    /// Its transform, as [`Instance::world_from_mesh`].
     pub world_from_mesh: [[f64; 4]; 3],
 }
 
@@ -58,7 +59,7 @@ pub struct Added {
 pub enum Which {
     /// By its index in [`Scene::instances`].
     Number(usize),
-    /// By its name, which no other instance has.
+    /// By its name, which must be unique.
     Named(String),
 }
 
@@ -74,11 +75,11 @@ impl Edits {
 }
 
 impl Scene {
-    /// Edits the instances. Either all edits are made, or none.
+    /// Edits the instances. Makes either all edits or none.
     ///
     /// # Errors
-    /// Returns [`Error::Edits`] if an instance is not there, is named ambiguously, is edited twice or is animated, if a
-    /// matrix is not finite, or if nothing would cast a shadow any more.
+    /// Returns [`Error::Edits`] if an instance does not exist, has an ambiguous name, is edited twice or is
+    /// animated, if a matrix is not finite, or if nothing would cast a shadow any more.
     pub fn edit(&mut self, edits: &Edits) -> Result<()> {
         let names = Names::new(self);
         let mut instances = self.instances.clone();
@@ -199,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn edits_that_cannot_be_made_change_nothing() {
+    fn invalid_edits_change_nothing() {
         let mut scene = generate(GeneratedKind::City, 1);
         (scene.instances[0].name, scene.instances[1].name) = ("twin".to_owned(), "twin".to_owned());
         let before = scene.instances.clone();

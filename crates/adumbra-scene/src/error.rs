@@ -24,13 +24,13 @@ pub enum Error {
         /// The scene file.
         path: PathBuf,
     },
-    /// Another up axis than Y was asked for of a glTF file.
+    /// The caller asked for an up axis other than Y for a glTF file.
     #[error("{path:?}: glTF files are Y up by definition; leave the up axis out", path = path.display())]
     GltfIsYUp {
         /// The scene file.
         path: PathBuf,
     },
-    /// Edits of a scene cannot be made.
+    /// A scene cannot be edited as requested.
     #[error("cannot edit the scene: {what}")]
     Edits {
         /// Which edit, and why.
@@ -54,7 +54,7 @@ pub enum Error {
         /// The extension's name.
         extension: String,
     },
-    /// The file is another version of glTF than 2.0, or needs one.
+    /// The file is a glTF version other than 2.0, or requires one.
     #[error("{path:?}: glTF {version}; convert it to 2.0", path = path.display(), version = one_line(version))]
     GltfVersion {
         /// The scene file.
@@ -160,7 +160,8 @@ pub enum Error {
         /// Number of vertices.
         vertices: u64,
     },
-    /// The file holds what the loader leaves out, and [`LoadOptions::strict`](crate::LoadOptions::strict) forbids that.
+    /// The loader leaves out part of the file, and [`LoadOptions::strict`](crate::LoadOptions::strict)
+    /// forbids that.
     #[error("{path:?}: not all of it can be loaded: {}; export it without these, or load it without strict", list(omissions), path = path.display())]
     Omitted {
         /// The scene file.
@@ -168,7 +169,8 @@ pub enum Error {
         /// What was left out.
         omissions: Vec<Omission>,
     },
-    /// Patterns match no name in the scene, and [`LoadOptions::strict`](crate::LoadOptions::strict) forbids that.
+    /// Patterns match no name in the scene, and [`LoadOptions::strict`](crate::LoadOptions::strict) forbids
+    /// that.
     #[error("{path:?}: {}; correct the patterns, or load it without strict", list(patterns), path = path.display())]
     Unmatched {
         /// The scene file.
@@ -190,12 +192,13 @@ fn list(things: &[impl ToString]) -> String {
     things.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
-/// The patterns that match nothing, to follow a message.
+/// The patterns that match nothing, as text to append to a message.
 fn among(unmatched: &[UnmatchedPattern]) -> String {
     if unmatched.is_empty() { String::new() } else { format!(": {}", list(unmatched)) }
 }
 
-/// Why a scene holds no triangle that could cast a shadow. Its text continues the sentence "contains no triangles".
+/// Why a scene holds no triangle that could cast a shadow. Its text continues the sentence "contains no
+/// triangles".
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum EmptyReason {
@@ -211,7 +214,7 @@ pub enum EmptyReason {
         /// Number of degenerate triangles.
         triangles: u64,
     },
-    /// The name filter keeps none.
+    /// The name filter keeps no triangles.
     #[error(" after the name filter; check its patterns against the names in the scene{}", among(.unmatched))]
     Filtered {
         /// The patterns that match nothing.
@@ -226,7 +229,7 @@ pub enum EmptyReason {
     /// The file holds only points.
     #[error("; a point cloud casts no shadow: give a file with faces")]
     PointCloud,
-    /// All that the file holds is left out by the loader.
+    /// The loader leaves out everything in the file.
     #[error("; it holds only {}", list(.omissions))]
     OnlyOmitted {
         /// What was left out.

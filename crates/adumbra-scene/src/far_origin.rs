@@ -1,10 +1,11 @@
-//! Moves the origin of a mesh that is far from zero, as in cities in map coordinates. Single-precision floats there
-//! have steps of half a metre, so the offset to the mesh is stored in its instance, which is double precision.
+//! Moves the origin of a mesh that is far from zero, as in cities in map coordinates. Single-precision floats
+//! there have steps of half a metre, so the offset to the mesh is stored in its instance, which is double
+//! precision.
 
 use crate::affine::IDENTITY;
 
-/// A mesh is far along an axis if zero is more than this many times its longest side away. Closer than that,
-/// single-precision floats resolve a millionth of that side.
+/// A mesh is far away along an axis if its distance from zero is more than this many times its longest side.
+/// Below that distance, single-precision floats resolve a millionth of that side.
 const FAR_SIDES: f64 = 16.0;
 
 /// Bounding box of a mesh's positions as stated in the file.
@@ -24,8 +25,8 @@ impl FarOrigin {
         found
     }
 
-    /// The offset to subtract from each coordinate: along axes on which the box is far away, the box side nearest to
-    /// zero; 0 along the others.
+    /// The offset to subtract from each coordinate: along axes on which the box is far away, the box side
+    /// nearest to zero; 0 along the others.
     pub(super) fn offset(&self) -> [f64; 3] {
         let longest = (0..3).map(|a| self.high[a] - self.low[a]).fold(0.0, f64::max);
         std::array::from_fn(|a| {
@@ -48,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_what_is_far_away_is_offset() {
+    fn offsets_only_axes_that_are_far_from_zero() {
         let offset = |points: &[[f64; 3]]| FarOrigin::of(points.iter().copied()).offset();
         assert_eq!(
             offset(&[[500_000.25, 3.0, -5e6], [500_010.25, 9.0, -4_999_990.0]]),

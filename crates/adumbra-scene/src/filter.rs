@@ -16,12 +16,12 @@ pub struct NameFilter {
     exclude: Patterns,
 }
 
-/// Patterns, and what finds the names that they match.
+/// Patterns and their compiled matchers.
 #[derive(Clone, Debug, Default)]
 struct Patterns {
     texts: Vec<String>,
     set: GlobSet,
-    /// Each pattern for itself, in letters of either case.
+    /// A case-insensitive matcher for each pattern.
     in_any_case: Vec<GlobMatcher>,
 }
 
@@ -33,29 +33,29 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// The marks of a thing with two names.
+    /// Combines the marks of two names of the same thing.
     pub(super) fn or(self, other: Self) -> Self {
         Self { only: self.only || other.only, exclude: self.exclude || other.exclude }
     }
 }
 
-/// What the patterns of a filter have met in a scene, in the order of `only` and `exclude`.
+/// Which patterns of a filter have matched in a scene. The patterns of `only` come before those of `exclude`.
 #[derive(Debug, Default)]
 pub(super) struct Met {
     /// Which patterns match a name.
     matched: Vec<bool>,
     /// Which patterns match a name of something that is not drawn.
     matched_hidden: Vec<bool>,
-    /// Names that were met, for patterns that match nothing.
+    /// Names in the scene, to suggest for patterns that match nothing.
     names: BTreeSet<String>,
 }
 
-/// Names that are named as being like a pattern.
+/// Maximum number of similar names to suggest for a pattern.
 const MOST_NEAR: usize = 3;
-/// Names that are compared with patterns that match nothing, and how long they may be.
+/// Maximum number of names to compare with patterns that match nothing, and their maximum length in bytes.
 const MOST_NAMES: usize = 20_000;
 const LONGEST_NAME: usize = 128;
-/// Below this likeness, from 0 to 1, names are not alike.
+/// Minimum similarity, from 0 to 1, of a suggested name.
 const LEAST_LIKE: f64 = 0.75;
 
 impl Met {
@@ -65,14 +65,14 @@ impl Met {
         }
     }
 
-    /// Meets the name of something that is not drawn, such as an empty node, so that no triangles have it.
+    /// Records the name of something that is not drawn, such as an empty node. No triangles have this name.
     pub(super) fn meet_hidden(&mut self, filter: &NameFilter, name: &str) {
         if !filter.is_empty() {
             filter.mark(name, &mut self.matched_hidden);
         }
     }
 
-    /// Returns the patterns that have matched nothing that is drawn. Cost: a comparison of each with every name.
+    /// Returns the patterns that match nothing drawn. Cost: compares each of them with every name.
     pub(super) fn unmatched(&self, filter: &NameFilter) -> Vec<UnmatchedPattern> {
         let is_in = |matched: &[bool], i: usize| matched.get(i) == Some(&true);
         let all = filter.patterns().enumerate().filter(|(i, _)| !is_in(&self.matched, *i));
@@ -92,8 +92,8 @@ impl Met {
     }
 }
 
-/// How like a pattern a name is that it does not match: 3 if it is the pattern's text, 2 but for the case of letters, 1 if it
-/// contains the text, less than 1 by the distance between the two.
+/// Similarity of a name to a pattern that does not match it: 3 if it equals the pattern's text, 2 if only the
+/// case differs, 1 if it contains the text, otherwise less than 1, by edit distance.
 fn likeness(pattern: &str, in_any_case: &GlobMatcher, name: &str) -> f64 {
     if name == pattern {
         return 3.0;
@@ -121,14 +121,14 @@ impl NameFilter {
         self.only.texts.is_empty() && self.exclude.texts.is_empty()
     }
 
-    /// The patterns, those of `only` first, and what matches each in letters of either case.
+    /// The patterns, those of `only` first, each with its case-insensitive matcher.
     fn patterns(&self) -> impl Iterator<Item = (&str, &GlobMatcher)> {
         let both = [&self.only, &self.exclude];
         both.into_iter().flat_map(|of| of.texts.iter().map(String::as_str).zip(&of.in_any_case))
     }
 
-    /// The pattern lists that a name matches, for [`NameFilter::keeps_marked`]. Callers can cache the result: there are
-    /// only four possible marks, but many names.
+    /// The pattern lists that a name matches, for [`NameFilter::keeps_marked`]. Callers can cache the result:
+    /// there are only four possible marks, but many names.
     pub(super) fn marks(&self, name: &str, met: &mut Met) -> Marks {
         if self.is_empty() {
             return Marks::default();
@@ -137,7 +137,7 @@ impl NameFilter {
         self.mark(name, &mut met.matched)
     }
 
-    /// Notes which patterns a name matches.
+    /// Records which patterns a name matches.
     fn mark(&self, name: &str, matched: &mut Vec<bool>) -> Marks {
         let [only, exclude] = [&self.only, &self.exclude].map(|of| of.set.matches(name));
         let first = self.only.texts.len();
@@ -147,7 +147,7 @@ impl NameFilter {
         Marks { only: !only.is_empty(), exclude: !exclude.is_empty() }
     }
 
-    /// Whether a triangle is kept whose node, mesh and material have these marks.
+    /// Whether to keep a triangle whose node, mesh and material have these marks.
     pub(super) fn keeps_marked(&self, marks: [Marks; 3]) -> bool {
         (self.only.texts.is_empty() || marks.iter().any(|m| m.only)) && !marks.iter().any(|m| m.exclude)
     }
@@ -205,7 +205,7 @@ mod tests {
     }
 
     #[test]
-    fn patterns_that_match_nothing_are_named_with_names_that_are_like_them() {
+    fn unmatched_patterns_suggest_similar_names() {
         let filter = filter(&["Tower *", "bridge"], &["SkyDome*", "lamp [1]", "zebra"]);
         let mut met = Met::default();
         for name in ["Tower 1", "bridge_2", "the bridge", "sky_dome", "skydome_low", "lamp [1]", "house"] {
@@ -227,13 +227,13 @@ mod tests {
                 (true, none("zebra")),
             ]
         );
-        // The last advice works.
+        // The suggested pattern matches the literal name only.
         let literal = NameFilter::new(&[], &["lamp [[]1[]]".to_owned()]).unwrap();
         assert!(!keeps(&literal, ["lamp [1]", "", ""]) && keeps(&literal, ["lamp 1", "", ""]));
     }
 
     #[test]
-    fn filter_names_the_bad_pattern() {
+    fn error_names_the_invalid_pattern() {
         let error = NameFilter::new(&["[".to_owned()], &[]).expect_err("not a glob");
         assert!(matches!(error, Error::Pattern { pattern, .. } if pattern == "["));
     }

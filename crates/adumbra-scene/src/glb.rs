@@ -1,8 +1,9 @@
 //! Writes scenes as binary glTF 2.0 (Khronos, *glTF 2.0 Specification*, 2021, chapter 4).
 //!
-//! Meshes, instances, base colours, their textures and alpha modes are written, which is all that generated scenes hold;
-//! vertex colours are not. Instancing is preserved: nodes share meshes. Each material used in a mesh becomes one
-//! primitive with only the vertices it uses. The output is deterministic: equal scenes give equal bytes.
+//! Meshes, instances, base colours, their textures and alpha modes are written, which is all that generated
+//! scenes hold; vertex colours are not. Instancing is preserved: nodes share meshes. Each material used in a
+//! mesh becomes one primitive with only the vertices it uses. The output is deterministic: equal scenes give
+//! equal bytes.
 
 mod images;
 
@@ -39,8 +40,8 @@ pub fn write_glb(scene: &Scene, path: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Encodes `scene` as a GLB file. Meshes without triangles are skipped, with their instances. The format's lengths are
-/// 32-bit, so more than 4 GiB do not fit; [`write_glb`] refuses such scenes.
+/// Encodes `scene` as a GLB file. Meshes without triangles are skipped, with their instances. The format's
+/// lengths are 32-bit, so more than 4 GiB do not fit; [`write_glb`] refuses such scenes.
 pub fn to_glb(scene: &Scene) -> Vec<u8> {
     let mut document = GltfJson {
         asset: Asset { version: "2.0", generator: "adumbra" },
@@ -75,8 +76,8 @@ pub fn to_glb(scene: &Scene) -> Vec<u8> {
     container(json, bin, &[])
 }
 
-/// Assembles the header and the chunks, each padded to a multiple of 4 bytes. `others` are whole chunks, which follow as
-/// they are.
+/// Assembles the header and the chunks, each padded to a multiple of 4 bytes. `others` are complete chunks,
+/// which are appended unchanged.
 pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>, others: &[&[u8]]) -> Vec<u8> {
     json.resize(json.len().next_multiple_of(4), b' ');
     bin.resize(bin.len().next_multiple_of(4), 0);
@@ -99,7 +100,7 @@ pub(crate) fn container(mut json: Vec<u8>, mut bin: Vec<u8>, others: &[&[u8]]) -
 }
 
 fn material_json(material: &Material) -> MaterialJson<'_> {
-    // BLEND has no cut-off, and an opaque material's is not used.
+    // BLEND has no cut-off, and OPAQUE does not use one.
     let (alpha_mode, alpha_cutoff) = match material.alpha {
         AlphaMode::Opaque => (None, None),
         AlphaMode::Mask { .. } if material.blended => (Some("BLEND"), None),
@@ -366,7 +367,7 @@ struct BufferView {
     buffer: u32,
     byte_offset: usize,
     byte_length: usize,
-    /// What a graphics card uses the bytes for; not given for images.
+    /// How a graphics card uses the bytes; absent for images.
     #[serde(skip_serializing_if = "Option::is_none")]
     target: Option<u32>,
 }

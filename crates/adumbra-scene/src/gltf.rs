@@ -1,9 +1,9 @@
 //! Loads glTF 2.0 (Khronos): `.glb`, and `.gltf` with its buffers in separate files or in data URIs.
 //!
-//! [`document`] reads the JSON, element by element, into the types of the `gltf` crate. Accessors are read here with bounds
-//! checks, so that no file can cause a panic and quantised positions work. A mesh is stored once, however many nodes use
-//! it. Node animations become movers, directional lights suns; morph targets have their default weights. Cameras are not
-//! read.
+//! [`document`] reads the JSON, element by element, into the types of the `gltf` crate. Accessors are read
+//! here with bounds checks, so that no file can cause a panic and quantised positions work. A mesh is stored
+//! once, however many nodes use it. Node animations become movers, and directional lights become suns. Morph
+//! targets have their default weights. Cameras are not read.
 
 mod accessor;
 mod animations;
@@ -48,7 +48,8 @@ use container::Buffers;
 use document::GltfDocument;
 use draco::Streams;
 use extents::{Extents, MeshBox};
-use faults::bad;
+use faults::{Faults, bad};
+use materials::Materials;
 use meshes::{MeshBuilder, Pose, has_triangles, material_of};
 use morphs::Weights;
 use nodes::Nodes;
@@ -87,7 +88,7 @@ const KNOWN_EXTENSIONS: [&str; 29] = [
     "MSFT_screencoverage",
 ];
 
-/// A mesh and the primitives of it that the filter keeps.
+/// A mesh and those of its primitives that the filter keeps.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Selection {
     mesh: usize,
@@ -130,62 +131,17 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let buffers = Buffers::load(&sources, &root, &faults, bin, &mut scene.notes)?;
     let plan = choose(&buffers, &root, &nodes, options, &mut sieve, &mut casting, &mut scene.notes)?;
 
-    let mut used = vec![false; root.materials.len() + 1];
-    for primitive in plan.selections.iter().flat_map(|selection| selection.primitives(&root)) {
-        let material = material_of(&root, primitive);
-        faults.check(path, "material", material)?;
-        match used.get_mut(material) {
-            Some(used) => *used = true,
-            None => {
-                return Err(bad(path, format!("a primitive has material {material}, which does not exist")));
-            }
-        }
-    }
+    let used = used_materials(&plan, &root, &faults, path)?;
     let materials = materials::load(&root, &buffers, options, &used, &mut casting, &mut scene.notes)?;
     scene.notes.warnings.extend(casting.warning());
 
-    let mut streams = Streams::default();
-    for selection in &plan.selections {
-        let primitives = selection.kept.iter().copied().zip(selection.primitives(&root));
-        streams.decode(path, &root, &buffers, &mesh_name(&root, selection.mesh), primitives)?;
-    }
-    let builder = MeshBuilder::new(path, &root, &buffers, &materials, &streams, options.color_textures);
-    // Memory for everything is counted before anything is built: a few bytes for a skinned node become a mesh of its
-    // own.
-    for ((selection, is_skinned), copies) in plan.copies() {
-        let selection = &plan.selections[selection as usize];
-        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
-        builder.charge(&mesh_name(&root, selection.mesh), &primitives, is_skinned, copies)?;
-    }
     scene.notes.read.meshes = root.meshes.len() as u64;
     scene.notes.read.nodes = root.nodes.len() as u64;
-    for selection in &plan.selections {
-        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
-        scene.notes.read.faces += builder.faces(&primitives)?;
-    }
-    let mut skins = Skins::new(path, &root, &buffers, &nodes);
-    for variant in &plan.variants {
-        let skin = match variant.skinned.and_then(|node| Some((node, root.nodes.get(node)?.skin?))) {
-            Some((node, skin)) => Some(skins.load(skin.value(), node)?),
-            None => None,
-        };
-        let selection = &plan.selections[variant.selection as usize];
-        let primitives: Vec<&Primitive> = selection.primitives(&root).collect();
-        let name = mesh_name(&root, selection.mesh);
-        let pose = Pose { skin: skin.as_ref(), weights: &variant.weights };
-        scene.meshes.push(builder.build(&name, &primitives, pose, &mut sieve)?);
-    }
-    drop(builder);
-    let extents = extents_of(&plan, &scene.meshes, &nodes, &root, &buffers)?;
-    let animations = Animations::load(path, &root, &buffers, &extents, &mut scene.notes)?;
-    let placer = Placer { path, root: &root, buffers: &buffers, nodes: &nodes, animations: &animations };
-    let mut movers = Vec::new();
-    for instance in &plan.instances {
-        placer.place(instance, &mut scene, &mut movers)?;
-    }
-    placer.note_moving_skins(&plan, &mut scene.notes);
+    let sources_of_meshes =
+        MeshSources { root: &root, buffers: &buffers, nodes: &nodes, materials: &materials };
+    scene.meshes = sources_of_meshes.build(&plan, options, &mut sieve, &mut scene.notes)?;
+    place_instances(&plan, &root, &buffers, &nodes, &mut scene)?;
     scene.notes.warnings.extend(faults.warnings().chain(buffers.warning()));
-    scene.movers = Movers::new(movers, animations.moving);
     scene.notes.named_files = sources.named_files();
     (scene.materials, scene.textures) = (materials.list, materials.textures);
     scene.pose(0.0);
@@ -197,6 +153,96 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     finish(path, scene, &sieve, options)
 }
 
+/// Returns, for each material and then for the default material, whether a primitive to build uses it.
+fn used_materials(plan: &Plan, root: &Root, faults: &Faults, path: &Path) -> Result<Vec<bool>> {
+    let mut used = vec![false; root.materials.len() + 1];
+    for primitive in plan.selections.iter().flat_map(|selection| selection.primitives(root)) {
+        let material = material_of(root, primitive);
+        faults.check(path, "material", material)?;
+        match used.get_mut(material) {
+            Some(used) => *used = true,
+            None => {
+                return Err(bad(path, format!("a primitive has material {material}, which does not exist")));
+            }
+        }
+    }
+    Ok(used)
+}
+
+/// The sources of the meshes to build.
+struct MeshSources<'a> {
+    root: &'a Root,
+    buffers: &'a Buffers<'a>,
+    nodes: &'a Nodes,
+    materials: &'a Materials,
+}
+
+impl MeshSources<'_> {
+    /// Builds a mesh for each variant of the plan.
+    fn build(
+        &self,
+        plan: &Plan,
+        options: &LoadOptions,
+        sieve: &mut Sieve,
+        notes: &mut LoadNotes,
+    ) -> Result<Vec<Mesh>> {
+        let &Self { root, buffers, nodes, materials } = self;
+        let path = buffers.sources.scene;
+        let mut streams = Streams::default();
+        for selection in &plan.selections {
+            let primitives = selection.kept.iter().copied().zip(selection.primitives(root));
+            streams.decode(path, root, buffers, &mesh_name(root, selection.mesh), primitives)?;
+        }
+        let builder = MeshBuilder::new(path, root, buffers, materials, &streams, options.color_textures);
+        // Count the memory for everything before building anything: each skinned node takes a few bytes in
+        // the file, but becomes a separate mesh.
+        for ((selection, is_skinned), copies) in plan.copies() {
+            let selection = &plan.selections[selection as usize];
+            let primitives: Vec<&Primitive> = selection.primitives(root).collect();
+            builder.charge(&mesh_name(root, selection.mesh), &primitives, is_skinned, copies)?;
+        }
+        for selection in &plan.selections {
+            let primitives: Vec<&Primitive> = selection.primitives(root).collect();
+            notes.read.faces += builder.faces(&primitives)?;
+        }
+        let mut meshes = Vec::new();
+        let mut skins = Skins::new(path, root, buffers, nodes);
+        for variant in &plan.variants {
+            let skin = match variant.skinned.and_then(|node| Some((node, root.nodes.get(node)?.skin?))) {
+                Some((node, skin)) => Some(skins.load(skin.value(), node)?),
+                None => None,
+            };
+            let selection = &plan.selections[variant.selection as usize];
+            let primitives: Vec<&Primitive> = selection.primitives(root).collect();
+            let name = mesh_name(root, selection.mesh);
+            let pose = Pose { skin: skin.as_ref(), weights: &variant.weights };
+            meshes.push(builder.build(&name, &primitives, pose, sieve)?);
+        }
+        Ok(meshes)
+    }
+}
+
+/// Places the instances of the plan, and reads the animations that move them.
+fn place_instances(
+    plan: &Plan,
+    root: &Root,
+    buffers: &Buffers<'_>,
+    nodes: &Nodes,
+    scene: &mut Scene,
+) -> Result<()> {
+    let path = buffers.sources.scene;
+    let extents = extents_of(plan, &scene.meshes, nodes, root, buffers)?;
+    let animations = Animations::load(path, root, buffers, &extents, &mut scene.notes)?;
+    let placer = Placer { path, root, buffers, nodes, animations: &animations };
+    let mut movers = Vec::new();
+    for instance in &plan.instances {
+        placer.place(instance, scene, &mut movers)?;
+    }
+    placer.note_moving_skins(plan, &mut scene.notes);
+    scene.movers = Movers::new(movers, animations.moving);
+    Ok(())
+}
+
 /// Records the files of all buffers and images, whether they are needed or not.
 fn note_named(sources: &Sources<'_>, root: &Root) -> Result<()> {
     files::named(root).try_for_each(|file| sources.note_named(&file))
@@ -206,13 +252,14 @@ fn is_known(extension: &str) -> bool {
     KNOWN_EXTENSIONS.contains(&extension) || IMMATERIAL.iter().any(|prefix| extension.starts_with(prefix))
 }
 
-/// Extensions that may be required without being known, because they only say how lit surfaces look.
+/// Prefixes of unknown extensions that a file may require, because they affect only how lit surfaces look.
 const IMMATERIAL: [&str; 1] = ["KHR_materials_"];
 
-/// At most this many unknown extensions are looked for in the file's text.
+/// Maximum number of unknown extensions to look for in the file's text.
 const MAX_UNKNOWN: usize = 64;
 
-/// Notes the uses of extensions that are not understood. A file may also list an extension that it does not use.
+/// Notes the uses of extensions that are not understood. A file may also list an extension that it does not
+/// use.
 fn note_unknown(root: &Root, json: &[u8], notes: &mut LoadNotes) {
     let text = String::from_utf8_lossy(json);
     let mut unknown: Vec<&str> =
@@ -278,8 +325,8 @@ impl Plan {
     }
 }
 
-/// Applies the filter and groups nodes that place the same mesh. A mesh is not scanned once per node, but only once per
-/// distinct value of the nodes' filter marks, of which there are few.
+/// Applies the filter and groups nodes that place the same mesh. A mesh is not scanned once per node, but
+/// only once per distinct value of the nodes' filter marks, of which there are few.
 fn choose(
     buffers: &Buffers<'_>,
     root: &Root,
@@ -347,7 +394,8 @@ fn choose(
     Ok(plan)
 }
 
-/// How far what hangs on each node reaches. Skinned meshes hang on no node. Only animated files need to know.
+/// How far the meshes on and below each node reach. Skinned meshes belong to no node. Needed only for
+/// animated files.
 fn extents_of<'a>(
     plan: &Plan,
     meshes: &[Mesh],
@@ -390,7 +438,7 @@ struct Placer<'a> {
 }
 
 impl Placer<'_> {
-    /// Adds the scene instances of a planned instance, and those of them that move to `movers`.
+    /// Adds the scene instances of a planned instance, and adds those that move to `movers` as well.
     fn place(&self, instance: &PlannedInstance, scene: &mut Scene, movers: &mut Vec<Mover>) -> Result<()> {
         let &PlannedInstance { variant, node, casts } = instance;
         let json = &self.root.nodes[node];
@@ -425,7 +473,8 @@ impl Placer<'_> {
         Ok(())
     }
 
-    /// Warns about skins with animated joints: skins keep the pose of the file's nodes, whatever their joints do.
+    /// Warns about skins with animated joints: skins keep the pose of the file's nodes, whatever their joints
+    /// do.
     fn note_moving_skins(&self, plan: &Plan, notes: &mut LoadNotes) {
         let skins = plan.instances.iter().filter_map(|p| self.root.nodes[p.node].skin);
         let mut moves: HashMap<usize, bool> = HashMap::new();

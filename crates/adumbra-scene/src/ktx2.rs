@@ -1,4 +1,4 @@
-//! Images in KTX 2.0 files (Khronos). They are decoded behind the feature `ktx2`.
+//! Images in KTX 2.0 files (Khronos). Decoding needs the feature `ktx2`.
 
 #[cfg(feature = "ktx2")]
 mod image;

@@ -1,8 +1,8 @@
-//! The scene model shared by the bake, the ray tracer and the renderer: triangle meshes, their instances, and materials
-//! that define where a surface is opaque. Right-handed, Y up, metres, as in glTF 2.0.
+//! The scene model shared by the bake, the ray tracer and the renderer: triangle meshes, their instances, and
+//! materials that define where a surface is opaque. Right-handed, Y up, metres, as in glTF 2.0.
 //!
-//! Loaders ([`load`]) validate: after loading, every vertex and transform is finite, every index is in range, and at
-//! least one triangle casts a shadow.
+//! Loaders ([`load`]) validate: after loading, every vertex and transform is finite, every index is in range,
+//! and at least one triangle casts a shadow.
 
 #![forbid(unsafe_code)]
 
@@ -73,11 +73,13 @@ pub struct Scene {
     /// Textures, referenced by index from materials.
     pub textures: Vec<Texture>,
     /// The instances that move, and how. Their `world_from_mesh` is their position at the time last passed to
-    /// [`Scene::pose`], initially 0. A bake treats every instance as static: call [`Scene::remove_movers`] first.
+    /// [`Scene::pose`], initially 0. A bake treats every instance as static: call [`Scene::remove_movers`]
+    /// first.
     pub movers: Movers,
     /// The axis that points up in the file that the scene was loaded from. The scene itself is Y up.
     pub up: UpAxis,
-    /// The directional lights of the file that shine, in the order of its nodes. The first is the default sun of every verb.
+    /// The directional lights of the file that shine, in the order of its nodes. The first is the default sun
+    /// of every verb.
     pub suns: Vec<FileSun>,
     /// Counts and warnings from loading.
     pub notes: LoadNotes,
@@ -88,8 +90,9 @@ pub struct Scene {
 pub struct FileSun {
     /// The node's name, or `node 7` if it is unnamed.
     pub name: String,
-    /// Vector in world space from the scene towards the light, opposite to the direction in which it shines. It has the length
-    /// of the node's Z axis: normalized, it would lead to a sun with other last bits. It is never zero.
+    /// Vector in world space from the scene towards the light, opposite to the direction in which it shines.
+    /// It has the length of the node's Z axis, because normalizing it would change the last bits of the sun.
+    /// It is never zero.
     pub towards: [f64; 3],
 }
 
@@ -111,11 +114,12 @@ pub struct Mesh {
     pub name: String,
     /// Vertex positions in the mesh's own space, all finite.
     pub positions: Vec<[f32; 3]>,
-    /// Texture coordinates used by the material's base-colour texture, already transformed (KHR_texture_transform);
-    /// empty, or one per vertex.
+    /// Texture coordinates used by the material's base-colour texture, already transformed
+    /// (KHR_texture_transform); empty, or one per vertex.
     pub uvs: Vec<[f32; 2]>,
-    /// Vertex colours (glTF's COLOR_0), which multiply the material's base colour and alpha: red, green and blue as
-    /// sRGB bytes, to be interpolated in linear light, and linear alpha. Empty for white, or one per vertex.
+    /// Vertex colours (glTF's COLOR_0), which multiply the material's base colour and alpha: red, green and
+    /// blue as sRGB bytes, to be interpolated in linear light, and linear alpha. Empty for white, or one per
+    /// vertex.
     pub colors: Vec<[u8; 4]>,
     /// Three vertex indices per triangle, all in range; degenerate triangles are already removed.
     pub triangles: Vec<[u32; 3]>,
@@ -132,12 +136,12 @@ pub struct Instance {
     pub mesh: u32,
     /// Affine map, row major: `world[r] = m[r][0..3] · mesh + m[r][3]`.
     pub world_from_mesh: [[f64; 4]; 3],
-    /// False if `extras: {"adumbra": {"cast": false}}` marks the instance as casting no shadow (it still receives
-    /// shadows).
+    /// False if `extras: {"adumbra": {"cast": false}}` marks the instance as casting no shadow (it still
+    /// receives shadows).
     pub casts: bool,
 }
 
-/// Numbers of what casts shadows in a scene.
+/// Counts of the shadow casters in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Casters {
     /// Triangles, counting every instance.
@@ -151,7 +155,8 @@ pub struct Casters {
 pub enum AlphaMode {
     /// Opaque everywhere.
     Opaque,
-    /// Opaque where alpha >= the cut-off. BLEND materials are loaded as `Mask` with cut-off 0.5 and `blended` set.
+    /// Opaque where alpha >= the cut-off. BLEND materials are loaded as `Mask` with cut-off 0.5 and `blended`
+    /// set.
     Mask {
         /// Alpha at or above this is opaque.
         cutoff: f32,
@@ -188,18 +193,19 @@ pub struct LoadOptions {
     pub ignore_alpha: bool,
     /// How to treat animated instances.
     pub movers: MoverPolicy,
-    /// The axis that points up in an OBJ or PLY file. If it is [`UpAxis::Z`], the scene is turned, so that (x, y, z) of the
-    /// file is (x, z, −y) of the scene. `None` takes Y, and [`LoadNotes::looks_z_up`] says whether that may be wrong. glTF
-    /// defines Y as up: another axis is [`Error::GltfIsYUp`].
+    /// The axis that points up in an OBJ or PLY file. If it is [`UpAxis::Z`], the scene is turned, so that
+    /// (x, y, z) of the file is (x, z, −y) of the scene. `None` takes Y, and [`LoadNotes::looks_z_up`] says
+    /// whether that may be wrong. glTF defines Y as up: another axis is [`Error::GltfIsYUp`].
     pub up: Option<UpAxis>,
-    /// Also read files outside the scene's folder. If false, an absolute path, a path that leaves the folder through
-    /// `..`, and a link that leads out of it are [`Error::OutsideScene`].
+    /// Also read files outside the scene's folder. If false, an absolute path, a path that leaves the folder
+    /// through `..`, and a link that leads out of it are [`Error::OutsideScene`].
     pub allow_outside: bool,
-    /// Limit on the memory that the load may hold: files, decoded textures, triangles, vertices and instances, counted
-    /// before they are allocated. Exceeding it is [`Error::SceneMemory`]. The default is 2 GiB plus 64 bytes for each
-    /// byte of the scene's files, so that a small file cannot exhaust memory while a large file still loads.
+    /// Limit on the memory that the load may hold: files, decoded textures, triangles, vertices and
+    /// instances, counted before they are allocated. Exceeding it is [`Error::SceneMemory`]. The default is 2
+    /// GiB plus 64 bytes for each byte of the scene's files, so that a small file cannot exhaust memory while
+    /// a large file still loads.
     pub max_memory_bytes: Option<u64>,
-    /// Edits of the instances that the scene has after everything else.
+    /// Edits of the instances, applied after everything else.
     pub edits: Edits,
     /// Treat everything that the loader leaves out as an error: [`Error::Omitted`] instead of
     /// [`LoadNotes::omissions`].
@@ -237,8 +243,8 @@ impl Mesh {
         self.corners_of(triangle, &self.colors).map(|c| c.map_or(1.0, |c| f32::from(c[3]) / 255.0))
     }
 
-    /// Alpha of the vertex colours at a point in a triangle, given by barycentric `weights`; exactly 1 for a mesh
-    /// without vertex colours.
+    /// Alpha of the vertex colours at a point in a triangle, given by barycentric `weights`; exactly 1 for a
+    /// mesh without vertex colours.
     pub fn alpha_at(&self, triangle: u32, weights: [f64; 3]) -> f32 {
         if self.colors.is_empty() {
             return 1.0;
@@ -253,8 +259,8 @@ impl Mesh {
         self.corners_of(triangle, &self.colors).map(|c| c.map_or([1.0; 3], linear))
     }
 
-    /// Adds the midpoint of two vertices and returns its index. The result does not depend on their order. Colours are
-    /// averaged in linear light.
+    /// Adds the midpoint of two vertices and returns its index. The result does not depend on their order.
+    /// Colours are averaged in linear light.
     pub fn add_middle(&mut self, [a, b]: [u32; 2]) -> u32 {
         let [a, b] = [a as usize, b as usize];
         // Exact in f64, so rounded only once.
@@ -299,8 +305,8 @@ impl Scene {
         self.instances.iter().map(|i| self.meshes[i.mesh as usize].triangles.len() as u64).sum()
     }
 
-    /// What casts shadows: the number of its triangles, counting every instance, and the number of its instances. The header
-    /// of a shadow file has the two numbers of the scene that it was baked from.
+    /// Counts the shadow casters: their triangles, counting every instance, and their instances. The header
+    /// of a shadow file has these two numbers of the scene that it was baked from.
     pub fn casters(&self) -> Casters {
         let casts =
             |m: &Mesh| m.triangle_materials.iter().filter(|&&m| self.materials[m as usize].casts).count();
@@ -353,8 +359,8 @@ impl Scene {
         m.base_color[3] * texel * vertex_alpha
     }
 
-    /// Whether `material` is opaque at `uv`, given the interpolated vertex alpha there. Cost: one bilinear texture
-    /// sample for masked materials.
+    /// Whether `material` is opaque at `uv`, given the interpolated vertex alpha there. Cost: one bilinear
+    /// texture sample for masked materials.
     #[inline]
     pub fn is_opaque(&self, material: u32, uv: [f32; 2], vertex_alpha: f32) -> bool {
         match self.materials[material as usize].alpha {
@@ -367,8 +373,8 @@ impl Scene {
 /// Loads a scene. The file extension selects the format: `.glb`, `.gltf`, `.obj`, `.ply`.
 ///
 /// # Errors
-/// Returns an [`Error`] if something is missing, unreadable, outside the scene's folder, too large or invalid. It names
-/// the file, the part of it and the remedy.
+/// Returns an [`Error`] if something is missing, unreadable, outside the scene's folder, too large or
+/// invalid. It names the file, the part of it and the remedy.
 pub fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let mut scene = match ending(path).as_str() {
         "glb" | "gltf" if options.up == Some(UpAxis::Z) => {
@@ -407,7 +413,7 @@ fn ending(path: &Path) -> String {
     path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase()
 }
 
-/// Whether a path names a glTF file by its ending: the format in which Y is up by definition.
+/// Whether a path's extension is that of a glTF file, the format in which Y is up by definition.
 pub fn is_gltf(path: &Path) -> bool {
     matches!(ending(path).as_str(), "glb" | "gltf")
 }

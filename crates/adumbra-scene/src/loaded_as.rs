@@ -1,4 +1,5 @@
-//! How the scene of a shadow file was loaded, so that it is loaded alike where the two are compared or drawn together.
+//! How the scene of a shadow file was loaded. A program that compares a scene with its shadow file, or draws
+//! them together, loads the scene in the same way.
 
 use std::path::Path;
 
@@ -6,12 +7,12 @@ use adumbra::FileSettings;
 
 use crate::{LoadOptions, UpAxis, is_gltf};
 
-/// How the scene of a shadow file was loaded, as far as the file says it.
+/// How the scene of a shadow file was loaded, as far as the shadow file records it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LoadedAs {
     /// Whether masked and blended materials were taken as opaque.
     pub ignore_alpha: bool,
-    /// The axis that points up in the scene's file, if the shadow file says it.
+    /// The axis that points up in the scene's file, if the shadow file records it.
     pub up: Option<UpAxis>,
 }
 
@@ -23,8 +24,8 @@ impl From<&FileSettings> for LoadedAs {
 }
 
 impl LoadOptions {
-    /// Takes over what a shadow file says where no option says otherwise. `scene` is the path of the scene: that of a glTF
-    /// file is Y up even if the bake was of another format.
+    /// Adopts the settings that a shadow file records, unless an option overrides them. `scene` is the path
+    /// of the scene: a glTF file is Y up even if the baked scene had another format.
     pub fn follow(&mut self, baked: LoadedAs, scene: &Path) {
         self.ignore_alpha |= baked.ignore_alpha;
         if self.up.is_none() && !is_gltf(scene) {

@@ -1,8 +1,9 @@
 //! Mip levels of a texture's colours, byte-identical for the CPU renderer and the GPU.
 //!
-//! Each level has half as many texels per side as the one before, rounded down. Each texel is the mean of the texels it
-//! covers. A texel of an odd side covers two texels and part of a third, so that no row or column is lost. Colours are
-//! averaged in linear light and weighted by alpha, so that cut-out texels do not bleed into the others.
+//! Each level has half as many texels per side as the one before, rounded down. Each texel is the mean of the
+//! texels it covers. A texel of an odd side covers two texels and part of a third, so that no row or column
+//! is lost. Colours are averaged in linear light and weighted by alpha, so that cut-out texels do not bleed
+//! into the others.
 
 use std::borrow::Cow;
 
@@ -29,8 +30,8 @@ impl Texture {
         }
     }
 
-    /// The mip levels below the texture itself, down to a single texel. Cost: about 20 ns per texel. Memory: a third of
-    /// the texture's size.
+    /// The mip levels below the texture itself, down to a single texel. Cost: about 20 ns per texel. Memory:
+    /// a third of the texture's size.
     pub fn mip_levels(&self) -> Vec<MipLevel> {
         let more = |width: u32, height: u32| width.max(height) > 1;
         let first = more(self.width, self.height).then(|| half(&self.rgba(), [self.width, self.height]));
@@ -67,8 +68,8 @@ impl<'t> MippedTexture<'t> {
         }
     }
 
-    /// Linear red, green and blue at `uv`, interpolated between the two mip levels around `level`, where 0 is the
-    /// texture itself. Levels out of range are clamped. Cost: eight texels, or two for a nearest texture.
+    /// Linear red, green and blue at `uv`, interpolated between the two mip levels around `level`, where 0 is
+    /// the texture itself. Levels out of range are clamped. Cost: eight texels, or two for a nearest texture.
     pub fn color(&self, uv: [f32; 2], level: f32) -> [f32; 3] {
         let Pixels::Rgba(first) = &self.texture.pixels else { return [1.0; 3] };
         let level = level.max(0.0).min(self.levels.len() as f32);
@@ -81,13 +82,14 @@ impl<'t> MippedTexture<'t> {
         std::array::from_fn(|c| near[c] + (far[c] - near[c]) * weight)
     }
 
-    /// The mip level at which no texel is skipped. `differences` are the changes in texture coordinates to the next
-    /// pixel along each of the two screen axes (OpenGL 4.6, section 8.14, isotropic).
+    /// The mip level at which no texel is skipped. `differences` are the changes in texture coordinates to
+    /// the next pixel along each of the two screen axes (OpenGL 4.6, section 8.14, isotropic).
     pub fn level(&self, differences: [[f64; 2]; 2]) -> f32 {
         let size = [self.texture.width, self.texture.height].map(f64::from);
         let squared = |d: [f64; 2]| (d[0] * size[0]).powi(2) + (d[1] * size[1]).powi(2);
         let longest = squared(differences[0]).max(squared(differences[1]));
-        // The logarithm is exact at powers of two. Zero differences give -∞, which the maximum turns into level 0.
+        // The logarithm is exact at powers of two. Zero differences give -∞, which the maximum turns into
+        // level 0.
         (0.5 * libm::log2(longest)).max(0.0) as f32
     }
 
@@ -158,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn mip_levels_leave_out_what_is_cut_away() {
+    fn mip_colours_ignore_transparent_texels() {
         // One opaque red texel and three transparent green ones.
         let mut texels = [0, 255, 0, 0].repeat(4);
         texels[..4].copy_from_slice(&[255, 0, 0, 255]);
@@ -193,7 +195,7 @@ mod tests {
     }
 
     #[test]
-    fn colours_are_there_at_any_coordinate_and_level() {
+    fn color_is_valid_at_any_coordinate_and_level() {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
             for nearest in [false, true] {
                 let t = Texture { wrap: [wrap; 2], nearest, ..texture(3, 1, vec![128; 12]) };

@@ -1,8 +1,9 @@
-//! Movers: instances that move over time. A bake holds static geometry only, so it excludes them. They receive baked
-//! shadows and cast through shadow maps.
+//! Movers: instances that move over time. A bake holds static geometry only, so it excludes them. They
+//! receive baked shadows and cast through shadow maps.
 //!
-//! Only the nodes that determine a mover's transform are kept: the animated ones, each with the map to its nearest
-//! animated ancestor. Animation follows glTF 2.0; all of a file's animations play together, from second 0.
+//! Only the nodes that determine a mover's transform are kept: the animated ones, each with the map to its
+//! nearest animated ancestor. Animation follows glTF 2.0; all of a file's animations play together, from
+//! second 0.
 
 mod track;
 
@@ -14,7 +15,8 @@ pub(super) use track::{Interpolation, Track};
 /// How a load treats instances that an animation moves.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum MoverPolicy {
-    /// They are dropped and counted in [`crate::LoadNotes::skipped_movers`]; the remaining scene can be baked.
+    /// They are dropped and counted in [`crate::LoadNotes::skipped_movers`]; the remaining scene can be
+    /// baked.
     #[default]
     Skip,
     /// They stay in their first pose and are static like everything else.
@@ -83,8 +85,8 @@ impl Rest {
 }
 
 impl Tracks {
-    /// Times, in seconds, at which what moves is seen to move: keys, and moments between each two, where the tangents of a
-    /// spline weigh most, alone or against each other.
+    /// Times, in seconds, at which to sample the motion: the keys, and moments between each two keys, where
+    /// the tangents of a spline weigh most, alone or against each other.
     pub(super) fn moments(&self) -> impl Iterator<Item = f64> {
         let translation = self.translation.iter().flat_map(Track::moments);
         let rotation = self.rotation.iter().flat_map(Track::moments);
@@ -114,7 +116,8 @@ impl Tracks {
 }
 
 impl Movers {
-    /// Follows the removal of all instances that are not `kept`, none of which is a mover.
+    /// Updates the indices after the removal of all instances that are not `kept`. No removed instance may be
+    /// a mover.
     pub(super) fn forget(&mut self, kept: &[bool]) {
         for mover in &mut self.list {
             mover.instance = kept[..mover.instance as usize].iter().filter(|&&kept| kept).count() as u32;
@@ -145,14 +148,14 @@ impl Movers {
         self.list.binary_search_by_key(&instance, |m| m.instance).is_ok()
     }
 
-    /// Time of the last key, seconds; everything stands still from then on.
+    /// Time of the last key, seconds; nothing moves after it.
     pub fn end_seconds(&self) -> f64 {
         self.nodes.iter().map(|n| n.tracks.end_seconds()).fold(0.0, f64::max)
     }
 
-    /// The `world_from_mesh` of each mover at a time, in the order of [`Movers::instances`]. Cost: a few hundred
-    /// operations per animated node. If keys multiply to numbers beyond `f64`, the map is not finite, and rays skip the
-    /// mover.
+    /// The `world_from_mesh` of each mover at a time, in the order of [`Movers::instances`]. Cost: a few
+    /// hundred operations per animated node. If keys multiply to numbers beyond `f64`, the map is not finite,
+    /// and rays skip the mover.
     pub fn pose(&self, seconds: f64) -> Vec<[[f64; 4]; 3]> {
         let mut world: Vec<Affine> = Vec::with_capacity(self.nodes.len());
         for node in &self.nodes {
@@ -162,7 +165,7 @@ impl Movers {
         self.list.iter().map(|m| multiply(&world[m.node as usize], &m.node_from_mesh)).collect()
     }
 
-    /// Adds a mover on a node of its own. Instances must be added in ascending order.
+    /// Adds a mover with its own node. Instances must be added in ascending order.
     fn add(&mut self, instance: u32, above: Affine, rest: Rest, tracks: Tracks) {
         self.nodes.push(MovingNode { parent: None, above, rest, tracks });
         self.list.push(Mover { instance, node: self.nodes.len() as u32 - 1, node_from_mesh: IDENTITY });
@@ -170,7 +173,7 @@ impl Movers {
 }
 
 impl Scene {
-    /// Moves every mover to its place at a time, so that bounds, rays and pictures see it there.
+    /// Moves every mover to its pose at a time, for bounds, rays and pictures.
     pub fn pose(&mut self, seconds: f64) {
         let poses = self.movers.pose(seconds);
         for (mover, world_from_mesh) in self.movers.list.iter().zip(poses) {
@@ -178,17 +181,17 @@ impl Scene {
         }
     }
 
-    /// Removes every mover, along with meshes that nothing else uses; the remaining scene can be baked. Returns the
-    /// number of movers removed.
+    /// Removes every mover, along with meshes that nothing else uses; the remaining scene can be baked.
+    /// Returns the number of movers removed.
     pub fn remove_movers(&mut self) -> usize {
         let movers = std::mem::take(&mut self.movers);
         self.retain_instances(|instance| !movers.contains(instance));
         movers.len()
     }
 
-    /// Splits off the movers. This scene keeps the static instances; the returned scene holds the movers, their meshes,
-    /// materials and animations ([`Scene::pose`]). Cost: a copy of the movers' meshes and of the textures that
-    /// materials use.
+    /// Splits off the movers. This scene keeps the static instances; the returned scene holds the movers,
+    /// their meshes, materials and animations ([`Scene::pose`]). Cost: a copy of the movers' meshes and of
+    /// the textures that materials use.
     pub fn take_movers(&mut self) -> Self {
         let movers = std::mem::take(&mut self.movers);
         let instance = |i: u32| self.instances[i as usize].clone();
@@ -215,11 +218,12 @@ impl Scene {
         moving
     }
 
-    /// Adds a ball that moves along `path`, a list of seconds and centre positions, linearly interpolated. Returns its
-    /// instance.
+    /// Adds a ball that moves along `path`, a list of seconds and centre positions, linearly interpolated.
+    /// Returns its instance.
     ///
-    /// The ball has 1,280 triangles whose corners are on the sphere. `base_color` is linear. Times must be finite and
-    /// must not decrease. If `path` violates this or is empty, nothing is added and the result is `None`.
+    /// The ball has 1,280 triangles whose corners are on the sphere. `base_color` is linear. Times must be
+    /// finite and must not decrease. If `path` violates this or is empty, nothing is added and the result is
+    /// `None`.
     pub fn add_ball(
         &mut self,
         radius_world: f64,

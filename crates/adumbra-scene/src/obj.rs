@@ -1,13 +1,14 @@
 //! Loads Wavefront OBJ with its MTL: one mesh per name of an object or group, with polygons triangulated.
 //!
-//! Sources: Wavefront's *Advanced Visualizer* manual, appendix B1 "Object files (.obj)", with the superseded statements,
-//! and its MTL text. Departures: keywords may be in any case; faces may precede their vertices and `usemtl` its
-//! `mtllib`; objects and groups are alike, and the last name counts; normals, colours and smoothing are not read;
-//! curves and surfaces are counted, not read.
+//! Sources: Wavefront's *Advanced Visualizer* manual, appendix B1 "Object files (.obj)", with the superseded
+//! statements, and its MTL text. Departures: keywords may be in any case; faces may precede their vertices
+//! and `usemtl` its `mtllib`; objects and groups are treated alike, and the most recent name counts; normals,
+//! colours and smoothing are not read; curves and surfaces are counted, not read.
 //!
-//! The text is read twice, because faces may precede what they use: [`survey`] reads the vertices and the names, then
-//! [`faces`] the faces. [`materials`] reads the libraries between the two, and [`masks`] the textures afterwards.
-//! Positions are read in double precision, and geometry far from zero is offset by its instances.
+//! The text is read twice, because faces may precede the vertices and names that they use: [`survey`] reads
+//! the vertices and the names, then [`faces`] reads the faces. [`materials`] reads the libraries between the
+//! two, and [`masks`] reads the textures afterwards. Positions are read in double precision, and geometry far
+//! from zero is offset by its instances.
 
 mod faces;
 mod files;
@@ -36,7 +37,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     let sources = Sources::new(path, "OBJ", options);
     let budget = &sources.budget;
     let text = text::decoded(sources.read_scene()?, budget)?.map_err(|what| sources.bad(what))?;
-    // Lines that are joined are copied.
+    // Joining continued lines makes copies.
     let copied = 2 * text.len() as u64;
     budget.charge(copied, || "the text".to_owned())?;
     let survey = Survey::of(&sources, &text)?;
@@ -70,7 +71,7 @@ pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<Scene> {
     finish(path, scene, &built.sieve, options).map_err(|e| explained(e, &survey, built.read.faces))
 }
 
-/// Records what was read of the faces, and how.
+/// Records the counts of faces and of problems with them.
 fn report(built: &ObjMeshes, scene: &mut Scene) {
     let notes = &mut scene.notes;
     notes.read = built.read;
@@ -84,7 +85,7 @@ fn report(built: &ObjMeshes, scene: &mut Scene) {
     }
 }
 
-/// Says that a file without faces holds only points, if that is so.
+/// Changes the error if a file without faces holds only points.
 fn explained(error: Error, survey: &Survey, faces: u64) -> Error {
     let has_points = survey.points > 0 || !survey.positions.is_empty();
     match error {

@@ -1,4 +1,4 @@
-//! Text that a scene file decides, such as a texture's name, as a part of a message of one line.
+//! Escapes text from a scene file, such as a texture's name, so that it fits in a message of one line.
 
 use std::fmt::{self, Display, Write};
 
@@ -24,7 +24,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn line_breaks_and_control_characters_are_escaped_and_nothing_else() {
+    fn escapes_only_line_breaks_and_control_characters() {
         assert_eq!(one_line("a\n\r\tb\u{1b}[2J\u{2028}").to_string(), r"a\n\r\tb\u{1b}[2J\u{2028}");
         let plain = "caf\u{e9} \u{6728} \"q\" C:\\x";
         assert_eq!(one_line(plain).to_string(), plain);

@@ -1,8 +1,9 @@
-//! Loads PLY as Greg Turk defines it (*The PLY Polygon File Format*, 1994) and as scanners and modelling programs write
-//! it: text and both binary byte orders, polygons and triangle strips.
+//! Loads PLY as Greg Turk defines it (*The PLY Polygon File Format*, 1994) and as scanners and modelling
+//! programs write it: text and both binary byte orders, polygons and triangle strips.
 //!
-//! PLY has no names or materials. The node and the mesh get the file's name, and the material is called `default`.
-//! Colours, normals and texture coordinates are passed over, since none of them decides where a surface is opaque.
+//! PLY has no names or materials. The node and the mesh get the file's name, and the material is called
+//! `default`. Colours, normals and texture coordinates are skipped, because none of them decides where a
+//! surface is opaque.
 
 mod header;
 #[cfg(test)]
@@ -105,7 +106,8 @@ fn add_faces(sources: &Sources<'_>, mesh: &mut Mesh, faces: &Polygons, sieve: &m
     Ok(cutter.failed)
 }
 
-/// Adds the triangles of strips. Every second one is turned, so that all have the winding of the first.
+/// Adds the triangles of strips. Every second triangle is reversed, so that all have the winding of the
+/// first.
 fn add_strips(path: &Path, mesh: &mut Mesh, strips: &Polygons, sieve: &mut Sieve) -> Result<()> {
     for corners in strips.iter() {
         for (index, &[a, b, c]) in corners.array_windows().enumerate() {

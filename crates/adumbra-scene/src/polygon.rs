@@ -1,8 +1,9 @@
 //! Triangulates polygons in space, using only their own corners.
 //!
-//! A polygon that is covered exactly by a fan from its first corner is left to the caller, which cuts that fan:
-//! triangles, convex quads, and most other polygons that are star-shaped around their first corner. Any other polygon
-//! is projected along the axis nearest to its normal, which keeps coordinates exact, and cut by ear clipping.
+//! A polygon that is covered exactly by a fan from its first corner is left to the caller, which cuts that
+//! fan: triangles, convex quads, and most other polygons that are star-shaped around their first corner. Any
+//! other polygon is projected along the axis nearest to its normal, which keeps coordinates exact, and cut by
+//! ear clipping.
 
 use earcut::Earcut;
 use hashbrown::HashMap;
@@ -11,8 +12,8 @@ use hashbrown::HashMap;
 const FLAT: f64 = 1e-9;
 /// A triangulation is wrong if its area differs from the polygon's by more than this fraction.
 const MAX_AREA_ERROR: f64 = 1e-3;
-/// Polygons with more corners than this are not ear-clipped, since the time may grow with the square of the corner
-/// count.
+/// Polygons with more corners than this are not ear-clipped, since the time may grow with the square of the
+/// corner count.
 const MAX_CORNERS: usize = 1 << 14;
 
 type Point = [f64; 3];
@@ -25,14 +26,15 @@ pub(super) struct Cutter {
     flat: Vec<Flat>,
     indices: Vec<u32>,
     triangles: Vec<[u32; 3]>,
-    /// Polygons that were not triangulated because they self-intersect, are far from flat or have too many corners.
+    /// Polygons that were not triangulated because they self-intersect, are far from flat or have too many
+    /// corners.
     pub(super) failed: u64,
 }
 
 impl Cutter {
-    /// The triangles of a polygon as corner indices, with the polygon's winding. Returns `None` if the caller should
-    /// cut the fan from the first corner. This includes polygons that cannot be triangulated, which are counted in
-    /// [`Cutter::failed`].
+    /// The triangles of a polygon as corner indices, with the polygon's winding. Returns `None` if the caller
+    /// should cut the fan from the first corner. This includes polygons that cannot be triangulated, which
+    /// are counted in [`Cutter::failed`].
     pub(super) fn cut(&mut self, points: &[[f32; 3]]) -> Option<&[[u32; 3]]> {
         if points.len() < 4 || points.iter().flatten().any(|c| !c.is_finite()) {
             return None;
@@ -105,10 +107,10 @@ fn spokes(points: &[[f32; 3]]) -> impl Iterator<Item = [Point; 2]> + '_ {
     points[1..].windows(2).map(move |pair| [from_first(pair[0]), from_first(pair[1])])
 }
 
-/// Whether the fan from the first corner covers the polygon exactly: no triangle is flipped, and together they turn
-/// through less than a full circle around that corner. With more than four corners, every triangle must also have
-/// nonzero area. A degenerate triangle would be dropped later, along with the corner in the middle of its longest side,
-/// and that side would no longer match the neighbour's two edges (a T-junction).
+/// Whether the fan from the first corner covers the polygon exactly: no triangle is flipped, and together
+/// they turn through less than a full circle around that corner. With more than four corners, every triangle
+/// must also have nonzero area. A degenerate triangle would be dropped later, along with the corner in the
+/// middle of its longest side, and that side would no longer match the neighbour's two edges (a T-junction).
 fn is_fan(points: &[[f32; 3]], normal: Point) -> bool {
     let length = dot(normal, normal).sqrt();
     if length == 0.0 {

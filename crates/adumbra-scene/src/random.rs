@@ -1,5 +1,5 @@
-//! Reproducible random numbers: SplitMix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators*,
-//! 2014).
+//! Reproducible random numbers: SplitMix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number
+//! Generators*, 2014).
 
 /// A stream of random numbers.
 pub struct Random {

@@ -1,7 +1,7 @@
 //! The files of a scene: the scene itself, and the buffers, images and material libraries it references.
 //!
-//! Scenes may be untrusted. A referenced file must be in the scene's own folder unless the caller allows more. Only
-//! regular files are read, and no more of them than their stated length.
+//! Scenes may be untrusted. A referenced file must be in the scene's own folder unless the caller allows
+//! more. Only regular files are read, and no more of them than their stated length.
 
 use adumbra::IoError;
 use std::cell::{OnceCell, RefCell};
@@ -198,7 +198,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_that_leave_a_folder() {
+    fn detects_paths_that_leave_a_folder() {
         for inside in ["a.bin", "./a", "a/../b", "a/b/../../c", "..a/b", ""] {
             assert!(!leaves(Path::new(inside)), "{inside}");
         }

@@ -28,7 +28,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_survive_the_way_to_linear_and_back() {
+    fn srgb_bytes_survive_a_round_trip_through_linear() {
         for byte in 0..=255 {
             assert_eq!(linear_to_srgb(srgb_to_linear(byte)), byte);
         }

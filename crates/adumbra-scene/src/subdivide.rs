@@ -1,8 +1,8 @@
-//! Subdivides a mesh without changing its surface. Edges are cut at their midpoints, so that a model reaches the
-//! triangle count that a measurement needs and looks the same.
+//! Subdivides a mesh without changing its surface. Edges are cut at their midpoints, so that a model reaches
+//! the triangle count that a measurement needs and looks the same.
 //!
-//! Whether an edge is cut depends only on the positions of its ends. Both sides of a seam in the texture coordinates
-//! are therefore cut alike, and a closed mesh stays closed.
+//! Whether an edge is cut depends only on the positions of its ends. Both sides of a seam in the texture
+//! coordinates are therefore cut alike, and a closed mesh stays closed.
 
 use hashbrown::{HashMap, HashSet};
 
@@ -12,17 +12,18 @@ use crate::{Mesh, topology};
 const MAX_TRIANGLES: usize = u32::MAX as usize / 3;
 
 impl Mesh {
-    /// Subdivides until there are `wanted` triangles, at most 1,431,655,765. A mesh that already has that many is left
-    /// unchanged.
+    /// Subdivides until there are `wanted` triangles, at most 1,431,655,765. A mesh that already has that
+    /// many is left unchanged.
     ///
-    /// Every edge is cut, round after round, as long as four times the triangle count is at most `wanted`. A last round
-    /// cuts only the longest edges; ties are broken by the order of their first vertices. Cutting an edge adds one
-    /// triangle per adjacent triangle, and an edge that would add too many is skipped. A mesh with one or two triangles
-    /// per edge therefore ends at `wanted` or one below.
+    /// Every edge is cut, round after round, as long as four times the triangle count is at most `wanted`. A
+    /// last round cuts only the longest edges; ties are broken by the order of their first vertices. Cutting
+    /// an edge adds one triangle per adjacent triangle, and an edge that would add too many is skipped. A
+    /// mesh with one or two triangles per edge therefore ends at `wanted` or one below.
     ///
-    /// New vertices and their texture coordinates are midpoints rounded to `f32`, and come after the old vertices. New
-    /// triangles inherit material and winding. If edges are only a few rounding steps long, new triangles may become
-    /// degenerate. Cost: a sort of the edges and one hash look-up per corner; about a second for two million triangles.
+    /// New vertices and their texture coordinates are midpoints rounded to `f32`, and come after the old
+    /// vertices. New triangles inherit material and winding. If edges are only a few rounding steps long, new
+    /// triangles may become degenerate. Cost: a sort of the edges and one hash look-up per corner; about a
+    /// second for two million triangles.
     pub fn subdivide_to(&mut self, wanted: usize) {
         let wanted = wanted.min(MAX_TRIANGLES);
         if self.triangles.is_empty() || self.triangles.len() >= wanted {
@@ -46,14 +47,15 @@ fn sides([a, b, c]: [u32; 3]) -> [[u32; 2]; 3] {
     [[a, b], [b, c], [c, a]]
 }
 
-/// The longest edges whose cuts together add at most `triangles` triangles. `edge` maps an edge's ends to its key.
+/// The longest edges whose cuts together add at most `triangles` triangles. `edge` maps an edge's ends to its
+/// key.
 fn longest_edges(
     mesh: &Mesh,
     edge: impl Fn([u32; 2]) -> [u32; 2],
     mut triangles: usize,
 ) -> HashSet<[u32; 2]> {
-    // An edge's key and its length. The length is equal for every pair of indices with that key, since the positions
-    // are equal.
+    // An edge's key and its length. The length is equal for every pair of indices with that key, since the
+    // positions are equal.
     let mut edges: Vec<([u32; 2], f64)> = mesh
         .triangles
         .iter()

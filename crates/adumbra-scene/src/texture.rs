@@ -1,8 +1,8 @@
 //! Textures as shadows need them: images and sampled alpha. Colours are sampled by [`crate::MippedTexture`].
 //!
-//! Coordinates follow glTF 2.0: (0, 0) is the top left corner, and texel centres are at half-integers. Sampling uses
-//! only plain 32-bit float arithmetic, so every machine gets the same value. There are no mip levels: alpha cut-offs
-//! are tested on the full-resolution texture.
+//! Coordinates follow glTF 2.0: (0, 0) is the top left corner, and texel centres are at half-integers.
+//! Sampling uses only plain 32-bit float arithmetic, so every machine gets the same value. There are no mip
+//! levels: alpha cut-offs are tested on the full-resolution texture.
 
 use std::io::Cursor;
 
@@ -70,7 +70,8 @@ struct Axis {
 }
 
 impl Texture {
-    /// Alpha at `uv`, 0…1. A non-finite coordinate counts as 0. Cost: four texel reads, or one for a nearest texture.
+    /// Alpha at `uv`, 0…1. A non-finite coordinate counts as 0. Cost: four texel reads, or one for a nearest
+    /// texture.
     #[inline]
     pub fn alpha(&self, uv: [f32; 2]) -> f32 {
         self.sample(uv, |texel| [self.alpha_byte(texel)])[0] / 255.0
@@ -91,9 +92,9 @@ impl Texture {
         }
     }
 
-    /// Decodes a PNG, JPEG, WebP, TGA, BMP or KTX2 file. The texture repeats and is filtered bilinearly. `ending` gives the
-    /// format if the bytes do not identify it. With `alpha_only` the colours are dropped. The inner error is a clause
-    /// for [`crate::Error::Texture`].
+    /// Decodes a PNG, JPEG, WebP, TGA, BMP or KTX2 file. The texture repeats and is filtered bilinearly.
+    /// `ending` gives the format if the bytes do not identify it. With `alpha_only` the colours are dropped.
+    /// The inner error is a clause for [`crate::Error::Texture`].
     ///
     /// # Errors
     /// Returns [`crate::Error::SceneMemory`] if the image size stated in its header exceeds the budget.
@@ -225,8 +226,8 @@ fn open<'a>(bytes: &'a [u8], ending: &str) -> Result<(ImageFormat, impl ImageDec
         return Err("it is not a PNG, JPEG, WebP, TGA, BMP or KTX2 image".to_owned());
     };
     if format == ImageFormat::Png {
-        // The decoder unpacks the colour profile before it reports the image size. A larger profile is skipped. Text
-        // chunks may be held in memory a few times over.
+        // The decoder unpacks the colour profile before it reports the image size. A larger profile is
+        // skipped. Text chunks may be held in memory a few times over.
         let mut limits = Limits::default();
         limits.max_alloc = Some(PNG_HEADER_BYTES.saturating_add(bytes.len() as u64 * 4));
         reader.limits(limits);
@@ -258,7 +259,8 @@ fn fault(format: ImageFormat, error: &ImageError) -> String {
     }
 }
 
-/// Refuses an image that decodes to more bytes than a single image may have. The error is a clause for a message.
+/// Refuses an image that decodes to more bytes than a single image may have. The error is a clause for a
+/// message.
 fn check_size(width: u32, height: u32, bytes: u64) -> Result<(), String> {
     Limits::default()
         .reserve(bytes)
@@ -314,7 +316,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colour_profiles_are_small() {
+    fn skips_large_colour_profiles() {
         use image::ImageEncoder;
         let with_profile = |bytes: usize| {
             let mut out = Vec::new();
@@ -337,7 +339,7 @@ mod tests {
     }
 
     #[test]
-    fn texture_origin_is_top_left_and_centres_lie_at_half() {
+    fn texture_origin_is_top_left_and_centres_are_at_half() {
         let t = two_by_two(Wrap::Clamp, false);
         assert_eq!(t.alpha([0.25, 0.25]), 0.0);
         assert_eq!(t.alpha([0.75, 0.25]), 1.0);
@@ -359,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn texture_takes_any_coordinate() {
+    fn alpha_is_valid_at_any_coordinate() {
         for wrap in [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp] {
             for nearest in [false, true] {
                 let t = two_by_two(wrap, nearest);

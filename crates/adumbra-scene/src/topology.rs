@@ -1,10 +1,12 @@
-//! Finds the solid parts of a mesh. The inside of a solid cannot be seen, so a bake may return any answer there.
+//! Finds the solid parts of a mesh. The inside of a solid cannot be seen, so a bake may return any answer
+//! there.
 //!
-//! Vertices are welded by exact position (normals and texture coordinates are ignored, and -0 equals 0). Triangles that
-//! share an edge form a connected component. A component is *closed* if every directed edge occurs as often as its
-//! reverse. A closed component of positive volume whose materials are opaque and cast is *solid*. A closed component of
-//! negative volume is solid only as a cavity inside a solid of positive volume, where its winding cuts it out. An
-//! outermost shell of negative volume (a room seen from inside, a sky dome) is never solid.
+//! Vertices are welded by exact position (normals and texture coordinates are ignored, and -0 equals 0).
+//! Triangles that share an edge form a connected component. A component is *closed* if every directed edge
+//! occurs as often as its reverse. A closed component of positive volume whose materials are opaque and cast
+//! is *solid*. A closed component of negative volume is solid only as a cavity inside a solid of positive
+//! volume, where its winding cuts it out. An outermost shell of negative volume (a room seen from inside, a
+//! sky dome) is never solid.
 //!
 //! The result does not depend on the order of the triangles, except for the numbering of the components.
 
@@ -16,8 +18,8 @@ use crate::{Material, Mesh};
 use adumbra::grid::vec3::{cross, dot};
 use hashbrown::HashMap;
 
-/// If the volume is below this fraction of the summed magnitudes of its terms, it is rounding error: the component
-/// encloses nothing.
+/// If the volume is below this fraction of the summed magnitudes of its terms, it is rounding error: the
+/// component encloses nothing.
 const ZERO_VOLUME_SHARE: f64 = 1e-12;
 
 /// The components of a mesh.
@@ -36,8 +38,8 @@ pub struct Component {
     pub triangles: u32,
     /// Whether every directed edge occurs as often as its reverse.
     pub closed: bool,
-    /// Volume in the mesh's own units, positive if triangles are counter-clockwise seen from outside. It has no meaning
-    /// if the component is not closed.
+    /// Volume in the mesh's own units, positive if triangles are counter-clockwise seen from outside. It has
+    /// no meaning if the component is not closed.
     pub signed_volume: f64,
     /// Whether the component is a solid, whose inside cannot be seen, or a cavity in one.
     pub solid: bool,
@@ -74,11 +76,11 @@ impl Topology {
     }
 }
 
-/// Finds the components of `mesh` and determines which are closed and which are solid. Mirroring by an instance is
-/// ignored.
+/// Finds the components of `mesh` and determines which are closed and which are solid. Mirroring by an
+/// instance is ignored.
 ///
-/// Cost: one hash look-up per vertex, one sort of the edges, and a point-in-solid test for each shell of negative
-/// volume. Memory: [`working_bytes`].
+/// Cost: one hash look-up per vertex, one sort of the edges, and a point-in-solid test for each shell of
+/// negative volume. Memory: [`working_bytes`].
 pub fn analyse(mesh: &Mesh, materials: &[Material]) -> Topology {
     let mut topology = join_by_edges(&mesh.triangles, &weld(&mesh.positions));
     let (starts, members) = group_by_component(&topology);
@@ -109,11 +111,11 @@ pub fn analyse(mesh: &Mesh, materials: &[Material]) -> Topology {
     topology
 }
 
-/// Returns about how many bytes [`analyse`] holds at most, result included. What it holds besides is freed on return.
-/// The edges of a mesh take no more.
+/// Returns the approximate peak memory of [`analyse`] in bytes, including its result. All memory except the
+/// result is freed on return. Finding the edges of a mesh takes no more.
 pub fn working_bytes(mesh: &Mesh) -> u64 {
     let [triangles, vertices] = [mesh.triangles.len(), mesh.positions.len()].map(|n| n as u64);
-    // A table of positions doubles when it is seven eighths full, and is copied then.
+    // The table of positions doubles when it is seven eighths full, and is then copied.
     let buckets = (vertices * 8 / 7).next_power_of_two();
     let table = buckets * (size_of::<([u32; 3], u32)>() as u64 + 1) * 3 / 2;
     // The edges and the sets that they join, or later the components, their boxes and their triangles.
@@ -238,7 +240,8 @@ fn component_bounds(mesh: &Mesh, triangles: &[u32]) -> PartBounds {
     bounds
 }
 
-/// The corners of a triangle, rotated so that the smallest comes first: equal for all three rotations of its indices.
+/// The corners of a triangle, rotated so that the smallest comes first: equal for all three rotations of its
+/// indices.
 fn corners(mesh: &Mesh, triangle: u32) -> [[f64; 3]; 3] {
     let [a, b, c] = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].map(f64::from));
     if a <= b && a <= c {

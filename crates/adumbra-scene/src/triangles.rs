@@ -1,4 +1,4 @@
-//! Scenes of triangles that are in memory already.
+//! Scenes made from triangles in memory.
 
 use std::path::Path;
 
@@ -7,12 +7,13 @@ use crate::ply::{drop_unused, point};
 use crate::validate::{Sieve, finish};
 use crate::{Counts, Error, Instance, LoadOptions, Material, Mesh, Result, Scene};
 
-/// Creates a scene of one opaque mesh from vertices in world space and the vertices of each triangle. It is the scene that
-/// [`load`](crate::load) returns for a PLY file of the same triangles. Errors name `name` in place of a file.
+/// Creates a scene of one opaque mesh from vertices in world space and the vertices of each triangle. The
+/// scene equals the one that [`load`](crate::load) returns for a PLY file of the same triangles. Errors name
+/// `name` in place of a file.
 ///
 /// # Errors
-/// Returns [`Error::IndexOutOfRange`] if a vertex does not exist, [`Error::NotFinite`] if one that is used is not finite as an
-/// `f32`, and [`Error::NoTriangles`] or [`Error::ZeroExtent`] if nothing casts a shadow.
+/// Returns [`Error::IndexOutOfRange`] if a vertex does not exist, [`Error::NotFinite`] if a used vertex is
+/// not finite as an `f32`, and [`Error::NoTriangles`] or [`Error::ZeroExtent`] if nothing casts a shadow.
 pub fn from_triangles(name: &str, vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Scene> {
     let path = Path::new(name);
     let count = vertices.len();
@@ -48,7 +49,7 @@ mod tests {
         [[5e6, 0.0, 0.0], [5e6 + 1.5, 0.0, 0.0], [9.0; 3], [5e6, 0.0, 2.0], [5e6, 3.25, 0.0]];
 
     #[test]
-    fn triangles_in_memory_are_those_of_a_file() {
+    fn from_triangles_equals_loading_a_ply_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mesh.ply");
         let header = "ply\nformat ascii 1.0\nelement vertex 5\nproperty double x\nproperty double y\n\
@@ -62,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_in_memory_are_validated() {
+    fn from_triangles_validates_its_input() {
         let of = |triangles: &[[u32; 3]]| from_triangles("mesh", &VERTICES, triangles).unwrap_err();
         assert!(matches!(of(&[[0, 1, 5]]), Error::IndexOutOfRange { index: 5, vertices: 5, .. }));
         assert!(matches!(of(&[]), Error::NoTriangles { .. }));

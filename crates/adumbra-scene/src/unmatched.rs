@@ -7,12 +7,12 @@ use std::fmt;
 pub struct UnmatchedPattern {
     /// The pattern.
     pub pattern: String,
-    /// Whether it is of names to exclude, and not of names to keep.
+    /// Whether the pattern excludes names. If false, it keeps names.
     pub excludes: bool,
-    /// Whether it matches names of nodes that hold no triangles which are drawn: empty or hidden nodes, or coarser levels of
-    /// detail. The nodes below them have names of their own.
+    /// Whether the pattern matches names of nodes without drawn triangles: empty or hidden nodes, or coarser
+    /// levels of detail. The nodes below them have their own names.
     pub is_of_hidden: bool,
-    /// Names that are like it, the nearest first.
+    /// Names similar to the pattern, the most similar first.
     pub near: Vec<String>,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for UnmatchedPattern {
 pub fn pattern_of(name: &str) -> String {
     let literal = |c: char| match c {
         '*' | '?' | '[' | ']' | '{' | '}' => format!("[{c}]"),
-        // What it means in a pattern depends on the system.
+        // The meaning of a backslash in a pattern depends on the system.
         '\\' => "?".to_owned(),
         c => c.to_string(),
     };

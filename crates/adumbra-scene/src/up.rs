@@ -1,5 +1,5 @@
-//! Which axis points up in a file. Scenes are Y up, as glTF is; OBJ and PLY files do not say, and those of surveyors,
-//! planners and CAD programs are Z up.
+//! Which axis points up in a file. Scenes are Y up, like glTF. OBJ and PLY files do not state an axis, and
+//! those of surveyors, planners and CAD programs are Z up.
 
 use adumbra::Bounds;
 use serde::{Deserialize, Serialize};
@@ -22,18 +22,18 @@ pub enum UpAxis {
 const FROM_Z_UP: Affine = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0]];
 
 impl UpAxis {
-    /// Returns a direction of a file with this axis up as it is in the scene: (x, z, −y) for Z.
+    /// Converts a direction from a file with this up axis to the scene: (x, z, −y) for Z.
     pub fn to_scene(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Y => [x, y, z],
-            // Subtracting from 0 makes no -0.
+            // Subtracting from 0 never gives -0.
             Self::Z => [x, z, 0.0 - y],
         }
     }
 }
 
 impl Scene {
-    /// Turns a scene as it is in its file, so that Y points up.
+    /// Rotates a scene from the axes of its file, so that Y points up.
     pub(crate) fn turn_up(&mut self, up: UpAxis) {
         self.up = up;
         if up == UpAxis::Z {
@@ -44,8 +44,8 @@ impl Scene {
     }
 }
 
-/// Whether a scene that is taken as Y up looks as if it were Z up: less than half as long along Z as along X and Y, as a town
-/// that stands up like a wall, or more than twice as tall as it is wide.
+/// Whether a scene that was read as Y up looks Z up: it is less than half as long along Z as along X and Y,
+/// like a town standing on edge, or more than twice as tall as it is wide.
 pub(crate) fn looks_z_up(bounds: &Bounds) -> bool {
     let [x, y, z] = [0, 1, 2].map(|a| bounds.max[a] - bounds.min[a]);
     z < 0.5 * x.min(y) || y > 2.0 * x.max(z)
@@ -57,7 +57,7 @@ mod tests {
     use crate::affine::{IDENTITY, decompose};
 
     #[test]
-    fn directions_and_matrices_are_turned_alike() {
+    fn z_up_directions_and_matrices_rotate_alike() {
         let (_, [x, y, z, w], scale) = decompose(&FROM_Z_UP);
         let half = std::f64::consts::FRAC_1_SQRT_2;
         assert_eq!(([y, z], scale), ([0.0; 2], [1.0; 3]));
@@ -70,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn towns_that_stand_like_walls_look_z_up() {
+    fn scenes_on_edge_or_too_tall_look_z_up() {
         let looks = |size: [f64; 3]| looks_z_up(&Bounds { min: [5.0; 3], max: size.map(|s| s + 5.0) });
         for size in [[80.0, 80.0, 20.0], [1000.0, 300.0, 60.0], [30.0, 400.0, 20.0]] {
             assert!(looks(size), "{size:?}");

@@ -1,4 +1,5 @@
-//! The size of a scene without outliers that are far away or unusually wide. Default lengths are fractions of it.
+//! The size of a scene without outliers that are far away or unusually wide. Default lengths are fractions of
+//! it.
 
 use crate::Scene;
 
@@ -8,9 +9,10 @@ const MAX_CORNERS: u64 = 1 << 17;
 const OUTSIDE: f64 = 0.1;
 
 impl Scene {
-    /// The scene's usual diagonal, world units. Along each axis it takes the interval that holds the middle four fifths
-    /// of the placed triangles' corners, and scales it so that an evenly filled scene gives its whole bounding box.
-    /// Stray triangles, a sky dome or wide ground hardly change it. Cost: at most 131,072 corners, sorted three times.
+    /// The scene's usual diagonal, world units. Along each axis it takes the interval that holds the middle
+    /// four fifths of the placed triangles' corners, and scales it so that an evenly filled scene gives its
+    /// whole bounding box. Stray triangles, a sky dome or wide ground hardly change it. Cost: at most 131,072
+    /// corners, sorted three times.
     pub fn usual_diagonal(&self) -> f64 {
         let step = (3 * self.instanced_triangles()).div_ceil(MAX_CORNERS).max(1);
         let mut along: [Vec<f64>; 3] = Default::default();
@@ -39,7 +41,7 @@ mod tests {
     use crate::{GeneratedKind, Instance, generate};
 
     #[test]
-    fn usual_diagonal_is_that_of_the_box_but_for_strays() {
+    fn usual_diagonal_ignores_strays() {
         for kind in [GeneratedKind::City, GeneratedKind::Landscape, GeneratedKind::SphereGrid] {
             let mut scene = generate(kind, 1);
             let (usual, whole) = (scene.usual_diagonal(), scene.bounds().diagonal());

@@ -13,15 +13,15 @@ pub(super) struct Sieve {
     spread: bool,
     /// Whether the default scene of a glTF file has no nodes.
     pub(super) empty_scene: bool,
-    /// What the patterns of the name filter have met.
+    /// Which patterns of the name filter have matched.
     pub(super) met: Met,
     /// Whether the name filter dropped any triangles.
     pub(super) filtered: bool,
 }
 
 impl Sieve {
-    /// Whether the triangle has nonzero area; if not, it is counted. Zero area means that the cross product, taken with
-    /// 64-bit differences of the 32-bit coordinates, is exactly zero.
+    /// Whether the triangle has nonzero area; if not, it is counted. Zero area means that the cross product,
+    /// taken with 64-bit differences of the 32-bit coordinates, is exactly zero.
     pub(super) fn keeps(&mut self, p: [[f32; 3]; 3]) -> bool {
         let edge =
             |i: usize| -> [f64; 3] { std::array::from_fn(|a| f64::from(p[i][a]) - f64::from(p[0][a])) };
@@ -45,9 +45,9 @@ pub(super) fn check_vertex(path: &Path, mesh: &str, index: u64, p: [f32; 3]) -> 
     Err(Error::NotFinite { path: path.to_owned(), what: format!("vertex {index} of mesh {mesh:?}") })
 }
 
-/// Completes a loaded scene: drops meshes without triangles, fills in the notes, and rejects a scene that casts
-/// nothing, has no extent or overflows. Cost: one pass over the stored triangles and vertices, and eight points per
-/// instance.
+/// Completes a loaded scene: drops meshes without triangles, fills in the notes, and rejects a scene that
+/// casts nothing, has no extent or overflows. Cost: one pass over the stored triangles and vertices, and
+/// eight points per instance.
 pub(super) fn finish(path: &Path, mut scene: Scene, sieve: &Sieve, options: &LoadOptions) -> Result<Scene> {
     scene.notes.degenerate_triangles = sieve.degenerate;
     let unmatched = sieve.met.unmatched(&options.filter);

@@ -1,8 +1,9 @@
-//! Mutated streams and images: whatever a file holds, it loads or is refused with a message, without a panic and within
-//! the memory that the load may hold.
+//! Mutated streams and images: whatever a file holds, it loads or is rejected with a message, without a panic
+//! and within the memory limit of the load.
 //!
-//! Each input is changed where decoders take decisions: numbers of the headers and of the glTF extension, codes at the
-//! start of a stream, lengths, and bytes anywhere. `ADUMBRA_FUZZ_SECONDS=600` runs each decoder for that many seconds.
+//! Each input is changed where decoders branch: at numbers of the headers and of the glTF extension, at codes
+//! at the start of a stream, at lengths, and at bytes anywhere. `ADUMBRA_FUZZ_SECONDS=600` runs each decoder
+//! for that many seconds.
 #![cfg(all(feature = "ktx2", feature = "meshopt"))]
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -26,7 +27,7 @@ const LIMIT: u64 = 96 << 20;
 /// Memory of the test itself: its fixtures and the decoders' tables, bytes.
 const OWN: u64 = 96 << 20;
 
-/// Numbers at which decoders take decisions.
+/// Numbers at which decoders branch.
 const EDGES: [u64; 18] = [
     0,
     1,
@@ -89,7 +90,8 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) {
     }
 }
 
-/// Loads what `make` makes of one seed after the other. Both tests may hold their memory at once.
+/// Loads the files that `make` creates from successive seeds. Both tests may hold their memory at the same
+/// time.
 fn run(name: &str, make: impl Fn(&mut Random) -> Vec<u8>) {
     let time = fuzz_time();
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -199,14 +201,14 @@ fn ktx2_images_survive_mutation() {
     run("ktx2", |random| {
         let mut image = images[below(random, images.len())].clone();
         match below(random, 4) {
-            // The header, the index of levels and the data format descriptor.
+            // Change the header, the index of levels or the data format descriptor.
             0 => {
                 let at = 12 + below(random, 50) * 4;
                 let value = edge(random);
                 let width = [4, 8][below(random, 2)];
                 image[at..at + width].copy_from_slice(&value.to_le_bytes()[..width]);
             }
-            // The codebooks, and the data of the first level, with the file's structure kept.
+            // Change the codebooks or the data of the first level, but keep the file's structure.
             1 | 2 => {
                 let parts =
                     [(64, 72), (80, 88)].map(|(from, length)| (word(&image, from), word(&image, length)));

@@ -1,5 +1,5 @@
-//! glTF geometry compressed with Draco (KHR_draco_mesh_compression), against the same scene uncompressed. The files in
-//! `fixtures/draco` are made by Google's encoder; `make.mjs` beside them says how.
+//! glTF geometry compressed with Draco (KHR_draco_mesh_compression), compared with the same scene
+//! uncompressed. Google's encoder made the files in `fixtures/draco`; `make.mjs` beside them shows how.
 
 #[cfg(feature = "draco")]
 #[path = "draco/encoder.rs"]

@@ -1,7 +1,7 @@
-//! A property of the loaders: a generated scene gives the same triangles, whichever form it is written in.
+//! A property of the loaders: a generated scene gives the same triangles in whichever form it is written.
 //!
-//! Coordinates are multiples of 1/4 and small, so that every form can hold them exactly, and triangles are compared bit
-//! for bit in world space.
+//! Coordinates are multiples of 1/4 and small, so that every form can hold them exactly, and triangles are
+//! compared bit for bit in world space.
 
 #[path = "forms/gltf.rs"]
 mod gltf;
@@ -20,7 +20,7 @@ use model::{Model, World, canonical};
 /// The seeds of the models.
 const SEEDS: std::ops::Range<u64> = 0..40;
 
-/// A form: its name, its file's name, and the files that it consists of.
+/// A form: its name, the name of its main file, and the files that it consists of.
 type Form = (&'static str, &'static str, fn(&Model) -> Vec<(String, Vec<u8>)>);
 
 #[test]
@@ -42,7 +42,7 @@ fn every_form_of_a_scene_gives_the_same_triangles() {
     }
 }
 
-/// Loads a scene; anything that is left out is an error.
+/// Loads a scene; any omission is an error.
 fn read(path: &Path) -> adumbra_scene::Result<Scene> {
     load(path, &LoadOptions { strict: true, ..LoadOptions::default() })
 }
@@ -55,7 +55,7 @@ fn triangles(scene: &Scene) -> Vec<[[u64; 3]; 3]> {
     canonical(placed)
 }
 
-/// Triangles without area, counted as often as they are placed: for every form of these models, once.
+/// Whether the scene has triangles without area.
 fn flat(scene: &Scene) -> bool {
     scene.notes.degenerate_triangles > 0
 }

@@ -127,7 +127,7 @@ fn textures_and_masks_read_back_with_another_reader() {
 }
 
 #[test]
-fn glb_of_nothing_and_of_an_empty_mesh_is_valid() {
+fn glb_of_an_empty_scene_or_mesh_is_valid() {
     let mut scene = Scene::default();
     assert_eq!(gltf::Gltf::from_slice(&to_glb(&scene)).unwrap().nodes().len(), 0);
     scene.meshes.push(Mesh::default());
@@ -138,7 +138,7 @@ fn glb_of_nothing_and_of_an_empty_mesh_is_valid() {
 }
 
 #[test]
-fn many_vertices_get_wide_indices() {
+fn meshes_of_over_65535_vertices_get_32_bit_indices() {
     let mut scene = generate(GeneratedKind::Primitives, 0);
     let mesh = &mut scene.meshes[1];
     let (positions, triangles) = (mesh.positions.clone(), mesh.triangles.clone());
@@ -158,7 +158,7 @@ fn many_vertices_get_wide_indices() {
 }
 
 #[test]
-fn writing_replaces_whole_files_and_leaves_nothing_behind() {
+fn write_glb_replaces_the_file_and_leaves_no_temporary() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("scene.glb");
     let scene = generate(GeneratedKind::Primitives, 1);

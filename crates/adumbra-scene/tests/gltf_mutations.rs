@@ -1,9 +1,11 @@
-//! Random glTF files, whole and damaged. Whole ones give the same scene in every container and in every way to write
-//! numbers. Damaged ones load or are refused, without a panic and without more memory than the limit of the load.
+//! Random glTF files, valid and damaged. A valid file gives the same scene in every container and in every
+//! way to write numbers. A damaged file loads or is rejected, without a panic and within the memory limit of
+//! the load.
 //!
-//! The damage knows JSON and the container: values become values of other types, huge, negative or missing, lists are
-//! cut or repeat, and bytes and lengths change. A case depends on its seed alone. `ADUMBRA_FUZZ_SECONDS=600` runs from
-//! seed 0 on for that many seconds, with `TMPDIR=/dev/shm` many times as many:
+//! The damage knows JSON and the container: values become values of other types, huge, negative or missing,
+//! lists are cut or repeat, and bytes and lengths change. A case depends only on its seed.
+//! `ADUMBRA_FUZZ_SECONDS=600` runs from seed 0 for that many seconds. With `TMPDIR=/dev/shm` it runs many
+//! times as many cases:
 //! `ADUMBRA_FUZZ_SECONDS=600 cargo test --release -p adumbra-scene --test gltf_mutations -- --nocapture`.
 
 #[path = "gltf_mutations/damage.rs"]
@@ -41,13 +43,13 @@ const QUICK_SEEDS: u64 = 500;
 /// Damaged files per seed.
 const DAMAGED: usize = 12;
 
-/// Lets one test run at a time, as all memory of the program is counted.
+/// Lets only one test run at a time, because all memory of the program is counted.
 fn alone() -> MutexGuard<'static, ()> {
     static TURN: Mutex<()> = Mutex::new(());
     TURN.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// What a run has seen.
+/// The counts of a run.
 #[derive(Debug, Default)]
 struct Totals {
     seeds: u64,
@@ -67,14 +69,14 @@ fn options(dice: &mut Dice) -> LoadOptions {
     }
 }
 
-/// All of a scene, as a text to compare. The buffer's own file is not part of it.
+/// The content of a scene as text to compare, without the file of its buffer.
 fn summary(scene: &Scene) -> String {
     let mut notes = scene.notes.clone();
     notes.named_files.clear();
     format!("{:?} {:?} {:?} {:?} {notes:?}", scene.meshes, scene.instances, scene.materials, scene.suns)
 }
 
-/// Checks what every loaded scene promises.
+/// Checks the invariants of every loaded scene.
 fn check_scene(scene: &Scene) {
     assert!(!scene.instances.is_empty());
     for instance in &scene.instances {
@@ -134,7 +136,7 @@ impl Totals {
                 let message = error.to_string();
                 assert!(!message.contains('\n') && message.len() < 2000, "{message}");
                 let of_scene = message.contains("scene.glb");
-                // The file of a buffer or an image may be what is missing.
+                // The missing file may be that of a buffer or an image.
                 assert!(of_scene || matches!(error, Error::Io(_)), "{message}");
                 self.refused += 1;
                 self.too_large += u64::from(matches!(error, Error::SceneMemory { .. }));
@@ -144,7 +146,7 @@ impl Totals {
         if takes_name && write_shadow_name(path, "a.adumbra", sun).is_ok() {
             self.named += 1;
             let again = load(path, options);
-            // One more node and light may be more than the memory allows.
+            // The additional node and light may exceed the memory limit.
             assert!(
                 again.is_ok() == loaded.is_ok() || matches!(again, Err(Error::SceneMemory { .. })),
                 "{loaded:?} {again:?}"
@@ -154,7 +156,7 @@ impl Totals {
 }
 
 #[test]
-fn gltf_random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
+fn gltf_all_forms_load_alike_and_damage_never_panics() {
     let _turn = alone();
     let time = fuzz_time();
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -181,17 +183,17 @@ fn assert_memory_is_bounded(most_bytes: u64) {
 
 #[test]
 #[ignore = "slow: 60 files of up to 10 MB; 180 with ADUMBRA_FULL"]
-fn gltf_the_densest_files_take_no_more_memory_than_allowed() {
+fn gltf_densest_files_stay_within_the_memory_limit() {
     densest_files_keep_to_their_memory(if full() { 1 } else { 3 }, 1);
 }
 
 #[test]
-fn gltf_dense_files_take_no_more_memory_than_allowed() {
+fn gltf_dense_files_stay_within_the_memory_limit() {
     densest_files_keep_to_their_memory(7, 8);
 }
 
-/// Elements of a few bytes become structures of hundreds. Loads one of so many kinds of file, each of so many times fewer
-/// elements, within so many times less memory.
+/// Elements of a few bytes become structures of hundreds of bytes. Loads one in `one_of` kinds of file.
+/// Divides the number of elements and the memory limit by `fewer`.
 fn densest_files_keep_to_their_memory(one_of: usize, fewer: usize) {
     let _turn = alone();
     MEMORY.reset_peak_usage();
@@ -224,7 +226,7 @@ fn densest_files_keep_to_their_memory(one_of: usize, fewer: usize) {
             if (l + e) % one_of != 0 {
                 continue;
             }
-            // As many as nearly fit, and more.
+            // Counts that nearly fit, and a count that does not.
             for (count, may_fit) in [(30_000, true), (60_000, true), (400_000, false)] {
                 let count = count / fewer;
                 let mut text = String::with_capacity(count * (element.len() + 1) + 100);
@@ -232,7 +234,7 @@ fn densest_files_keep_to_their_memory(one_of: usize, fewer: usize) {
                 text.extend(std::iter::repeat_n(format!(",{element}"), count - 1));
                 text += "]}";
                 let (_folder, path) = file("scene.gltf", text.as_bytes());
-                // The load alone is what is measured.
+                // Free the text, so that only the load's memory is measured.
                 drop(text);
                 let error = load(&path, &options).expect_err("holds no triangles");
                 let fits = !matches!(error, Error::SceneMemory { .. });
@@ -243,7 +245,7 @@ fn densest_files_keep_to_their_memory(one_of: usize, fewer: usize) {
     }
 }
 
-/// The values of a JSON text, for damage and for other ways to write it.
+/// Visits every value of a JSON document, to damage it or to write it in another way.
 fn each_value(value: &mut Value, visit: &mut impl FnMut(&mut Value)) {
     visit(value);
     match value {
@@ -254,7 +256,7 @@ fn each_value(value: &mut Value, visit: &mut impl FnMut(&mut Value)) {
 }
 
 #[test]
-fn gltf_files_cut_anywhere_are_refused() {
+fn gltf_files_truncated_anywhere_are_rejected() {
     let _turn = alone();
     let dice = &mut Dice::new(3);
     let glb: Glb = valid::file(dice);

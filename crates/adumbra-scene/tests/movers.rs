@@ -30,7 +30,7 @@ fn animate(glb: &mut Glb, node: usize, property: &str, kind: &str, times: &[f32]
     );
 }
 
-/// A static triangle, and one on a grandchild of an animated node.
+/// A static triangle, and another one on a grandchild of an animated node.
 fn tower() -> Glb {
     let mut glb = Glb::triangle();
     let half = std::f32::consts::FRAC_1_SQRT_2;
@@ -61,10 +61,10 @@ fn movers_follow_their_parents() {
         scene.pose(seconds);
         scene.instances[1].to_world(p)
     };
-    // Before its first key, too, the animation's value is used instead of the node's own.
+    // Before the first key, too, the animation's value replaces that of the node.
     assert!(near(at(0.0, [0.0; 3]), [100.0, 5.0, 0.0]));
     assert!(near(at(0.0, [1.0, 0.0, 0.0]), [102.0, 5.0, 0.0]));
-    // Half way up, scaled by the node in between, rotated by a quarter turn.
+    // Half way up, scaled by the intermediate node, and rotated by a quarter turn.
     assert!(near(at(2.0, [1.0, 0.0, 0.0]), [100.0, 15.0, -2.0]));
     let half = std::f64::consts::FRAC_1_SQRT_2;
     assert!(near(at(1.0, [1.0, 0.0, 0.0]), [100.0 + 2.0 * half, 5.0, -2.0 * half]));
@@ -73,7 +73,7 @@ fn movers_follow_their_parents() {
 }
 
 #[test]
-fn movers_step_and_bend_as_the_file_says() {
+fn movers_follow_step_and_spline_interpolation() {
     let mut glb = Glb::triangle();
     animate(&mut glb, 0, "scale", "STEP", &[0.0, 1.0], &[1.0, 1.0, 1.0, 3.0, 3.0, 3.0]);
     // Tangents along z: the spline bends although both keys have z = 0.
@@ -88,7 +88,7 @@ fn movers_step_and_bend_as_the_file_says() {
 }
 
 #[test]
-fn movers_are_left_out_unless_asked_for() {
+fn movers_are_skipped_by_default() {
     let glb = tower();
     let scene = glb.load().expect("loads");
     assert_eq!((scene.instances.len(), scene.notes.skipped_movers), (1, 1));
@@ -113,7 +113,7 @@ fn movers_need_a_key_that_moves_them() {
 }
 
 #[test]
-fn movers_of_one_node_with_many_places() {
+fn movers_include_every_gpu_instance_of_a_node() {
     let mut glb = Glb::triangle();
     let moves = glb.floats(&[1.0, 0.0, 0.0, 2.0, 0.0, 0.0], "VEC3");
     glb.json["nodes"][0] = json!({"mesh": 0,
@@ -126,7 +126,7 @@ fn movers_of_one_node_with_many_places() {
 }
 
 #[test]
-fn movers_with_the_same_property_twice_follow_the_first_with_a_warning() {
+fn second_channel_of_a_property_is_ignored_with_a_warning() {
     let mut glb = Glb::triangle();
     for x in [1.0, 2.0] {
         animate(&mut glb, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0, x, 0.0, 0.0]);
@@ -137,7 +137,7 @@ fn movers_with_the_same_property_twice_follow_the_first_with_a_warning() {
 }
 
 #[test]
-fn movers_with_broken_keys_are_refused() {
+fn rejects_movers_with_broken_keys() {
     let cases: [(&str, &[f32], &[f32]); 3] = [
         ("LINEAR", &[1.0, 0.0], &[0.0, 0.0, 0.0, 1.0, 0.0, 0.0]),
         ("LINEAR", &[0.0, 1.0], &[0.0, 0.0, 0.0]),
@@ -155,8 +155,8 @@ fn movers_with_broken_keys_are_refused() {
 }
 
 #[test]
-fn keys_that_are_rounding_do_not_make_a_mover() {
-    // A triangle of side 1, 1000 away, on a node that is scaled to a house: 20 large.
+fn motion_below_rounding_does_not_make_a_mover() {
+    // A triangle of side 1 at a distance of 1000, on a node that scales it to the size of a house: 20.
     let house = |glb: &mut Glb| {
         glb.json["nodes"][0] = json!({"mesh": 0, "translation": [1000, 2, 3], "scale": [20, 20, 20],
             "rotation": [0, 0.6, 0, 0.8]});
@@ -182,7 +182,7 @@ fn keys_that_are_rounding_do_not_make_a_mover() {
         ("rotation", "STEP", negated, false),
         ("scale", "LINEAR", scaled_by(1.00005), false),
         ("scale", "LINEAR", scaled_by(1.0003), true),
-        // Tangents move what both keys leave where it is: by 4/27 of the tangent.
+        // Tangents move the node between two equal keys: by 4/27 of the tangent.
         ("translation", "CUBICSPLINE", spline(0.01), false),
         ("translation", "CUBICSPLINE", spline(0.02), true),
     ] {
@@ -198,8 +198,8 @@ fn keys_that_are_rounding_do_not_make_a_mover() {
 }
 
 #[test]
-fn what_hangs_far_from_an_animated_node_is_moved_by_its_turning() {
-    // 1e-5 radians move a triangle of side 1 by 2e-3 where it is 200 away, and by 1e-5 where it is not.
+fn small_rotation_makes_a_mover_of_a_distant_mesh() {
+    // 1e-5 radians move a triangle of side 1 by 2e-3 at a distance of 200, and by 1e-5 at the origin.
     for (distance, moves) in [(0.0, false), (200.0, true)] {
         let mut glb = Glb::triangle();
         glb.json["nodes"] =
@@ -232,7 +232,7 @@ fn an_animated_node_with_a_matrix_is_a_mover() {
         );
         assert!(near(at([0.0, 0.0, 1.0]), [7.0, height, 0.0]));
     }
-    // Keys that move nothing leave the node its matrix.
+    // Keys without motion do not replace the node's matrix.
     let mut still = Glb::triangle();
     still.json["nodes"][0] = json!({"mesh": 0, "matrix": [1, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]});
     animate(&mut still, 0, "translation", "LINEAR", &[0.0, 1.0], &[0.0; 6]);
@@ -241,7 +241,7 @@ fn an_animated_node_with_a_matrix_is_a_mover() {
 }
 
 #[test]
-fn movers_meshes_go_with_them() {
+fn removing_movers_removes_their_meshes() {
     let mut glb = tower();
     let positions = glb.floats(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0], "VEC3");
     let mesh = glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": positions}}]}));
@@ -253,7 +253,7 @@ fn movers_meshes_go_with_them() {
 }
 
 #[test]
-fn movers_split_off_go_where_they_went_before() {
+fn take_movers_keeps_their_poses() {
     let mut scene = keep(&tower());
     scene.add_ball(0.5, [1.0; 4], &[(0.0, [0.0; 3]), (4.0, [8.0, 0.0, 0.0])]);
     let mut whole = scene.clone();
@@ -271,7 +271,7 @@ fn movers_split_off_go_where_they_went_before() {
 }
 
 #[test]
-fn a_ball_moves_along_its_path_and_goes_again() {
+fn ball_moves_along_its_path_and_can_be_removed() {
     let mut scene = generate(GeneratedKind::Primitives, 1);
     let (instances, meshes) = (scene.instances.len(), scene.meshes.len());
     let path = [(0.0, [0.0, 9.0, 0.0]), (2.0, [4.0, 9.0, 0.0]), (3.0, [4.0, 9.0, 8.0])];

@@ -1,4 +1,4 @@
-//! Loading scenes: the expected content of valid files, and the error for each kind of invalid one.
+//! Loading scenes: the expected content of valid files, and the error for each kind of invalid file.
 
 #[path = "scene_loading/gltf_container.rs"]
 mod gltf_container;
@@ -45,7 +45,7 @@ use kit::{Glb, TRIANGLE, USHORT, load_bytes, only, refused, world_triangles};
 use serde_json::json;
 
 #[test]
-fn gltf_triangle_without_indices() {
+fn gltf_reads_a_triangle_without_indices() {
     let scene = Glb::triangle().load().expect("loads");
     assert_eq!(scene.stored_triangles(), 1);
     assert_eq!(world_triangles(&scene), [[[0.0; 3], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]]);
@@ -73,8 +73,8 @@ fn gltf_transforms_nest_and_mirror() {
 }
 
 #[test]
-fn gltf_turned_instances_are_mirrored_only_by_their_scale() {
-    // A third of a turn about each axis.
+fn gltf_rotation_does_not_mirror_an_instance() {
+    // A rotation by 120 degrees about each axis.
     let (sin, cos) = (0.75_f64.sqrt(), 0.5);
     for turn in [[sin, 0.0, 0.0, cos], [0.0, sin, 0.0, cos], [0.0, 0.0, sin, cos]] {
         for side in [1.0, -1.0] {
@@ -87,7 +87,7 @@ fn gltf_turned_instances_are_mirrored_only_by_their_scale() {
 }
 
 #[test]
-fn gltf_nodes_stand_where_the_file_says_at_map_coordinates() {
+fn gltf_nodes_at_map_coordinates_keep_double_precision() {
     let mut glb = Glb::triangle();
     glb.json["nodes"] = json!([
         {"translation": [500_000.37, 0, 5_000_000.37], "children": [1, 2]},
@@ -126,7 +126,7 @@ fn gltf_strips_and_fans_keep_their_winding() {
 }
 
 #[test]
-fn gltf_sparse_accessors_with_and_without_a_base() {
+fn gltf_reads_sparse_accessors_with_and_without_a_base() {
     for with_base in [true, false] {
         let mut glb = Glb::triangle();
         let at = glb.view(&[1_u16, 2].map(u16::to_le_bytes).concat());
@@ -143,7 +143,7 @@ fn gltf_sparse_accessors_with_and_without_a_base() {
 }
 
 #[test]
-fn gltf_quantised_positions() {
+fn gltf_reads_quantised_positions() {
     let mut glb = Glb::new();
     let bytes = [0_i16, 0, 0, 0, 32767, 0, 0, 0, 0, 0, -32767, 0].map(i16::to_le_bytes).concat();
     let positions = glb.accessor(&bytes, 5122, "VEC3", 3);
@@ -156,7 +156,7 @@ fn gltf_quantised_positions() {
 }
 
 #[test]
-fn gltf_gpu_instancing_places_the_mesh_often() {
+fn gltf_gpu_instancing_places_every_instance() {
     let mut glb = Glb::triangle();
     let moves = glb.floats(&[1.0, 0.0, 0.0, 2.0, 0.0, 0.0], "VEC3");
     glb.json["nodes"][0] = json!({"mesh": 0, "translation": [0, 3, 0],
@@ -168,7 +168,7 @@ fn gltf_gpu_instancing_places_the_mesh_often() {
 }
 
 #[test]
-fn gltf_skin_stands_in_bind_pose_with_a_warning() {
+fn gltf_skin_keeps_the_pose_of_its_nodes_with_a_warning() {
     let mut glb = Glb::new();
     let positions = glb.floats(&TRIANGLE, "VEC3");
     let joints = glb.accessor(&[0; 12], 5121, "VEC4", 3);
@@ -192,7 +192,7 @@ fn gltf_skin_stands_in_bind_pose_with_a_warning() {
     assert_eq!(world_triangles(&glb.load().expect("loads")), world_triangles(&scene));
     glb.json["meshes"][0]["primitives"][0]["attributes"]["WEIGHTS_0"] = json!(weights);
 
-    // Another joint, in a second set, has as much weight.
+    // Another joint, in a second set, has the same weight.
     let others = glb.accessor(&[1, 0, 0, 0].repeat(3), 5121, "VEC4", 3);
     let attributes = &mut glb.json["meshes"][0]["primitives"][0]["attributes"];
     attributes["JOINTS_1"] = json!(others);
@@ -203,7 +203,7 @@ fn gltf_skin_stands_in_bind_pose_with_a_warning() {
     let by_both = [[0.0, 6.0, 3.0], [1.0, 6.0, 3.0], [0.0, 6.0, 4.0]];
     assert_eq!(world_triangles(&scene)[0], by_both);
 
-    // A primitive that shares all but the second set stands elsewhere.
+    // A primitive that shares everything except the second set has another position.
     let first_set = json!({"POSITION": positions, "JOINTS_0": joints, "WEIGHTS_0": weights});
     add_primitive(&mut glb, json!({ "attributes": first_set }));
     let triangles = world_triangles(&glb.load().expect("loads"));
@@ -257,7 +257,7 @@ fn gltf_mask_and_blend_load_their_alpha() {
 }
 
 #[test]
-fn gltf_vertex_colours_are_read_where_they_count() {
+fn gltf_vertex_colours_are_read_only_where_they_have_an_effect() {
     let with_colors = |make: &dyn Fn(&mut Glb) -> usize, material: serde_json::Value| {
         let mut glb = Glb::triangle();
         let colors = make(&mut glb);
@@ -312,7 +312,7 @@ fn gltf_texture_transform_moves_the_coordinates() {
 }
 
 #[test]
-fn gltf_missing_texture_is_an_error_only_where_it_decides() {
+fn gltf_missing_texture_is_an_error_only_for_opacity() {
     let pbr = json!({"baseColorTexture": {"index": 0, "texCoord": 1}});
     let mut glb = textured(
         json!({"name": "leaf", "alphaMode": "MASK", "pbrMetallicRoughness": pbr}),
@@ -351,7 +351,7 @@ fn gltf_extras_stop_casting() {
 }
 
 #[test]
-fn gltf_marks_of_casting_are_numbers_too_and_others_are_named() {
+fn gltf_cast_mark_may_be_a_number_and_others_are_warnings() {
     let casts = |mark: serde_json::Value| {
         let mut glb = Glb::triangle();
         let extras = json!({"adumbra": {"cast": mark}});
@@ -402,7 +402,7 @@ fn gltf_filter_makes_variants_and_keeps_instances() {
 }
 
 #[test]
-fn gltf_beside_its_buffer_and_with_a_data_uri() {
+fn gltf_reads_buffers_from_a_file_or_a_data_uri() {
     let mut glb = Glb::triangle();
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("scene.gltf");
@@ -436,7 +436,7 @@ fn gltf_required_extension_is_named() {
 }
 
 #[test]
-fn gltf_bad_vertices_transforms_and_indices() {
+fn gltf_rejects_bad_vertices_transforms_and_indices() {
     let mut glb = Glb::triangle();
     glb.bin[..4].copy_from_slice(&f32::NAN.to_le_bytes());
     assert!(matches!(refused(glb.load()), Error::NotFinite { what, .. } if what.contains("vertex 0")));
@@ -452,7 +452,7 @@ fn gltf_bad_vertices_transforms_and_indices() {
 }
 
 #[test]
-fn gltf_degenerate_triangles_lines_and_empty_scenes() {
+fn gltf_skips_degenerate_triangles_and_rejects_empty_scenes() {
     let mut glb = Glb::new();
     let positions = glb.floats(&[TRIANGLE.as_slice(), &[0.5, 0.0, 0.0], &[0.0; 3]].concat(), "VEC3");
     let indices = glb.indices(&[0, 1, 2, 0, 0, 1, 0, 1, 3, 0, 4, 1]);

@@ -1,12 +1,14 @@
-//! Assembles a module: the requested texts, preceded by the constants and structures shared with Rust that they use.
+//! Assembles a module: the requested texts, preceded by the constants and structures shared with Rust that
+//! they use.
 
 use std::collections::HashSet;
 
 use crate::source::Source;
 use crate::{constants, layout};
 
-/// Assembles one module: the shared constants and structures that `texts` use, then `texts` in the given order. An
-/// engine's own shader may be one of them. If it uses no shared names, it may also be appended to the module.
+/// Assembles one module: the shared constants and structures that `texts` use, then `texts` in the given
+/// order. An engine's own shader may be one of them. If it uses no shared names, it may also be appended to
+/// the module.
 pub fn assemble(texts: &[Source]) -> String {
     let structs: Vec<_> = layout::STRUCTS.iter().map(|s| (s.name, (s.declare)())).collect();
     let constants = constants::declarations();

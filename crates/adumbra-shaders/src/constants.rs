@@ -25,7 +25,7 @@ shared! {
     PIXEL_GROUP: u32 = 8;
     /// Workgroup size for passes over a list, in threads.
     LIST_GROUP: u32 = 64;
-    /// Number of words that passes/voxel_reads.wgsl has room for per look-up.
+    /// Number of words per look-up that passes/voxel_reads.wgsl can store.
     MAX_READS: u32 = 8190;
     /// `LayerParams::kind`: the rendered picture.
     LAYER_COLOR: u32 = 0;
@@ -47,15 +47,18 @@ shared! {
     PRESENT_DIFFERENCE: u32 = 2;
     /// Largest number of layers in a shadow map.
     MAX_LAYERS: u32 = 8;
-    /// Largest number of taps on either side of a screen-space blur; one less than the length of `BlurParams::taps`.
+    /// Largest number of taps on either side of a screen-space blur; one less than the length of
+    /// `BlurParams::taps`.
     MAX_BLUR_SIDE: u32 = 32;
-    /// Largest number of taps of an ambient occlusion estimator; a 16th of the length of `OcclusionTaps::taps`.
+    /// Largest number of taps of an ambient occlusion estimator; a 16th of the length of
+    /// `OcclusionTaps::taps`.
     OCCLUSION_MAX_TAPS: u32 = 64;
     /// Largest number of taps on either side of the ambient occlusion filter.
     OCCLUSION_MAX_SIDE: u32 = 16;
     /// Slope at which the slope-scaled bias is clamped (`adumbra::MAX_SLOPE`).
     MAX_SLOPE: f32 = 9.95;
-    /// Slope of the steepest receiver plane that a look-up in baked voxels follows (`adumbra::MAX_PLANE_SLOPE`).
+    /// Slope of the steepest receiver plane that a look-up in baked voxels follows
+    /// (`adumbra::MAX_PLANE_SLOPE`).
     MAX_PLANE_SLOPE: f32 = 120.0;
     /// One voxel in fixed-point grid positions.
     FIXED_ONE: i32 = 4096;
@@ -78,19 +81,20 @@ shared! {
     PAGE_LEVEL: u32 = 9;
     /// Weight of a page whose answers are not mixed with those of the next coarser level (`adumbra::stream`).
     WHOLE_PAGE: u32 = 256;
-    /// Stored in the third of a quadtree's extra words if the weights of its pages follow the table of blocks.
+    /// Stored in the third of a quadtree's extra words if the weights of its pages follow the table of
+    /// blocks.
     PAGES_FADE: u32 = 2;
     /// Largest number of levels of a file (`adumbra::file::MAX_LEVELS`).
     MAX_LEVELS: u32 = 8;
-    /// A ray that comes out of a column's shadow within so many voxels of its surface has passed through the surface's edge
-    /// (`adumbra::query::EDGE_VOXELS`).
+    /// A ray that leaves a column's shadow within this many voxels of its surface has passed through the
+    /// surface's edge (`adumbra::query::EDGE_VOXELS`).
     MARCH_EDGE_VOXELS: u32 = 2;
-    /// Number of lit taps that says that a page is not resident. No filter has as many taps.
+    /// Number of lit taps that means that a page is not resident. No filter has as many taps.
     TAPS_ABSENT: u32 = 1 << 16;
     /// Switch depth of a column that is lit to its end (`adumbra::layout::depths::NEVER`).
     DEPTHS_NEVER: u32 = u32::MAX;
-    /// Distance along the receiver's plane, in texels, by which hardware 2 × 2 comparisons move the compared depth
-    /// towards the sun.
+    /// Distance along the receiver's plane, in texels, by which hardware 2 × 2 comparisons move the compared
+    /// depth towards the sun.
     HARDWARE_REACH: f32 = 0.75;
     /// Number of blocks in a row that are ranked together when a hybrid map is built.
     HYBRID_SECTION: u32 = 64;
@@ -98,8 +102,8 @@ shared! {
     HYBRID_FIRST_SECTION: u32 = 4;
     /// Fraction bits of a plane's slope with code 1.
     HYBRID_SLOPE_BITS: u32 = 12;
-    /// A word of a hybrid map with this bit set holds the index of its four finer texels. Without it, the word is a
-    /// depth.
+    /// A word of a hybrid map with this bit set holds the index of its four finer texels. Without it, the
+    /// word is a depth.
     HYBRID_INDEX: u32 = 0x80000000;
     /// End of a linked list.
     HYBRID_NO_LINK: u32 = 0xffffffff;
@@ -115,14 +119,14 @@ shared! {
     DEPTH_16_STEP: f32 = 1.0 / 65535.0;
     /// Threshold e0 of the relative test (Li, Yang, Zhao, Chen 2016, equation 1).
     HYBRID_E0: f32 = 0.25;
-    /// Weight with which the four moments of depth are blended towards those of an even spread, to compensate their
-    /// rounding in 32-bit floats.
+    /// Weight with which the four moments of depth are blended towards those of an even spread, to compensate
+    /// their rounding in 32-bit floats.
     MOMENT_BIAS: f32 = 0.000003;
 }
 
-/// Points in the unit disc in progressive order: the first few are already far apart. Their mean is the centre.
-/// Generated once by best-candidate sampling (Mitchell, *Spectrally Optimal Sampling for Distribution Ray Tracing*,
-/// 1991).
+/// Points in the unit disc in progressive order: the first few are already far apart. Their mean is the
+/// centre. Generated once by best-candidate sampling (Mitchell, *Spectrally Optimal Sampling for Distribution
+/// Ray Tracing*, 1991).
 pub const POISSON_DISC: [[f32; 2]; 32] = [
     [-0.052, -0.009],
     [0.661, 0.478],

@@ -6,13 +6,13 @@
 //! | `wgsl/access/` | functions that fetch words: from one buffer, several buffers or a look-up texture, or from a hybrid map |
 //! | `wgsl/passes/` | bindings and entry points |
 //!
-//! [`assemble`] makes a module: the parts of [`layout::STRUCTS`] and [`constants::declarations`] that the chosen files
-//! use, followed by those files in order. There is no preprocessor. Structures and constants are declared once, in
-//! Rust. A test checks the structures against naga's layout.
+//! [`assemble`] makes a module: the parts of [`layout::STRUCTS`] and [`constants::declarations`] that the
+//! chosen files use, followed by those files in order. There is no preprocessor. Structures and constants are
+//! declared once, in Rust. A test checks the structures against naga's layout.
 //!
-//! All names in `core/` and `access/`, all shared structures and constants, and all functions that `core/` and
-//! `access/` expect other files to define begin with `adumbra_`, `Adumbra` or `ADUMBRA_`, so that the text can be
-//! included in an engine's own shader.
+//! All names in `core/` and `access/`, all shared structures and constants, and all functions that
+//! `core/` and `access/` expect other files to define begin with `adumbra_`, `Adumbra` or `ADUMBRA_`, so that
+//! the text can be included in an engine's own shader.
 
 mod assemble;
 pub mod constants;

@@ -9,8 +9,8 @@ pub struct Source {
     pub text: &'static str,
 }
 
-/// Returns the file at a path below `wgsl/`, such as those that `adumbra::gpu::wgsl_files` names; `None` if there is no
-/// such file.
+/// Returns the file at a path below `wgsl/`, such as those that `adumbra::gpu::wgsl_files` names; `None` if
+/// there is no such file.
 pub fn by_path(path: &str) -> Option<Source> {
     ALL.iter().copied().find(|source| source.name == path)
 }
@@ -45,7 +45,7 @@ sources! {
     DEPTHS_LEAF = "core/depths_leaf.wgsl";
     /// The blend of a streamed file's levels.
     DEPTHS_BLEND = "core/depths_blend.wgsl";
-    /// The march to another sun than a file's own.
+    /// The march towards another sun than a file's own.
     DEPTHS_MARCH = "core/depths_march.wgsl";
     /// Penumbrae from switch depths.
     DEPTHS_SOFT = "core/depths_soft.wgsl";
@@ -53,7 +53,7 @@ sources! {
     DEPTHS_LEVEL = "core/depths_level.wgsl";
     /// Words from one storage buffer.
     WORDS_1 = "access/words_1.wgsl";
-    /// Words from one storage buffer, each noted as it is read.
+    /// Words from one storage buffer, each logged as it is read.
     WORDS_LOGGED = "access/words_logged.wgsl";
     /// Words from six storage buffers.
     WORDS_6 = "access/words_6.wgsl";

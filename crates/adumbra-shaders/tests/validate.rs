@@ -1,4 +1,5 @@
-//! Parses and validates every shader with naga, and checks every structure's layout against naga's. No GPU is needed.
+//! Parses and validates every shader with naga, and checks every structure's layout against naga's. No GPU is
+//! needed.
 
 mod modules;
 
@@ -70,7 +71,7 @@ fn unused_structs(text: &str) -> Vec<&str> {
 }
 
 #[test]
-fn assembled_look_ups_hold_only_the_shared_structures_and_constants_that_they_use() {
+fn modules_contain_only_the_shared_items_that_they_use() {
     for (name, files) in modules() {
         let text = assemble(&files);
         assert_eq!(unused_structs(&text), Vec::<&str>::new(), "{name}");
@@ -95,7 +96,7 @@ fn assembled_look_ups_hold_only_the_shared_structures_and_constants_that_they_us
 }
 
 #[test]
-fn names_that_an_engine_includes_begin_with_the_prefix() {
+fn names_in_engine_includes_have_the_prefix() {
     let shared =
         STRUCTS.iter().map(|s| s.name).chain(constants::declarations().into_iter().map(|(name, _)| name));
     for name in shared {

@@ -5,7 +5,7 @@ use adumbra::gpu::{GridParameters, Parameters};
 use adumbra_shaders::layout::{GpuType, GridTransform, ReceiverBias, VoxelParams};
 
 #[test]
-fn parameter_block_has_the_bytes_of_the_shared_structure() {
+fn parameter_block_matches_shared_structure_bytes() {
     let grid = GridParameters {
         axes: [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]],
         edges: [[1.5, 2.5, 3.5], [4.5, 5.5, 6.5], [7.5, 8.5, 9.5]],

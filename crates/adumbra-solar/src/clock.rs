@@ -8,7 +8,8 @@ use jiff::civil;
 use crate::error::{Error, Result};
 use crate::position::YEARS;
 
-/// A day of the Gregorian calendar, which also stands for the centuries before it. As text: `2026-06-21`.
+/// A day of the Gregorian calendar, which is also used for the centuries before its introduction. As text:
+/// `2026-06-21`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Date(civil::Date);
 
@@ -25,7 +26,7 @@ impl Date {
             .ok_or_else(|| Error::DateRange { date: format!("{year:04}-{month:02}-{day:02}") })
     }
 
-    /// The time of the clock on this day, or on the next one.
+    /// Returns this time of the clock on this day, or on the next one.
     pub(crate) fn at(self, time: Clock, next: bool) -> Option<civil::DateTime> {
         let days = u32::from(next) + time.0 / DAY_SECONDS;
         let seconds = time.0 % DAY_SECONDS;
@@ -121,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clock_times_are_read_as_they_are_shown() {
+    fn clock_times_round_trip_and_invalid_ones_are_rejected() {
         for (text, shown) in
             [("7", "07:00"), ("07:30", "07:30"), ("0:05", "00:05"), ("23:59:59", "23:59:59"), ("24", "24:00")]
         {
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn dates_are_days_that_there_are() {
+    fn rejects_dates_that_do_not_exist() {
         assert_eq!("2024-02-29".parse::<Date>().unwrap().to_string(), "2024-02-29");
         assert!("0001-01-01".parse::<Date>().is_ok() && "2999-12-31".parse::<Date>().is_ok());
         for text in ["2026-02-29", "0000-01-01", "3000-01-01", "2026-13-01", "2026-00-10"] {

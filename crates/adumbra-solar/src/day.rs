@@ -10,24 +10,27 @@ use crate::zone::Zone;
 
 /// A span of a day at a place, by the local clock.
 ///
-/// As text: `lat=48,lon=11,date=2026-06-21,from=7,to=19[,tz=Europe/Berlin][,step=60][,height=520][,refraction=off]`. Keys
-/// may have any order. `tz` is an IANA name or an offset, `step` is in seconds, `height` in metres above the sea.
+/// As text:
+/// `lat=48,lon=11,date=2026-06-21,from=7,to=19[,tz=Europe/Berlin][,step=60][,height=520][,refraction=off]`.
+/// Keys may have any order. `tz` is an IANA name or an offset, `step` is in seconds, `height` in metres above
+/// the sea.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Day {
     /// The place.
     pub location: Location,
     /// The date on which the span begins.
     pub date: Date,
-    /// Start by the local clock, before 24:00. Of a time that the clock shows twice, it is the first.
+    /// Start by the local clock, before 24:00. If the clock shows the time twice, this is the first.
     pub from: Clock,
-    /// End by the local clock; if it is before the start, it is on the next day. Of a time that the clock shows twice, it is
-    /// the second.
+    /// End by the local clock. If it is before the start, it is on the next day. If the clock shows the time
+    /// twice, this is the second.
     pub to: Clock,
-    /// Time zone of the clock. `None` is the nautical zone, [`Zone::nautical`], whatever the law says there.
+    /// Time zone of the clock. `None` is the nautical zone, [`Zone::nautical`], regardless of the legal time
+    /// there.
     pub zone: Option<Zone>,
     /// Time between steps, 1 to 86,400 s.
     pub step_seconds: u32,
-    /// The air that bends light. `None` leaves refraction out.
+    /// The atmosphere that refracts light. `None` disables refraction.
     pub atmosphere: Option<Atmosphere>,
 }
 
@@ -36,7 +39,7 @@ pub struct Day {
 pub struct SunStep {
     /// Seconds after 1970-01-01T00:00Z, without leap seconds.
     pub unix_seconds: f64,
-    /// Where the sun is.
+    /// The sun's position.
     pub position: Position,
     /// The directional light; `None` if the sun is at the horizon or below.
     pub sun: Option<Sun>,
@@ -50,7 +53,7 @@ impl SunStep {
 }
 
 impl Day {
-    /// Seconds between steps unless others are asked for.
+    /// Default time between steps, in seconds.
     pub const DEFAULT_STEP_SECONDS: u32 = 60;
 
     /// Creates a span in steps of a minute, in the nautical zone, under the standard atmosphere.
@@ -71,12 +74,13 @@ impl Day {
         self.zone.clone().unwrap_or_else(|| Zone::nautical(&self.location))
     }
 
-    /// Returns the first and the last instant, seconds after 1970. A time that the clock skips is read as if the clock had
-    /// not been put forward, so a span over a skipped hour is an hour shorter than by the clock, and one over a repeated
-    /// hour an hour longer.
+    /// Returns the first and the last instant, seconds after 1970. A time that the clock skips is read as if
+    /// the clock had not been put forward, so a span over a skipped hour is an hour shorter than by the
+    /// clock, and one over a repeated hour an hour longer.
     ///
     /// # Errors
-    /// Returns [`Error::EmptySpan`] if the end is not after the start, and [`Error::Range`] if the start is 24:00.
+    /// Returns [`Error::EmptySpan`] if the end is not after the start, and [`Error::Range`] if the start is
+    /// 24:00.
     pub fn ends(&self) -> Result<[i64; 2]> {
         let empty = || Error::EmptySpan {
             date: self.date.to_string(),
@@ -92,15 +96,16 @@ impl Day {
         let from = self.date.at(self.from, false).and_then(|civil| zone.first(civil));
         let to = self.date.at(self.to, self.to < self.from).and_then(|civil| zone.last(civil));
         let ends = [from.ok_or_else(out_of_range)?, to.ok_or_else(out_of_range)?];
-        // Equal times are an hour apart if the clock shows them twice. That hour is not a span that anyone asks for.
+        // Equal times are an hour apart if the clock shows them twice. Nobody means that hour, so refuse it.
         if self.from == self.to || ends[0] >= ends[1] { Err(empty()) } else { Ok(ends) }
     }
 
-    /// Returns the sun at the start, after each step, and at the end. The last step is shorter if the span is not a whole
-    /// number of steps. Cost: about 5 µs a step.
+    /// Returns the sun at the start, after each step, and at the end. The last step is shorter if the span is
+    /// not a whole number of steps. Cost: about 5 µs a step.
     ///
     /// # Errors
-    /// Returns the errors of [`Day::ends`], and [`Error::Range`] if the step or the atmosphere is out of range.
+    /// Returns the errors of [`Day::ends`], and [`Error::Range`] if the step or the atmosphere is out of
+    /// range.
     pub fn steps(&self) -> Result<Vec<SunStep>> {
         if !(1..=DAY_SECONDS).contains(&self.step_seconds) {
             let value = self.step_seconds.to_string();

@@ -32,7 +32,7 @@ pub enum Error {
         /// The name.
         name: String,
     },
-    /// A date is outside what the algorithm covers.
+    /// A date is outside the range of the algorithm.
     #[error("the date {date} is out of range; give one of the years 1 to 2999")]
     DateRange {
         /// The date.

@@ -1,19 +1,22 @@
-//! Where the sun is at a place and a time.
+//! The position of the sun at a place and a time.
 //!
-//! [`position`] computes azimuth and elevation with NREL's Solar Position Algorithm (Reda, Andreas, *Solar Position
-//! Algorithm for Solar Radiation Applications*, NREL/TP-560-34302, 2008), as implemented by the crate
-//! `solar-positioning`. Its error is below 0.001° in the centuries around ours. [`Day`] is a span of a day by the local
-//! clock: it gives one [`SunStep`] for each minute, or for whatever step is asked. [`read_suns`] reads such steps from
-//! text. Trigonometry is `libm`'s and time zones are bundled, so the same question has the same answer on any machine.
+//! [`position`] computes azimuth and elevation with NREL's Solar Position Algorithm (Reda, Andreas, *Solar
+//! Position Algorithm for Solar Radiation Applications*, NREL/TP-560-34302, 2008), as implemented by the
+//! crate `solar-positioning`. Its error is below 0.001° in the centuries around ours. [`Day`] is a span of a
+//! day by the local clock: it gives one [`SunStep`] for each minute, or for any other step. [`read_suns`]
+//! reads such steps from text. Trigonometry is `libm`'s and time zones are bundled, so the results are the
+//! same on any machine.
 //!
 //! *Axes.* North is −Z, east is +X and up is +Y, as for [`Sun::from_angles`](adumbra::Sun::from_angles).
 //!
-//! *Refraction.* The air lifts the sun by half a degree at the horizon and by a hundredth at 80°. A standard atmosphere
-//! of 1013.25 hPa and 15 °C is assumed unless it is left out or another is given. Suns more than 50' below the horizon are not
-//! lifted.
+//! *Refraction.* The atmosphere lifts the sun by half a degree at the horizon and by a hundredth at 80°. By
+//! default, this is a standard atmosphere of 1013.25 hPa and 15 °C; it can be replaced or disabled. Suns more
+//! than 50' below the horizon are not lifted.
 //!
 //! ```
-//! let day: adumbra_solar::Day = "lat=48.14,lon=11.58,date=2026-06-21,from=7,to=19,tz=Europe/Berlin".parse()?;
+//! use adumbra_solar::Day;
+//!
+//! let day: Day = "lat=48.14,lon=11.58,date=2026-06-21,from=7,to=19,tz=Europe/Berlin".parse()?;
 //! let steps = day.steps()?;
 //! assert_eq!(steps.len(), 12 * 60 + 1);
 //! assert!(steps.iter().all(|step| step.sun.is_some()));

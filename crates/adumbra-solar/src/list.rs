@@ -6,14 +6,14 @@ use crate::day::SunStep;
 use crate::error::{Error, Result};
 use crate::position::Position;
 
-/// Reads suns from text: on each line a time, an azimuth in degrees clockwise from north, and an elevation in degrees,
-/// separated by spaces, tabs or commas. A time is RFC 3339 with an offset, such as `2026-06-21T07:00:00+02:00`, or seconds
-/// after 1970. Times ascend. Empty lines, and what follows `#`, are skipped. A sun at the horizon or below is a step
-/// without a light.
+/// Reads suns from text: on each line a time, an azimuth in degrees clockwise from north, and an elevation in
+/// degrees, separated by spaces, tabs or commas. A time is RFC 3339 with an offset, such as
+/// `2026-06-21T07:00:00+02:00`, or seconds after 1970. Times ascend. Empty lines, and text after `#`, are
+/// skipped. A sun at the horizon or below is a step without a light.
 ///
 /// # Errors
-/// Returns [`Error::Line`] for the first line that cannot be read, or whose time is not after the one before it, and
-/// [`Error::EmptyList`] if there is no sun.
+/// Returns [`Error::Line`] for the first line that cannot be read, or whose time is not after the one before
+/// it, and [`Error::EmptyList`] if there is no sun.
 pub fn read_suns(text: &str) -> Result<Vec<SunStep>> {
     let mut steps: Vec<SunStep> = Vec::new();
     for (index, line) in text.lines().enumerate() {
@@ -54,7 +54,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn suns_are_read_with_times_of_both_kinds() {
+    fn reads_suns_with_rfc_3339_times_and_seconds() {
         let text = "# a day\n2026-06-21T07:00:00+02:00 77.5 13.2\n\n1782021600, 88.1,\t22.9 # an hour later\r\n\
                     2026-06-21T22:00:00.5Z -30 -2";
         let steps = read_suns(text).unwrap();
@@ -65,7 +65,7 @@ mod tests {
     }
 
     #[test]
-    fn suns_that_are_wrong_say_the_line() {
+    fn rejects_invalid_suns_with_line_number() {
         for (text, message) in [
             ("0 0 10\n1 0", "line 2: 2 words"),
             ("0 0 10 5", "line 1: 4 words"),

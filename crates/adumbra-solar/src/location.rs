@@ -11,9 +11,9 @@ pub struct Location {
 }
 
 impl Location {
-    /// Creates a location from its latitude (-90 to 90 degrees, north is positive), its longitude (-180 to 180 degrees, east
-    /// is positive) and its height above the sea (-500 to 9000 m). Height moves the sun by its parallax alone, which is
-    /// far below 0.001°; it does not lower the horizon or thin the air.
+    /// Creates a location from its latitude (-90 to 90 degrees, north is positive), its longitude (-180 to
+    /// 180 degrees, east is positive) and its height above the sea (-500 to 9000 m). Height affects only the
+    /// sun's parallax, by far less than 0.001°; it neither lowers the horizon nor thins the air.
     ///
     /// # Errors
     /// Returns [`Error::Range`](crate::Error::Range) if a number is out of its range or not a number.
@@ -45,7 +45,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn places_off_the_globe_are_refused() {
+    fn rejects_locations_out_of_range() {
         assert!(Location::new(90.0, -180.0, 0.0).is_ok() && Location::new(-90.0, 180.0, 8849.0).is_ok());
         for (latitude, longitude, height) in
             [(90.1, 0.0, 0.0), (f64::NAN, 0.0, 0.0), (0.0, 181.0, 0.0), (0.0, 0.0, f64::INFINITY)]

@@ -62,7 +62,7 @@ mod tests {
     const WHOLE: &str = "lat=48,lon=11,date=2026-06-21,from=7,to=19";
 
     #[test]
-    fn day_is_read_in_any_order() {
+    fn parses_day_with_keys_in_any_order() {
         let all =
             format!("{WHOLE},tz=Europe/Berlin,step=30,height=520,refraction=off").parse::<Day>().unwrap();
         assert_eq!((all.step_seconds, all.atmosphere, all.location.height_m()), (30, None, 520.0));
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn day_that_is_wrong_says_what_and_where() {
+    fn rejects_invalid_days_with_reason() {
         for (text, message) in [
             ("", "there is no \"\""),
             ("lat=48", "lon is missing"),

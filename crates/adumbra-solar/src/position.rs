@@ -8,7 +8,7 @@ use solar_positioning::{RefractionCorrection, SolarPositions, delta_t};
 use crate::error::{Error, Result, check};
 use crate::location::Location;
 
-/// Air that bends light.
+/// The atmosphere, which refracts light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Atmosphere {
     /// Pressure at the place, hPa, above 0 and at most 2000.
@@ -32,7 +32,7 @@ impl Atmosphere {
     }
 }
 
-/// Where the sun's centre is in the sky.
+/// The position of the sun's centre in the sky.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Position {
     /// Degrees clockwise from north, 0 to 360. At a pole it is measured from the place's own meridian.
@@ -63,11 +63,13 @@ const JULIAN_1970: f64 = 2_440_587.5;
 /// Seconds of a day.
 const DAY_SECONDS: f64 = 86_400.0;
 
-/// Returns where the sun is at a place, at `unix_seconds` after 1970-01-01T00:00Z. Without an atmosphere light goes
-/// straight. UTC stands for UT1, which is less than a second or 0.004° off. Cost: about 5 µs.
+/// Returns the sun's position at a place, at `unix_seconds` after 1970-01-01T00:00Z. Without an atmosphere,
+/// light is not refracted. UTC is used for UT1; the difference is less than a second, or 0.004°. Cost: about
+/// 5 µs.
 ///
 /// # Errors
-/// Returns [`Error::DateRange`] outside the years 1 to 2999, and [`Error::Range`] for an atmosphere out of range.
+/// Returns [`Error::DateRange`] outside the years 1 to 2999, and [`Error::Range`] for an atmosphere out of
+/// range.
 pub fn position(location: &Location, unix_seconds: f64, atmosphere: Option<&Atmosphere>) -> Result<Position> {
     let out_of_range = || Error::DateRange { date: format!("{unix_seconds} s after 1970") };
     let whole = Timestamp::from_second(unix_seconds.floor() as i64).map_err(|_| out_of_range())?;

@@ -20,8 +20,8 @@ pub struct Zone {
 const MOST_OFFSET_SECONDS: i32 = 18 * 3600;
 
 impl Zone {
-    /// The zone that ships keep at sea: whole hours, the nearest to the place's longitude divided by 15. No clock is moved
-    /// in summer.
+    /// The time zone of ships at sea: whole hours, the nearest to the place's longitude divided by 15. It has
+    /// no summer time.
     pub fn nautical(location: &Location) -> Self {
         Self::from_offset((location.longitude_degrees() / 15.0).round() as i32 * 3600)
     }
@@ -37,8 +37,8 @@ impl Zone {
             .map_or(0, |time| self.zone.to_offset(time).seconds())
     }
 
-    /// The clock at `unix_seconds` after 1970: `07:30`, or `07:30:15` if it is not a whole minute. Times that no calendar
-    /// holds are shown as seconds.
+    /// The clock at `unix_seconds` after 1970: `07:30`, or `07:30:15` if it is not a whole minute. Times
+    /// outside the calendar are shown as seconds.
     pub fn clock(&self, unix_seconds: f64) -> String {
         let Ok(time) = Timestamp::from_second(unix_seconds.floor() as i64) else {
             return format!("{unix_seconds} s");
@@ -52,13 +52,14 @@ impl Zone {
         }
     }
 
-    /// The first instant at which the clock shows `civil`. A time that the clock skips is read as if it had not been put
-    /// forward.
+    /// The first instant at which the clock shows `civil`. A time that the clock skips is read as if the
+    /// clock had not been put forward.
     pub(crate) fn first(&self, civil: DateTime) -> Option<i64> {
         self.zone.to_ambiguous_timestamp(civil).compatible().ok().map(Timestamp::as_second)
     }
 
-    /// The last instant at which the clock shows `civil`. A time that the clock skips is read as by [`Zone::first`].
+    /// The last instant at which the clock shows `civil`. A time that the clock skips is read as by
+    /// [`Zone::first`].
     pub(crate) fn last(&self, civil: DateTime) -> Option<i64> {
         self.zone.to_ambiguous_timestamp(civil).later().ok().map(Timestamp::as_second)
     }
@@ -103,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn zones_have_names_and_offsets() {
+    fn zones_are_read_from_names_and_offsets() {
         let noon = 1_782_043_200.0; // 2026-06-21T12:00Z
         for (name, clock) in [
             ("Europe/Berlin", "14:00"),
@@ -120,14 +121,14 @@ mod tests {
     }
 
     #[test]
-    fn zones_that_are_not_there_are_refused() {
+    fn rejects_unknown_zones() {
         for name in ["", "Europe/Berln", "+", "+25", "+02:60", "+2:-1", "02:00", "+002:00"] {
             assert_eq!(name.parse::<Zone>(), Err(Error::UnknownZone { name: name.to_owned() }));
         }
     }
 
     #[test]
-    fn zones_at_sea_are_whole_hours() {
+    fn nautical_zones_are_whole_hours() {
         let name = |longitude| Zone::nautical(&Location::new(0.0, longitude, 0.0).unwrap()).name().to_owned();
         assert_eq!(
             [0.0, 7.4, 7.6, -7.6, 180.0, -180.0].map(name),

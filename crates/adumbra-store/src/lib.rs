@@ -1,17 +1,14 @@
-//! A bake cache in a store that many machines share: S3, Google Cloud Storage, Azure Blob Storage, a server
-//! with HTTP, or whatever else the crate `object_store` knows.
+//! A bake cache in a store that many machines share: S3, Google Cloud Storage, Azure Blob Storage, an HTTP
+//! server, or any other store that the crate `object_store` supports.
 //!
 //! ```no_run
-//! use std::sync::Arc;
-//!
-//! use adumbra_bake::{BakeCache, BakeOptions, Size, Watch, bake_with_cache};
+//! use adumbra_bake::Bake;
 //! use adumbra_store::StoreCache;
 //!
 //! let scene = adumbra_scene::load("city.glb".as_ref(), &adumbra_scene::LoadOptions::default())?;
 //! let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35])?;
-//! let cache: Arc<dyn BakeCache> = Arc::new(StoreCache::open("s3://bucket/city")?);
-//! let out = std::fs::File::create("city.adumbra")?;
-//! bake_with_cache(&scene, &BakeOptions::new(sun, Size::Resolution(65_536)), &cache, Watch::none(), out)?;
+//! let cache = StoreCache::open("s3://bucket/city")?;
+//! Bake::new(&scene, sun).resolution(65_536).cache(cache).save("city.adumbra")?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -31,7 +28,7 @@ use url::Url;
 
 /// Entries in a store, below a URL: `ab/cdef….entry` for the key `abcdef…`.
 pub struct StoreCache {
-    /// What messages call the store: the URL without a password.
+    /// The store's name in messages: the URL without a password.
     name: String,
     store: Arc<dyn ObjectStore>,
     below: Path,
@@ -45,12 +42,13 @@ impl fmt::Debug for StoreCache {
 }
 
 impl StoreCache {
-    /// Opens a store: `s3://bucket/prefix`, `gs://bucket/prefix`, `az://container/prefix`, `https://server/folder` and
-    /// so on. The process's environment has what else is needed, such as `AWS_ACCESS_KEY_ID`, `AWS_ENDPOINT` and
-    /// `AWS_ALLOW_HTTP`, under the names that the crate `object_store` defines. Nothing is read yet.
+    /// Opens a store: `s3://bucket/prefix`, `gs://bucket/prefix`, `az://container/prefix`,
+    /// `https://server/folder` and so on. Other settings, such as `AWS_ACCESS_KEY_ID`, `AWS_ENDPOINT` and
+    /// `AWS_ALLOW_HTTP`, come from the process's environment, under the names that the crate `object_store`
+    /// defines. Nothing is read yet.
     ///
     /// # Errors
-    /// Returns [`IoError`] if the URL is not one of a store.
+    /// Returns [`IoError`] if the URL does not name a store.
     pub fn open(url: &str) -> Result<Self, IoError> {
         let parsed = Url::parse(url);
         let mut shown = parsed.clone().map_or_else(|_| url.to_owned(), |url| url.to_string());
@@ -64,7 +62,7 @@ impl StoreCache {
             IoError::at("open", &shown)(io::Error::new(ErrorKind::InvalidInput, what))
         };
         let parsed = parsed.map_err(|error| refuse(error.to_string()))?;
-        // An error means that the process has chosen a provider already, which is then used.
+        // An error means that the process has already chosen a provider. That provider is used.
         let _ = rustls::crypto::ring::default_provider().install_default();
         let environment = std::env::vars().map(|(name, value)| (name.to_ascii_lowercase(), value));
         let (store, below) =
@@ -95,8 +93,8 @@ impl StoreCache {
         Ok(CacheReport { contents, failures: Vec::new() })
     }
 
-    /// Removes entries until the others have at most `most_bytes`; those that were written longest ago go first,
-    /// because stores do not know what was read. Returns what was removed. What cannot be removed stays.
+    /// Removes entries until at most `most_bytes` remain. The entries that were written longest ago go first,
+    /// because stores do not record reads. Returns the removed entries. Entries that cannot be removed stay.
     ///
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
@@ -122,7 +120,8 @@ impl StoreCache {
         Ok(CacheReport { contents: removed, failures })
     }
 
-    /// Removes an entry. `false` if the path holds something else, or another process has removed it.
+    /// Removes an entry. Returns `false` if the path holds something else, or another process has removed the
+    /// entry.
     async fn remove(&self, path: &Path, size: u64) -> Result<bool, Error> {
         let length = size.min(ENTRY_MAGIC.len() as u64);
         if length > 0 {
@@ -134,7 +133,7 @@ impl StoreCache {
         }
         match self.store.delete(path).await {
             Ok(()) => Ok(true),
-            // Another program was faster.
+            // Another process has removed the entry already.
             Err(Error::NotFound { .. }) => Ok(false),
             Err(error) => Err(error),
         }
@@ -143,7 +142,7 @@ impl StoreCache {
     fn list(&self) -> Result<Vec<ObjectMeta>, IoError> {
         let mut folders = vec![self.below.clone()];
         let mut found = Vec::new();
-        // Two levels: what else is in the store is not ours.
+        // Entries are two levels below the root. Ignore everything else in the store.
         for _ in 0..2 {
             for folder in std::mem::take(&mut folders) {
                 let listed = self.wait(self.store.list_with_delimiter(Some(&folder)));
@@ -176,15 +175,15 @@ impl StoreCache {
 
     async fn read(&self, path: &Path, most_bytes: u64) -> Result<Fetched, Error> {
         let found = self.store.get(path).await?;
-        // The bytes follow only if they are asked for.
+        // The contents are fetched only when they are read.
         if found.meta.size > most_bytes {
             return Ok(Fetched::TooLong(found.meta.size));
         }
         Ok(Fetched::Whole(found.bytes().await?.to_vec()))
     }
 
-    /// Writes an entry if there is none. An entry with the same bytes stays as it is; one with other bytes is damaged,
-    /// and is replaced.
+    /// Writes an entry if there is none. An entry with the same bytes is kept. An entry with other bytes is
+    /// damaged, and is replaced.
     async fn write(&self, path: &Path, bytes: &[u8]) -> Result<(), Error> {
         let payload = || PutPayload::from(bytes.to_vec());
         let create = PutOptions { mode: PutMode::Create, ..PutOptions::default() };
@@ -214,8 +213,8 @@ impl StoreCache {
     }
 }
 
-/// Returns the kind of the error of the operating system behind another. What has none failed again and again on its
-/// way to the store, and may succeed later.
+/// Returns the kind of the I/O error that caused another error. An error without such a cause has failed
+/// repeatedly on its way to the store, and may succeed later.
 fn kind_of_cause(error: &Error) -> ErrorKind {
     let mut cause = error.source();
     while let Some(inner) = cause {

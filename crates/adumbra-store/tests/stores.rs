@@ -1,13 +1,12 @@
-//! Entries in stores. The server of S3 is in `python/tests`, because it comes with Python.
+//! Entries in stores. The test with an S3 server is in `python/tests`, because the server is a Python
+//! package.
 
 use std::io::Cursor;
 use std::sync::Arc;
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{
-    BakeCache, BakeOptions, CacheKey, ENTRY_MAGIC, Fetched, Size, Watch, bake_to, bake_with_cache,
-};
+use adumbra_bake::{Bake, BakeCache, BakeOptions, CacheKey, ENTRY_MAGIC, Fetched, Size};
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_store::StoreCache;
 use object_store::ObjectStoreExt;
@@ -23,13 +22,13 @@ fn in_memory() -> StoreCache {
 }
 
 #[test]
-fn entries_are_stored_and_damaged_ones_are_replaced() {
+fn stores_entries_and_replaces_damaged_ones() {
     let store = in_memory();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Nothing);
     store.put(&key('a'), b"first").unwrap();
     store.put(&key('a'), b"first").unwrap();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"first".to_vec()));
-    // Whoever puts other bytes has found the entry damaged.
+    // A caller puts other bytes after it found the entry damaged.
     store.put(&key('a'), b"whole").unwrap();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"whole".to_vec()));
     assert_eq!(store.get(&key('a'), 4).unwrap(), Fetched::TooLong(5));
@@ -64,9 +63,9 @@ fn pruning_keeps_the_latest_entries() {
     assert!(store.get(&key('7'), 10).unwrap() == Fetched::Whole(entry));
 }
 
-/// A bucket may have other things in it, and be given by mistake.
+/// A bucket may contain other files, and may be given by mistake.
 #[test]
-fn foreign_objects_are_not_removed() {
+fn pruning_keeps_foreign_files() {
     let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
     let inner = Arc::new(InMemory::new());
     let store = StoreCache::new("memory".to_owned(), inner.clone(), Path::from("here")).unwrap();
@@ -77,7 +76,7 @@ fn foreign_objects_are_not_removed() {
         format!("here/AB/{rest}.entry"),
         format!("here/ab/{rest}a.entry"),
         format!("here/ab/{rest}.backup"),
-        // Only its first bytes tell.
+        // Only the first bytes show that this file is not an entry.
         format!("here/ab/{rest}.entry"),
     ];
     for path in &others {
@@ -107,12 +106,13 @@ fn bakes_write_the_same_file(scene: &Scene, resolution: u64) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(resolution));
     let mut fresh = Cursor::new(Vec::new());
-    bake_to(scene, &options, Watch::none(), &mut fresh).unwrap();
+    Bake::with_options(scene, &options).write_to(&mut fresh).unwrap();
     for number in 0..2 {
         std::fs::create_dir_all(folder.path().join("a b")).unwrap();
         let cache: Arc<dyn BakeCache> = Arc::new(StoreCache::open(&url).unwrap());
         let mut out = Cursor::new(Vec::new());
-        let written = bake_with_cache(scene, &options, &cache, Watch::none(), &mut out).unwrap();
+        let written =
+            Bake::with_options(scene, &options).cache(Arc::clone(&cache)).write_to(&mut out).unwrap();
         assert!(out.into_inner() == *fresh.get_ref());
         let expected = if number == 0 { 0 } else { written.report.root_blocks };
         assert_eq!(written.report.reused_root_blocks, expected);
@@ -120,7 +120,7 @@ fn bakes_write_the_same_file(scene: &Scene, resolution: u64) {
 }
 
 #[test]
-fn urls_that_are_no_stores_are_errors() {
+fn rejects_urls_that_name_no_store() {
     for (url, expected) in
         [("ftp://server/a", "ftp://server/a"), ("s3://", "s3:"), ("nonsense://x", "nonsense")]
     {
@@ -129,10 +129,10 @@ fn urls_that_are_no_stores_are_errors() {
     }
 }
 
-/// A server that is not there is a matter of time, not of the input.
+/// An unreachable server is a temporary error, not an error of the input.
 #[test]
-fn servers_that_are_away_can_be_asked_again() {
-    // As `StoreCache::open` does. Another test may have done it already.
+fn unreachable_server_is_a_temporary_error() {
+    // As `StoreCache::open` does. Another test may have installed the provider already.
     let _ = rustls::crypto::ring::default_provider().install_default();
     let store = object_store::http::HttpBuilder::new()
         .with_url("http://127.0.0.1:9/entries")

@@ -14,7 +14,7 @@ pub enum Error {
         /// What is accepted.
         expected: &'static str,
     },
-    /// A day has no time in it.
+    /// A day contains no time.
     #[error("{steps} steps are no span of time; give at least two, whose times ascend")]
     NoSpan {
         /// The number of steps that were given.

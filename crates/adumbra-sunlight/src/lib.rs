@@ -1,9 +1,9 @@
 //! Hours of direct sun and the visible sky at points of a scene, by ray tracing.
 //!
-//! [`points`] finds the points: on the ground plan, on all surfaces, or from a table. [`hours`] tells for every point of a
-//! day by the clock when it sees the sun. [`sky`] tells which patches of the sky it sees. Both trace rays to the centre
-//! of the sun or patch with [`Tracer`](adumbra_truth::trace::Tracer), on the current rayon pool, and the same input
-//! gives the same answers whatever the threads.
+//! [`points`] finds the points: on the ground plan, on all surfaces, or from a table. [`hours`] finds for
+//! every point the times of a day at which it sees the sun. [`sky`] finds the patches of the sky that it
+//! sees. Both trace rays to the centre of the sun or patch with [`Tracer`](adumbra_truth::trace::Tracer), on
+//! the current rayon pool. The same input gives the same answers for any number of threads.
 //!
 //! ```
 //! use adumbra_sunlight::{DayOptions, Grid, SunDay, Watch};

@@ -1,4 +1,5 @@
-//! Hours from key suns against every ray, at 20,000 points of a real scene, and the time that a million points take.
+//! Hours from key suns compared with every ray, at 20,000 points of a real scene, and the time for a million
+//! points.
 
 use std::time::Instant;
 
@@ -13,7 +14,7 @@ fn city() -> Option<Scene> {
     Some(load(&path, &LoadOptions::default()).expect("the scene"))
 }
 
-/// The edge of a square of which `points` cover an area.
+/// The edge of a square such that `points` squares cover an area.
 fn spacing(area: f64, points: f64) -> f64 {
     (area / points).sqrt()
 }
@@ -39,7 +40,7 @@ fn timed(day: &SunDay, tracer: &Tracer<'_>, points: &[Receiver]) -> (Hours, f64)
 
 #[test]
 #[ignore = "slow: traces every minute of a day from 20,000 points; three days and key distances with ADUMBRA_FULL"]
-fn city_hours_differ_from_every_ray_in_less_than_a_thousandth() {
+fn key_suns_differ_from_every_ray_in_less_than_a_thousandth() {
     let Some(scene) = city() else { return };
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let ground = ground(&scene, &tracer, 10_000.0);
@@ -73,7 +74,7 @@ fn city_hours_differ_from_every_ray_in_less_than_a_thousandth() {
 
 #[test]
 #[ignore = "slow: traces ten hours from a million points"]
-fn city_hours_of_a_million_points_are_timed() {
+fn hours_of_a_million_points_are_timed() {
     let Some(scene) = city() else { return };
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let points = ground(&scene, &tracer, 1e6);

@@ -1,8 +1,9 @@
-//! Grids and settings of files that no bake made.
+//! Grids and settings of hand-made files.
 
 use adumbra::{Bias, FileSettings, Frame, LightGrid, Receivers, Sun};
 
-/// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from `origin`.
+/// Returns a grid with the sun overhead and voxels of one unit: x is +X, y is +Z, z points down from
+/// `origin`.
 pub fn overhead_grid(origin: [f64; 3], size: [u32; 3]) -> LightGrid {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("straight up is a direction");
     let [x, y, z] = origin;

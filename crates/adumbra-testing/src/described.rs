@@ -1,4 +1,4 @@
-//! A check of printed JSON against a JSON Schema: of the part of draft 2020-12 that `schemars` writes.
+//! Checks printed JSON against a JSON Schema. Supports the part of draft 2020-12 that `schemars` writes.
 
 use std::collections::BTreeSet;
 
@@ -8,14 +8,14 @@ use serde_json::Value;
 ///
 /// # Panics
 ///
-/// Panics with the place in `value` that is not described, or with a keyword of the schema that is not known.
+/// Panics with the path in `value` that is not described, or with an unknown keyword of the schema.
 pub fn assert_described(schema: &Value, value: &Value) {
     if let Err(what) = (Check { root: schema }).value(schema, value, "$") {
         panic!("{what}\n{schema:#}\n{value:#}");
     }
 }
 
-/// Returns the places of a schema where a field has no description.
+/// Returns the paths of the fields of a schema that have no description.
 pub fn undescribed_fields(schema: &Value) -> Vec<String> {
     let mut found = Vec::new();
     collect_undescribed(schema, "$", &mut found);
@@ -47,7 +47,7 @@ fn children(value: &Value) -> Vec<(String, &Value)> {
     }
 }
 
-/// Keywords that say nothing about a value's form.
+/// Keywords that do not constrain a value.
 const ANNOTATIONS: [&str; 6] = ["$schema", "$defs", "title", "description", "format", "default"];
 
 struct Check<'a> {
@@ -107,7 +107,7 @@ impl Check<'_> {
                 "required" => value.as_object().is_none_or(|fields| {
                     list(wanted).iter().filter_map(Value::as_str).all(|name| fields.contains_key(name))
                 }),
-                // Below, with the fields.
+                // The fields are checked below.
                 "properties" | "additionalProperties" => true,
                 name if ANNOTATIONS.contains(&name) => true,
                 _ => return Err(format!("{place}: the keyword {keyword} is not known")),
@@ -119,14 +119,15 @@ impl Check<'_> {
         self.fields(schema, value, place)
     }
 
-    /// Checks the fields of an object. One that is named nowhere is an error, which JSON Schema alone allows.
+    /// Checks the fields of an object. A field without a description is an error, although JSON Schema itself
+    /// allows it.
     fn fields(&self, schema: &Value, value: &Value, place: &str) -> Result<(), String> {
         let Some(fields) =
             value.as_object().filter(|_| schema["type"] == "object" || schema.get("properties").is_some())
         else {
             return Ok(());
         };
-        // Those of flattened types are in a reference or a choice beside the properties.
+        // A reference or a choice beside the properties describes the fields of flattened types.
         let elsewhere = ["$ref", "oneOf", "anyOf", "allOf"].iter().any(|key| schema.get(key).is_some());
         let mut unknown = BTreeSet::new();
         for (name, field) in fields {

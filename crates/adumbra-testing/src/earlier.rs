@@ -36,7 +36,7 @@ impl EarlierFile {
     /// Checks that the file was left as it was.
     ///
     /// # Panics
-    /// Panics if it was changed, or if another file is in the folder.
+    /// Panics if the file was changed, or if another file is in the folder.
     pub fn assert_kept(&self) {
         self.assert_replaced_by(CONTENTS);
     }
@@ -44,7 +44,7 @@ impl EarlierFile {
     /// Checks that the file now has these bytes.
     ///
     /// # Panics
-    /// Panics if it has others, or if another file is in the folder.
+    /// Panics if the file has other bytes, or if another file is in the folder.
     pub fn assert_replaced_by(&self, bytes: &[u8]) {
         assert_eq!(fs::read(&self.path).unwrap(), bytes);
         assert_eq!(fs::read_dir(&self.folder).unwrap().count(), 1, "a temporary file is left");

@@ -1,13 +1,13 @@
 //! The defaults that a program's help states, and their comparison with the values that its verbs use.
 //!
-//! Every option that takes a value and need not be given must appear in such a comparison, whether its help states a
-//! default or not. An option that is added without one fails it.
+//! Every option that takes a value and is not required must be part of such a comparison, whether its help
+//! states a default or not. The comparison fails if a new option is missing.
 
 use std::collections::BTreeMap;
 
 use clap::{ArgAction, Command};
 
-/// The verbs of a program that have no verbs of their own, as words of a command line.
+/// The verbs of a program without sub-verbs, as words of a command line.
 pub fn verbs(program: &Command) -> Vec<(String, Command)> {
     let mut program = program.clone();
     program.build();
@@ -21,8 +21,8 @@ fn leaves(above: &str, command: &Command) -> Vec<(String, Command)> {
     if found.is_empty() { vec![(above.to_owned(), command.clone())] } else { found }
 }
 
-/// Returns the default of each option that takes a value and need not be given, as the help of a verb states it. `None`
-/// if it states none. A switch is among them if its help states a default.
+/// Returns the default of each option that takes a value and is not required, as the help of a verb states
+/// it. `None` if the help states none. A switch is included if its help states a default.
 pub fn stated_defaults(verb: &Command) -> BTreeMap<String, Option<String>> {
     let help = verb.clone().term_width(0).render_long_help().to_string();
     let options = verb.get_arguments().filter(|arg| !arg.is_hide_set() && !arg.is_required_set());
@@ -39,8 +39,8 @@ pub fn stated_defaults(verb: &Command) -> BTreeMap<String, Option<String>> {
         .collect()
 }
 
-/// Returns the option that a line of a help text introduces. Heads are indented by two or six spaces, descriptions, which
-/// may begin with an option too, by more.
+/// Returns the option that a line of a help text introduces. Such lines are indented by two or six spaces.
+/// Descriptions, which may begin with an option too, are indented by more.
 fn head(line: &str) -> Option<&str> {
     let text = line.trim_start();
     let is_head = matches!(line.len() - text.len(), 2 | 6) && text.starts_with('-');
@@ -57,8 +57,8 @@ fn stated_in(help: &str, name: &str) -> Option<String> {
     Some(text.strip_prefix(':').unwrap_or(text).split_whitespace().collect::<Vec<_>>().join(" "))
 }
 
-/// Compares what the help of a verb states with the values that the verb uses, given as options and texts; a value is
-/// empty if the option has no default.
+/// Compares the defaults that the help of a verb states with the values that the verb uses. `used` holds
+/// options and their values as text; the text is empty if the option has no default.
 ///
 /// # Panics
 ///

@@ -60,8 +60,8 @@ impl Leaf {
     }
 }
 
-/// Builds a tree from `leaves`, in rows of `row` leaves, each written once per place and reached through far pointers. All
-/// leaves have the base `base`.
+/// Builds a tree from `leaves`, in rows of `row` leaves, each written once per place and reached through far
+/// pointers. All leaves have the base `base`.
 ///
 /// # Errors
 /// Returns the fault if a leaf is not valid.
@@ -93,7 +93,8 @@ pub fn from_leaves(leaves: &[Leaf], row: usize, base: u32, depth: u32) -> Result
     builder.finish()
 }
 
-/// Writes the block of `level` whose first leaf is at a place, and returns its address. `None` if it has no leaves.
+/// Writes the block of `level` whose first leaf is at a place, and returns its address. `None` if it has no
+/// leaves.
 fn shape<'l>(
     halves: &mut Vec<u16>,
     leaf: &impl Fn([usize; 2]) -> Option<&'l Leaf>,
@@ -114,7 +115,7 @@ fn shape<'l>(
     }
     let at = halves.len() as u32;
     let there = (0..16).filter(|&c| children[c].is_some()).fold(0_u16, |bits, c| bits | 1 << c);
-    // Shapes with the same base, each through a far pointer; the others never switch.
+    // Children with the same base, each reached through a far pointer. The other children never switch.
     halves.extend([there, there, !there]);
     halves.extend(children.into_iter().flatten().flat_map(|to| {
         let far = FAR | (at - to);

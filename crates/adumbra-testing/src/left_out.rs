@@ -1,10 +1,10 @@
-//! Tests that are left out because what they need is absent.
+//! Tests that are left out because a resource that they need is missing.
 
 use std::io::Write as _;
 use std::{env, fs, thread};
 
-/// Notes that a test is left out, for a reason: prints it, and adds a line to the file that `ADUMBRA_LEFT_OUT` names, which
-/// `cargo xtask test` counts.
+/// Records that a test is left out, and why: prints the reason, and adds a line to the file that
+/// `ADUMBRA_LEFT_OUT` names, which `cargo xtask test` counts.
 ///
 /// # Panics
 /// Panics if the environment variable `required` is set.

@@ -1,7 +1,7 @@
-//! Code shared by the tests of several crates: folders next to the repository, bakes, hand-made files, depths
-//! and solids, placements, runs of the programs, at the least memory too, JSON and its schemas, test vectors, and truth files.
+//! Code shared by the tests of several crates: folders next to the repository, hand-made files, depths and
+//! solids, placements, runs of the programs, runs with the least memory, JSON and its schemas, test vectors,
+//! and truth files.
 
-mod bakes;
 mod by_hand;
 mod described;
 mod earlier;
@@ -21,7 +21,6 @@ mod teeth;
 mod truth_files;
 mod vectors;
 
-pub use bakes::bake_file;
 pub use by_hand::{overhead_grid, settings_for};
 pub use described::{assert_described, undescribed_fields};
 pub use earlier::EarlierFile;

@@ -1,14 +1,14 @@
-//! Runs at the least `--max-memory` that works, and at twice as much.
+//! Runs a program at the lowest `--max-memory` that works, and at twice that limit.
 
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 const MIB: u64 = 1 << 20;
-/// What the program holds while it refuses the smallest of limits.
+/// Memory that the program uses while it rejects the lowest limits, bytes.
 const PROGRAM_BYTES: u64 = 24 * MIB;
 
-/// The end of a run.
+/// The result of a run.
 struct Ended {
     code: i32,
     peak_bytes: u64,
@@ -16,14 +16,15 @@ struct Ended {
 }
 
 impl Ended {
-    /// Whether the work was done. A comparison may find that a coarse file misses a promise.
+    /// Whether the program did its work. Exit code 1 counts too: a comparison may find that a coarse file
+    /// breaks a promise.
     fn is_done(&self) -> bool {
         matches!(self.code, 0 | 1)
     }
 }
 
-/// The peak of what a process holds besides pages of its own program file, while it runs. How many of those the system maps
-/// ahead depends on what else runs, and it takes them back at any time.
+/// The peak memory of a running process, excluding pages of its program file. The system maps those pages
+/// ahead depending on what else runs, and may reclaim them at any time.
 fn peak_bytes(child: &Child) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).ok()?;
     let kib = |name: &str| {
@@ -33,13 +34,13 @@ fn peak_bytes(child: &Child) -> Option<u64> {
     Some(kib("VmHWM:")?.saturating_sub(kib("RssFile:")?) * 1024)
 }
 
-/// Runs a program and watches its peak.
+/// Runs a program and tracks its peak memory.
 fn run(program: &Path, arguments: &[&str], limit_bytes: u64) -> Ended {
     let limit = limit_bytes.to_string();
     let mut child = Command::new(program)
         .args(arguments)
         .args(["--threads", "2", "--max-memory", &limit])
-        // The program starts itself again without it.
+        // Without this variable, the program would execute itself again.
         .env("XDG_RUNTIME_DIR", "/nonexistent")
         .stdout(Stdio::null())
         .stderr(Stdio::piped())
@@ -57,15 +58,15 @@ fn run(program: &Path, arguments: &[&str], limit_bytes: u64) -> Ended {
     Ended { code: status.code().unwrap(), peak_bytes: peak, stderr }
 }
 
-/// The number of MiB that a refusal says are needed.
+/// The memory that a rejection asks for, bytes.
 fn needed_bytes(stderr: &str) -> u64 {
     let words: Vec<&str> = stderr.split_whitespace().collect();
     let at = words.windows(2).position(|w| w[0] != "but" && w[1].starts_with("MiB")).unwrap();
     words[at].parse::<u64>().unwrap_or_else(|_| panic!("{stderr}")) * MIB
 }
 
-/// Runs a program at the limits that its refusals ask for, from 1 MiB on, until it is done. Calls `refused` with each limit that
-/// it refuses. Returns the least limit that works.
+/// Runs a program repeatedly, from 1 MiB on, each time with the limit that the previous rejection asked for,
+/// until the run succeeds. Calls `refused` with each rejected limit. Returns the lowest limit that works.
 fn follow_refusals(program: &Path, arguments: &[&str], refused: impl Fn(u64, &Ended)) -> (u64, Ended) {
     let mut limit = MIB;
     let mut refusals = 0;
@@ -87,21 +88,21 @@ fn follow_refusals(program: &Path, arguments: &[&str], refused: impl Fn(u64, &En
     (limit, ended)
 }
 
-/// Runs a program until it has the memory that its refusals ask for. The last of the runs does its work.
+/// Runs a program repeatedly, with the memory that its rejections ask for, until a run succeeds.
 ///
 /// # Panics
 ///
-/// Panics if a run fails otherwise, or if a refusal asks for no more than there was.
+/// Panics if a run fails for another reason, or if a rejection asks for no more memory than the run had.
 pub fn run_with_the_memory_it_asks_for(program: &Path, arguments: &[&str]) {
     follow_refusals(program, arguments, |_, _| ());
 }
 
-/// Runs a program at the least limit that works, found from what refusals say, and at twice as much. Only on Linux, where
-/// the peak can be watched.
+/// Runs a program at the lowest limit that works, found by following its rejections, and at twice that limit.
+/// Only on Linux, where the peak can be measured.
 ///
 /// # Panics
 ///
-/// Panics if a run takes more than its limit, before it refuses it or until it ends.
+/// Panics if a run uses more memory than its limit, whether it then rejects the limit or succeeds.
 pub fn assert_keeps_to_limits(program: &Path, arguments: &[&str]) {
     let (limit, ended) = follow_refusals(program, arguments, |limit, ended| {
         let most = (limit + limit / 20).max(PROGRAM_BYTES);

@@ -1,4 +1,5 @@
-//! Quadtrees of depths taken apart, so that a test can change what a finished tree keeps to itself.
+//! Splits quadtrees of depths into parts, so that a test can change data that a finished tree does not
+//! expose.
 
 use adumbra::layout::depths::page::{Page, bundles, page_dims, pages_of};
 use adumbra::layout::depths::{DepthTree, DepthsError, TreeBuilder};
@@ -32,7 +33,7 @@ impl PageParts {
 }
 
 impl TreeParts {
-    /// Takes a tree apart.
+    /// Splits a tree into its parts.
     pub fn of(tree: &DepthTree) -> Self {
         let [across, down] = tree.page_dims();
         let places = (0..down).flat_map(|y| (0..across).map(move |x| [x, y]));
@@ -43,7 +44,7 @@ impl TreeParts {
         Self { size: tree.size(), common: tree.common().to_vec(), pages: pages.collect() }
     }
 
-    /// Puts the parts together.
+    /// Assembles the parts into a tree.
     ///
     /// # Errors
     /// Returns the fault if they are not a valid tree.

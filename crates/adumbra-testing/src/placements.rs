@@ -1,8 +1,9 @@
-//! Places in which an app may have a file's world.
+//! Placements that an app may give a file's world.
 
 use adumbra::Placement;
 
-/// Returns ten placements: moved, turned about any axis, scaled from 0.01 to 100, and all of it, each with a name.
+/// Returns ten named placements: translated, rotated about any axis, scaled by 0.01 to 100, and combinations
+/// of these.
 pub fn placements() -> [(&'static str, Placement); 10] {
     let at = |name, turn: [f64; 4], scale: f64, origin: [f64; 3]| {
         let placement = Placement::from_matrix(matrix(turn, scale, origin));
@@ -27,7 +28,7 @@ pub fn placements() -> [(&'static str, Placement); 10] {
     ]
 }
 
-/// Returns the matrix of a quaternion of any length, a scale and a place, column by column.
+/// Returns the column-major matrix of a quaternion of any length, a scale and a translation.
 fn matrix(turn: [f64; 4], scale: f64, origin: [f64; 3]) -> [[f64; 4]; 4] {
     let length = turn.iter().map(|c| c * c).sum::<f64>().sqrt();
     let [x, y, z, w] = turn.map(|c| c / length);

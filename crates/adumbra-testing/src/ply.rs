@@ -1,14 +1,14 @@
 //! PLY files from lists of values, as text and in both byte orders.
 
-/// One element: its name, its properties as header lines without the keyword, and its records. A record is a flat list
-/// of values, in which the number of items precedes each list.
+/// One element: its name, its properties as header lines without the keyword, and its records. A record is a
+/// flat list of values, in which the number of items precedes each list.
 #[derive(Clone, Debug)]
 pub struct PlyElement {
     /// Its name.
     pub name: String,
     /// Its properties: "float x", "list uchar int vertex_indices".
     pub properties: Vec<String>,
-    /// Its records, all of whose values have a property.
+    /// Its records. Each value belongs to a property.
     pub records: Vec<Vec<f64>>,
 }
 

@@ -20,7 +20,8 @@ pub fn lab_program() -> PathBuf {
     built("adumbra-lab")
 }
 
-/// Returns the path of a program in the profile that the running test was built with. Tests are in a folder below it.
+/// Returns the path of a program in the build profile of the running test. The test's executable is in a
+/// subfolder.
 fn built(name: &str) -> PathBuf {
     let test = std::env::current_exe().unwrap();
     let path = test.ancestors().nth(2).unwrap().join(format!("{name}{}", std::env::consts::EXE_SUFFIX));
@@ -46,13 +47,14 @@ fn ended(output: &Output) -> (i32, String) {
     (output.status.code().unwrap(), stderr(output))
 }
 
-/// Runs `adumbra` and returns the JSON that it prints. The run must succeed, and the verb's schema must describe the JSON.
+/// Runs `adumbra` and returns the JSON that it prints. The run must succeed, and the verb's schema must
+/// describe the JSON.
 pub fn json(arguments: &[&str]) -> Value {
     printed(&program(), arguments)
 }
 
-/// Runs `adumbra-lab` and returns the JSON that it prints. The run must succeed, and the verb's schema must describe the
-/// JSON.
+/// Runs `adumbra-lab` and returns the JSON that it prints. The run must succeed, and the verb's schema must
+/// describe the JSON.
 pub fn lab_json(arguments: &[&str]) -> Value {
     printed(&lab_program(), arguments)
 }
@@ -65,7 +67,7 @@ fn printed(program: &Path, arguments: &[&str]) -> Value {
     value
 }
 
-/// Returns the schema that a program prints for a verb: for the first of the words, or for the first two.
+/// Returns the schema that a program prints for a verb, which is the first word or the first two words.
 fn schema(program: &Path, words: &[&str]) -> Value {
     let printed = (1..=2).find_map(|n| {
         let output = Command::new(program).arg("schema").args(&words[..n]).output().unwrap();

@@ -1,9 +1,10 @@
-//! The folder of scenes and truth that are not part of the repository: `ADUMBRA_SHARED`, or `shared` next to the
-//! checkout. `ADUMBRA_FULL=1` makes the tests use them at full size.
+//! The folder of scenes and truth that are not part of the repository: `ADUMBRA_SHARED`, or `shared` next to
+//! the checkout. `ADUMBRA_FULL=1` makes the tests use them at full size.
 
 use std::path::{Path, PathBuf};
 
-/// Returns a folder in the shared folder. If it is absent, the test should pass: it is left out, see [`left_out`](crate::left_out).
+/// Returns a folder in the shared folder. If it is absent, the test should pass: it is left out, see
+/// [`left_out`](crate::left_out).
 ///
 /// # Panics
 /// Panics if the folder is absent and `ADUMBRA_REQUIRE_SHARED` is set.

@@ -2,7 +2,8 @@
 
 use adumbra_scene::{Instance, Material, Mesh, Scene};
 
-/// Corners of the faces of a box, counter-clockwise from outside. Bit 0 of a corner's number is x, bit 1 y, bit 2 z.
+/// Corners of the faces of a box, counter-clockwise from outside. Bit 0 of a corner's number is x, bit 1 y,
+/// bit 2 z.
 const BOX_FACES: [[u32; 4]; 6] =
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
@@ -33,7 +34,7 @@ pub fn cuboid(min: [f32; 3], max: [f32; 3]) -> Mesh {
     mesh
 }
 
-/// Returns a grey scene of these meshes, each placed once, where it is.
+/// Returns a grey scene of these meshes, each placed once, without a transform.
 pub fn scene_of(meshes: Vec<Mesh>) -> Scene {
     let place = |mesh| Instance {
         name: String::new(),

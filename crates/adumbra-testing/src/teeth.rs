@@ -1,7 +1,7 @@
 //! A solid that casts a jagged shadow.
 
-/// Returns the faces of a closed bar along x whose top is a row of teeth, as quads. The first tooth begins at `x`; each
-/// is `pitch` wide. `y` has the heights of the bottom, the valleys and the tips.
+/// Returns the faces of a closed bar along x whose top is a row of teeth, as quads. The first tooth begins at
+/// `x`; each is `pitch` wide. `y` has the heights of the bottom, the valleys and the tips.
 pub fn toothed_bar(x: f64, teeth: usize, pitch: f64, y: [f64; 3], z: [f64; 2]) -> Vec<[[f64; 3]; 4]> {
     let last = 2 * teeth;
     let column = |n: usize| {

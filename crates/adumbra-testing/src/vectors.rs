@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-/// Faults of the header and of the places of sections, which all kinds of file have.
+/// Faults of the header and of the section positions, which occur in all kinds of file.
 const HEADER_FAULTS: [&str; 8] = [
     "Magic",
     "FutureVersion",
@@ -27,8 +27,8 @@ pub fn vectors(path: &str) -> PathBuf {
     repository().join("test_vectors").join(path)
 }
 
-/// Returns name and bytes of every file of a folder in `test_vectors/`, sorted by name. Panics if there are fewer than
-/// `at_least`.
+/// Returns name and bytes of every file of a folder in `test_vectors/`, sorted by name. Panics if there are
+/// fewer than `at_least`.
 pub fn named_vectors(folder: &str, at_least: usize) -> Vec<(String, Vec<u8>)> {
     let mut all: Vec<_> = fs::read_dir(vectors(folder))
         .expect(folder)
@@ -52,7 +52,7 @@ pub struct ExpectedPoint<'a> {
     pub world: [f64; 3],
     /// Its visibility: 1 = lit, 0 = shadowed.
     pub visibility: u64,
-    /// All that the file of answers has for it.
+    /// The whole entry of the point in the file of answers.
     pub all: &'a Value,
 }
 
@@ -97,8 +97,8 @@ pub fn faulty_vectors(folder: &str) -> Vec<FaultyVector> {
         .collect()
 }
 
-/// Reads `count` damaged files. `read` damages the bytes of a valid file according to a seed and reads them; its error is
-/// the name of the fault. Returns how many were accepted, and the number of each fault.
+/// Reads `count` damaged files. `read` damages the bytes of a valid file according to a seed and reads them;
+/// its error is the name of the fault. Returns how many were accepted, and the number of each fault.
 pub fn count_faults(
     valid: &[(String, Vec<u8>)],
     count: u64,
@@ -115,8 +115,8 @@ pub fn count_faults(
     (accepted, faults)
 }
 
-/// Checks that damaged files had every fault of the header and every one of `others` at least ten times. `found` has
-/// the number of each.
+/// Checks that damaged files had every fault of the header and every one of
+/// `others` at least ten times. `found` has the number of each.
 ///
 /// # Panics
 /// Panics if one is missing.
@@ -128,7 +128,7 @@ pub fn assert_faults_found(found: &BTreeMap<&str, u32>, others: &[&str]) {
 
 /// The example of a specification.
 pub struct SpecifiedExample {
-    /// The bytes of the file, of which the specification has a dump.
+    /// The bytes of the file, which the specification shows as a dump.
     pub bytes: Vec<u8>,
     /// Points of its table of answers, each with the visibility as text.
     pub answers: Vec<([f64; 3], String)>,

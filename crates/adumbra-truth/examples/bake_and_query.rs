@@ -1,15 +1,15 @@
-//! Bakes a city, writes the file, reads it back, and looks up 10,000 points. Rays check how many answers are correct.
+//! Bakes a city, writes the file, reads it back, and looks up 10,000 points. Rays check how many answers are
+//! correct.
 //!
-//! `cargo run --release -p adumbra-truth --example bake_and_query` prints the shares of points that are shadowed and of
-//! answers that agree with rays, and fails if fewer than 99 % agree. To use another scene and file instead of the
-//! generated city, add `-- town.glb town.adumbra`.
+//! `cargo run --release -p adumbra-truth --example bake_and_query` prints the shares of points that are
+//! shadowed and of answers that agree with rays, and fails if fewer than 99 % agree. To use another scene and
+//! file instead of the generated city, add `-- town.glb town.adumbra`.
 
 use std::error::Error;
 use std::path::PathBuf;
 
-use adumbra::{Encoding, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
-use adumbra_files::replace_file;
+use adumbra::{Filter, ShadowFile, Sun};
+use adumbra_bake::Bake;
 use adumbra_scene::{GeneratedKind, LoadOptions, generate, load};
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
@@ -28,12 +28,10 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Direction towards the sun, any length; Y is up.
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
-    let options = BakeOptions::new(sun, Size::Resolution(8192));
-    let baked = bake(&scene, &options, Watch::none())?;
-    let bytes = replace_file(&path, |out| baked.file.write_to(out, Encoding::default()))?;
-    println!("{}: {bytes} bytes, baked in {:.1} s", path.display(), baked.report.seconds);
+    let baked = Bake::new(&scene, sun).resolution(8192).save(&path)?;
+    println!("{}: {} bytes, baked in {:.1} s", path.display(), baked.bytes, baked.report.seconds);
 
-    // What a game does: read the file, take look-ups of 1 × 1 texels, look points up.
+    // As in a game: read the file, create a sampler that reads 1 × 1 texels, and look up points.
     let file = ShadowFile::read(&path)?;
     let shadow = file.sampler(Filter::Nearest);
 
@@ -49,7 +47,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let down = Ray { origin: sky, direction: [0.0, -1.0, 0.0], t_min: 0.0, t_max: f64::INFINITY };
         let Some(hit) = tracer.nearest_surface(&down) else { continue };
         let normal = if hit.front { hit.normal } else { hit.normal.map(|c| -c) };
-        // Skip surfaces that face away from the sun or are close to the terminator, where neither answer is reliable.
+        // Skip surfaces that face away from the sun or are close to the terminator, where neither answer is
+        // reliable.
         if (0..3).map(|a| normal[a] * sun.towards()[a]).sum::<f64>() < 0.1 {
             continue;
         }

@@ -1,5 +1,5 @@
-//! Objects that move through a scene: `--move sphere`, a ball. It follows a path that the user gives, or one that leads
-//! from sunlight into the shadow of something tall, as in Figure 5-3 of the voxel paper.
+//! Objects that move through a scene: `--move sphere`, a ball. It follows a path that the user gives, or one
+//! that leads from sunlight into the shadow of something tall, as in Figure 5-3 of the voxel paper.
 
 use std::str::FromStr;
 
@@ -14,13 +14,14 @@ const BALL_COLOR: [f32; 4] = [0.80, 0.10, 0.06, 1.0];
 const COLUMNS: u32 = 128;
 /// Length of a path in radii: minimum, ideal, maximum.
 const LENGTHS: [f64; 3] = [8.0, 14.0, 24.0];
-/// Casters nearer than this, in radii, do not count when looking for a shadow to move into.
+/// Casters nearer than this, in radii, are ignored in the search for a shadow to move into.
 const NEAREST_CASTER: f64 = 3.0;
 /// Minimum half width of a shadow to move into, in radii.
 const WIDE: f64 = 4.0;
-/// Azimuth of a camera relative to the sun, radians. From there, both the ball's lit side and its shadow are visible.
+/// Azimuth of a camera relative to the sun, radians. From there, both the ball's lit side and its shadow are
+/// visible.
 const ASIDE: f64 = 1.1;
-/// Number of keys of a path that is found, so that it follows the ground.
+/// Number of keys of a path that the search finds, so that it follows the ground.
 const KEYS: u32 = 9;
 
 /// A mover as specified in text: `sphere[:radius=R][:from=X,Y,Z:to=X,Y,Z][:seconds=S]`.
@@ -34,7 +35,7 @@ pub struct MoveSpec {
     pub seconds: f64,
 }
 
-/// A mover that is described wrongly, or that finds no path.
+/// An invalid description of a mover, or a mover for which no path was found.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("mover {name:?}: {reason}")]
 pub struct MoverError {
@@ -49,7 +50,8 @@ pub struct MoverError {
 pub struct BallPath {
     /// Radius, world units.
     pub radius_world: f64,
-    /// Times in seconds, ascending, each with the world position of the ball's centre. Interpolation is linear.
+    /// Times in seconds, ascending, each with the world position of the ball's centre. Interpolation is
+    /// linear.
     pub keys: Vec<(f64, [f64; 3])>,
 }
 
@@ -106,8 +108,8 @@ impl FromStr for MoveSpec {
 }
 
 impl MoveSpec {
-    /// Returns the path that was given, or else finds one in `still`, a tracer of the scene without movers. Cost of a
-    /// search: about a hundred thousand rays.
+    /// Returns the path that was given, or else finds one in `still`, a tracer of the scene without movers.
+    /// Cost of a search: about a hundred thousand rays.
     ///
     /// # Errors
     /// Returns [`MoverError`] if no sunlit position has a suitable shadow within reach, or if the path is
@@ -144,15 +146,15 @@ impl BallPath {
         }
     }
 
-    /// Adds the ball to a scene, as its last instance and as a mover. Does nothing for a path that [`MoveSpec::path`]
-    /// would never return: one that is empty, not finite, or goes back in time.
+    /// Adds the ball to a scene, as its last instance and as a mover. Does nothing for a path that
+    /// [`MoveSpec::path`] would never return: one that is empty, not finite, or goes back in time.
     pub fn add_to(&self, scene: &mut Scene) {
         scene.add_ball(self.radius_world, BALL_COLOR, &self.keys);
     }
 
-    /// Returns eye and target of a camera from which nothing in `still` hides the ball's centre at any key. It is the
-    /// first such position of several rings around the path, lowest ring first and azimuths near `ASIDE` from the sun
-    /// first, or the last position if none is free.
+    /// Returns eye and target of a camera from which nothing in `still` hides the ball's centre at any key.
+    /// It is the first such position of several rings around the path, lowest ring first and azimuths near
+    /// `ASIDE` from the sun first, or the last position if none is free.
     pub fn viewpoint(&self, still: &Tracer<'_>, towards_sun: [f64; 3]) -> [[f64; 3]; 2] {
         let (first, last) = (self.keys[0].1, self.keys[self.keys.len() - 1].1);
         let target: [f64; 3] = std::array::from_fn(|a| 0.5 * (first[a] + last[a]));
@@ -205,8 +207,8 @@ struct BallPosition {
 }
 
 impl Finder<'_> {
-    /// Returns the ball's centre at each key of the path closest to the ideal length and to the lowest ground. Up to
-    /// rounding, the result is the same on every machine.
+    /// Returns the ball's centre at each key of the path closest to the ideal length and to the lowest
+    /// ground. Up to rounding, the result is the same on every machine.
     fn find(&self) -> Option<Vec<[f64; 3]>> {
         let b = &self.bounds;
         let step = [0, 2].map(|a| (b.max[a] - b.min[a]) / f64::from(COLUMNS));
@@ -242,8 +244,8 @@ impl Finder<'_> {
         ways.iter().find_map(|&(_, [from, to])| self.way(center(from)?, center(to)?))
     }
 
-    /// Places the ball on the highest surface at (x, z), if there is one, it is nearly level and the ball has room
-    /// there.
+    /// Places the ball on the highest surface at (x, z), if there is one, it is nearly level and the ball has
+    /// room there.
     fn place(&self, x: f64, z: f64) -> Option<BallPosition> {
         let ground = self.ground(x, z)?;
         let center = [x, ground + self.radius, z];
@@ -278,7 +280,8 @@ impl Finder<'_> {
         (hit.normal[1].abs() > 0.95).then_some(top - hit.t)
     }
 
-    /// Returns the keys of a straight path between two positions, if the ground is even and nothing is in the way.
+    /// Returns the keys of a straight path between two positions, if the ground is even and nothing is in the
+    /// way.
     fn way(&self, from: [f64; 3], to: [f64; 3]) -> Option<Vec<[f64; 3]>> {
         let aside = [-(to[2] - from[2]), 0.0, to[0] - from[0]];
         let flat = aside[0].hypot(aside[2]).max(1e-9);

@@ -5,10 +5,10 @@
 
 use adumbra::grid::Frame;
 use adumbra::{Bounds, Filter, Receivers, ShadowFile, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, LoadOptions, Mesh, Scene, generate, load};
-use adumbra_testing::{TreeParts, add_box, bake_file, full, npz_array, npz_camera, scene_of, shared};
+use adumbra_testing::{TreeParts, add_box, full, npz_array, npz_camera, scene_of, shared};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Class, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
@@ -18,7 +18,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
-    bake_file(scene, options).unwrap()
+    Bake::with_options(scene, options).in_memory().unwrap()
 }
 
 fn verify(scene: &Scene, baked: &ShadowFile, volume: bool, samples: u64) -> Verification {
@@ -33,8 +33,8 @@ fn verify(scene: &Scene, baked: &ShadowFile, volume: bool, samples: u64) -> Veri
     Verifier::new(&answers, &tracer, &solids).run(&sampler, &VerifyOptions { samples, seed: 3 })
 }
 
-/// Share of sunlit-side pixels on which file and image agree: 99 % at 16384. An eighth of that resolution has eight
-/// times as many texels on outlines.
+/// Share of sunlit-side pixels on which file and image agree: 99 % at 16384. An eighth of that resolution has
+/// eight times as many texels on outlines.
 #[test]
 #[ignore = "slow: real scenes; all with images with ADUMBRA_FULL"]
 fn shared_file_matches_another_renderers_images() {
@@ -74,8 +74,8 @@ fn shared_file_matches_another_renderers_images() {
     assert!(missed.is_empty(), "too few pixels agree on {missed:?}");
 }
 
-/// Share of correct answers at an eighth of 8192. Eight times as many points are near an outline, but the interior is
-/// defined in texels, so what holds at 8192 nearly holds here.
+/// Share of correct answers at an eighth of 8192. Eight times as many points are near an outline, but the
+/// interior is defined in texels, so what holds at 8192 nearly holds here.
 #[test]
 #[ignore = "slow: real scenes; more of them with ADUMBRA_FULL"]
 fn shared_interior_agrees_with_rays_on_real_scenes() {
@@ -132,10 +132,10 @@ fn interior_agrees_with_rays_on_generated_scenes() {
     interior_agrees(&[Spheres, Primitives, Landscape, City], 1024, 20_000);
 }
 
-/// Walls below ledges whose shadow is narrower than a texel. Where a texel's centre is in that shadow, all of the texel is;
-/// where look-ups are lifted out of it, they end right before the ledge.
+/// Walls below ledges whose shadow is narrower than a texel. If a texel's centre is in that shadow, so is the
+/// whole texel. Look-ups that are lifted out of the shadow end just before the ledge.
 #[test]
-fn ledges_narrower_than_a_texel_miss_no_promise() {
+fn ledges_narrower_than_a_texel_keep_every_promise() {
     let mut walls = Mesh::default();
     for ledge in 0..24_u8 {
         let [x, width_world] = [5.0 * f32::from(ledge), 0.1 + 0.004 * f32::from(ledge)];
@@ -163,7 +163,7 @@ fn interior_agrees(kinds: &[GeneratedKind], resolution: u64, samples: u64) {
         let baked = bake_quietly(&scene, &everywhere);
         let surface = verify(&scene, &baked, false, samples);
         let volume = verify(&scene, &baked, true, samples);
-        // In the same frame, whose texels a filter takes.
+        // Use the same frame, because a filter samples its texels.
         let frame = match baked.grid.frame {
             Frame::Light => FrameChoice::Light,
             Frame::Oblique { yaw_radians } => FrameChoice::ObliqueAt(yaw_radians),
@@ -202,7 +202,7 @@ fn mean_filter_difference(scene: &Scene, a: &ShadowFile, b: &ShadowFile) -> f64 
 }
 
 #[test]
-fn bounds_cover_a_box_that_casters_outside_still_shade() {
+fn casters_outside_the_bounds_still_shade_the_bounded_box() {
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_angles(70.0, 20.0).unwrap();
     let bounds = Bounds { min: [-60.0, -1.0, -60.0], max: [60.0, 30.0, 60.0] };
@@ -214,11 +214,11 @@ fn bounds_cover_a_box_that_casters_outside_still_shade() {
 }
 
 #[test]
-fn a_wrong_file_is_found_out() {
+fn verify_detects_a_wrong_file() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let mut baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
-    // Every page that switches somewhere switches elsewhere.
+    // Shift the depths of every page.
     let mut parts = TreeParts::of(&baked.tree);
     for page in &mut parts.pages {
         page.base = page.base.saturating_sub(40);

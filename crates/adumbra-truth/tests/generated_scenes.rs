@@ -20,7 +20,7 @@ const KINDS: [GeneratedKind; 9] = [
     GeneratedKind::Cornell,
     GeneratedKind::Forest,
 ];
-/// The kinds that rest on y = 0 without a ground of their own.
+/// The kinds that rest on y = 0 and include no ground.
 const WITHOUT_GROUND: [GeneratedKind; 3] =
     [GeneratedKind::Ball, GeneratedKind::SphereGrid, GeneratedKind::Wires];
 
@@ -57,7 +57,7 @@ fn bytes_are_the_same_on_every_machine() {
 }
 
 #[test]
-fn scenes_keep_the_promises_of_their_types() {
+fn scenes_satisfy_the_invariants_of_their_types() {
     for (kind, seed) in KINDS.into_iter().flat_map(|k| [0, 1, u64::MAX].map(|s| (k, s))) {
         let scene = generate(kind, seed);
         for instance in &scene.instances {
@@ -87,7 +87,7 @@ fn area(mesh: &Mesh, triangle: usize) -> f64 {
 }
 
 #[test]
-fn all_but_the_terrain_and_cards_is_solid() {
+fn everything_except_terrain_and_cards_is_solid() {
     let seeds = if full() { 0..3 } else { 0..1 };
     let solid = KINDS.into_iter().filter(|&kind| kind != GeneratedKind::Forest);
     for (kind, seed) in solid.flat_map(|k| seeds.clone().map(move |s| (k, s))) {
@@ -102,7 +102,7 @@ fn all_but_the_terrain_and_cards_is_solid() {
 }
 
 #[test]
-fn scenes_have_the_sizes_they_promise() {
+fn scenes_have_their_documented_sizes() {
     let count = |s: &Scene, what: &str| s.instances.iter().filter(|i| i.name.starts_with(what)).count();
     for seed in 0..if full() { 6 } else { 1 } {
         let spheres = generate(GeneratedKind::Spheres, seed);
@@ -242,7 +242,7 @@ fn ground_is_a_slab_below_the_middle_of_the_model() {
 }
 
 #[test]
-fn ground_of_a_wrong_factor_is_refused_and_nothing_stands_on_none() {
+fn ground_rejects_bad_factors_and_skips_empty_scenes() {
     let mut scene = generate(GeneratedKind::SphereGrid, 1);
     for factor in [0.0, -4.0, 0.99, 1001.0, f64::NAN, f64::INFINITY] {
         let refused = scene.stand_on_ground(factor);
@@ -256,7 +256,7 @@ fn ground_of_a_wrong_factor_is_refused_and_nothing_stands_on_none() {
 }
 
 #[test]
-fn landscape_things_reach_into_the_terrain() {
+fn landscape_instances_reach_into_the_terrain() {
     let scene = generate(GeneratedKind::Landscape, 5);
     let terrain = &scene.meshes[0];
     for instance in scene.instances.iter().filter(|i| i.name != "terrain") {

@@ -1,5 +1,5 @@
-//! What a person would see of a scene at a glance: skies that hide the sun, strays that make a scene wide, and shares of
-//! shadow that are those of rays.
+//! What a person would notice in a scene at a glance: skies that hide the sun, strays that make a scene wide,
+//! and shares of shadow that agree with rays.
 
 use adumbra::Sun;
 use adumbra_scene::{GeneratedKind, Instance, Material, Mesh, Scene, generate, icosphere};
@@ -18,7 +18,7 @@ fn names(scene: &Scene) -> Vec<String> {
     look(scene, sun(50.0)).hider.map(|hider| hider.names).unwrap_or_default()
 }
 
-/// Adds triangles as a node of its own, named `name`, of a material named `material`.
+/// Adds triangles as a separate node named `name`, with a material named `material`.
 fn add(scene: &mut Scene, name: &str, material: &str, triangles: &[[[f64; 3]; 3]]) {
     let index = scene.materials.iter().position(|m| m.name == material).unwrap_or_else(|| {
         scene.materials.push(Material::opaque(material, [1.0; 4]));
@@ -67,7 +67,7 @@ fn sides(half: f64) -> [Vec<[[f64; 3]; 3]>; 6] {
 }
 
 #[test]
-fn skies_of_all_forms_are_named() {
+fn skies_of_all_shapes_are_detected_and_named() {
     assert!(names(&generate(GeneratedKind::City, 1)).is_empty());
     for kind in [GeneratedKind::Primitives, GeneratedKind::Landscape] {
         let plain = generate(kind, 1);
@@ -83,7 +83,7 @@ fn skies_of_all_forms_are_named() {
             let sides = sides(radius).map(|side| turned_inside_out(side, inside_out));
             add(&mut scene, "Skybox", "sky", &sides.concat());
             assert_eq!(names(&scene), ["Skybox"]);
-            // Six nodes: those that the sun shines through are named.
+            // With six nodes, the sides through which the sun would shine are named.
             let mut scene = plain.clone();
             for (i, side) in sides.iter().enumerate() {
                 add(&mut scene, &format!("side {i}"), "sky", side);
@@ -95,7 +95,7 @@ fn skies_of_all_forms_are_named() {
 }
 
 #[test]
-fn skies_that_are_part_of_a_mesh_are_named_by_their_material() {
+fn sky_within_a_mesh_is_named_by_its_material() {
     let city = generate(GeneratedKind::City, 1);
     let town: Vec<[[f64; 3]; 3]> = city
         .instances
@@ -117,7 +117,7 @@ fn skies_that_are_part_of_a_mesh_are_named_by_their_material() {
         mesh.triangle_materials.push(1);
     }
     assert_eq!(names(&scene), ["sky"]);
-    // A sky that casts no shadow hides nothing, and all is as without it.
+    // A sky that casts no shadow hides nothing and changes no result.
     scene.materials[1].casts = false;
     assert!(names(&scene).is_empty());
     let [with, without] = [&scene, &city].map(|scene| look(scene, sun(50.0)));
@@ -136,7 +136,7 @@ fn skies_that_are_part_of_a_mesh_are_named_by_their_material() {
 }
 
 #[test]
-fn shares_of_shadow_are_those_of_rays() {
+fn lit_points_agree_with_rays() {
     for kind in
         [GeneratedKind::City, GeneratedKind::Landscape, GeneratedKind::Primitives, GeneratedKind::Spheres]
     {
@@ -159,14 +159,15 @@ fn shares_of_shadow_are_those_of_rays() {
 }
 
 #[test]
-fn people_stand_in_the_street_and_not_in_walls() {
+fn ground_points_are_in_streets_and_not_inside_walls() {
     let mut scene = Scene::default();
     let quad = |[x0, x1]: [f64; 2], [z0, z1]: [f64; 2], y: f64| {
         let [a, b, c, d] = [[x0, y, z0], [x0, y, z1], [x1, y, z1], [x1, y, z0]];
         vec![[a, b, c], [a, c, d]]
     };
     add(&mut scene, "ground", "a", &quad([-50.0, 50.0], [-50.0, 50.0], 0.0));
-    // Half of the town is a block of 20 m, on a slab whose upper side is the block's lower one. A tower stands in both.
+    // Half of the town is a block of 20 m on a slab. The top of the slab is the bottom of the block. A tower
+    // intersects both.
     let solid = |[x0, x1]: [f64; 2], [z0, z1]: [f64; 2], [low, high]: [f64; 2]| {
         let ring = [[x0, z0], [x0, z1], [x1, z1], [x1, z0]];
         let mut all = quad([x0, x1], [z0, z1], high);
@@ -182,7 +183,7 @@ fn people_stand_in_the_street_and_not_in_walls() {
     add(&mut scene, "slab", "b", &solid(town[0], town[1], [0.0, 0.2]));
     add(&mut scene, "block", "b", &solid(town[0], town[1], [0.2, 20.0]));
     add(&mut scene, "tower", "b", &solid([-10.0, -5.0], town[1], [-1.0, 20.0]));
-    // A road lies just above the street: people stand under it all the same.
+    // A road lies just above the street. People stand on the street below it.
     add(&mut scene, "road", "c", &quad([10.0, 20.0], [-50.0, 50.0], 0.01));
     scene.instances[4].casts = false;
     add(&mut scene, "awning", "d", &quad([40.0, 45.0], [-50.0, 50.0], 5.0));
@@ -193,7 +194,7 @@ fn people_stand_in_the_street_and_not_in_walls() {
         glance.ground.iter().all(|seen| seen.p_world[0] > 0.0 && seen.p_world[1].abs() < 1e-3 && seen.is_lit)
     );
     assert_eq!(shadowed_share(&glance.ground), Some(0.0));
-    // The sun stands over the block: its shadow is 30 m long, and at eye level 2.55 m less.
+    // The sun is above the block: the block's shadow is 30 m long, and 2.55 m shorter at eye level.
     let elevation = (20.0_f64 / 30.0).atan().to_degrees();
     let west = look(&scene, Sun::from_angles(270.0, elevation).unwrap().towards());
     let [ground, standing] = [&west.ground, &west.standing].map(|points| shadowed_share(points).unwrap());
@@ -201,7 +202,7 @@ fn people_stand_in_the_street_and_not_in_walls() {
 }
 
 #[test]
-fn strays_are_named_and_the_box_is_that_of_the_rest() {
+fn strays_are_named_and_excluded_from_the_box() {
     for kind in [GeneratedKind::Landscape, GeneratedKind::Primitives] {
         let plain = generate(kind, 1);
         let bounds = plain.bounds();
@@ -228,7 +229,7 @@ fn strays_are_named_and_the_box_is_that_of_the_rest() {
                 );
             }
         }
-        // Ground that goes on far beyond the rest.
+        // A ground that extends far beyond the rest.
         let mut scene = plain.clone();
         let [a, b, c, d] = [[-1e5, -1.0, -1e5], [-1e5, -1.0, 1e5], [1e5, -1.0, 1e5], [1e5, -1.0, -1e5]];
         add(&mut scene, "land", "a", &[[a, b, c], [a, c, d]]);
@@ -238,10 +239,10 @@ fn strays_are_named_and_the_box_is_that_of_the_rest() {
 }
 
 #[test]
-fn a_tower_on_a_wide_ground_shadows_a_little_of_it() {
+fn tower_shadows_a_small_share_of_a_wide_ground() {
     let ground = [[-100.0, 0.0, -100.0], [-100.0, 0.0, 100.0], [100.0, 0.0, 100.0], [100.0, 0.0, -100.0]];
     let ground = vec![[ground[0], ground[1], ground[2]], [ground[0], ground[2], ground[3]]];
-    // A tower of 16 m, 40 m high, without a floor, as one mesh with its ground and as one of two.
+    // A tower 16 m wide and 40 m high, without a floor, in one mesh with its ground or in a separate mesh.
     let tower: Vec<[[f64; 3]; 3]> = sides(8.0)
         .into_iter()
         .enumerate()
@@ -263,7 +264,7 @@ fn a_tower_on_a_wide_ground_shadows_a_little_of_it() {
 }
 
 #[test]
-fn nothing_at_all_can_be_looked_at() {
+fn empty_scene_has_no_hider_and_no_stray() {
     let scene = generate(GeneratedKind::City, 1);
     let nothing = look(&Scene { instances: Vec::new(), ..scene.clone() }, sun(50.0));
     assert!(nothing.hider.is_none() && nothing.spread.stray.is_none());

@@ -1,10 +1,10 @@
-//! Ground that only an app draws: shadows on it, and whether `verify` looks at it.
+//! Ground that only an app draws: shadows on it, and whether `verify` checks them.
 
 use adumbra::{Bounds, FileSettings, Filter, ShadowFile, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
+use adumbra_bake::{AssumeGround, Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Mesh, Scene, generate};
-use adumbra_testing::{add_box, bake_file, scene_of};
+use adumbra_testing::{add_box, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Class, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
@@ -19,10 +19,10 @@ fn without_ground(kind: GeneratedKind) -> Scene {
 }
 
 fn baked(scene: &Scene, options: &BakeOptions) -> ShadowFile {
-    bake_file(scene, options).expect("a small bake fits")
+    Bake::with_options(scene, options).in_memory().expect("a small bake fits")
 }
 
-/// Verifies a file as if its settings were these.
+/// Verifies a file with these settings in place of its own.
 fn verify(scene: &Scene, file: &ShadowFile, settings: FileSettings, filter: u32) -> Verification {
     let tracer = Tracer::build(scene, TraceOptions::default());
     let solids = Solids::of(scene);
@@ -36,7 +36,7 @@ fn verify(scene: &Scene, file: &ShadowFile, settings: FileSettings, filter: u32)
 }
 
 #[test]
-fn buildings_alone_cast_on_the_ground_that_an_app_draws() {
+fn scene_without_ground_casts_on_the_ground_of_an_app() {
     let scene = without_ground(GeneratedKind::City);
     for (azimuth, elevation, frame) in [
         (0.0, 35.0, FrameChoice::Light),
@@ -57,13 +57,13 @@ fn buildings_alone_cast_on_the_ground_that_an_app_draws() {
 }
 
 #[test]
-fn shadows_that_are_left_out_below_the_last_surface_are_missed() {
+fn verify_detects_missing_shadows_below_the_last_surface() {
     let scene = without_ground(GeneratedKind::City);
     let sun = Sun::from_angles(205.0, 50.0).expect("above the horizon");
     let options =
         BakeOptions { assume_ground: AssumeGround::Yes, ..BakeOptions::new(sun, Size::Resolution(1024)) };
     let file = baked(&scene, &options);
-    // Such a file promises nothing there.
+    // A file that assumes ground promises nothing below it.
     let v = verify(&scene, &file, file.settings, 1);
     assert_eq!((v.class(Class::Ground).points, v.class(Class::Ground).promised_agreement), (0, None));
     let v = verify(&scene, &file, FileSettings { assume_ground: false, ..file.settings }, 1);
@@ -72,7 +72,7 @@ fn shadows_that_are_left_out_below_the_last_surface_are_missed() {
 }
 
 #[test]
-fn ground_far_behind_the_grid_is_in_shadow() {
+fn ground_far_beyond_the_grid_is_in_shadow() {
     // A wall whose shadow is much longer than the grid is deep, and one that bounds cut off.
     let scene = without_ground(GeneratedKind::Primitives);
     let sun = Sun::from_angles(30.0, 12.0).expect("above the horizon");
@@ -87,10 +87,10 @@ fn ground_far_behind_the_grid_is_in_shadow() {
     }
 }
 
-/// Columns whose centre is inside the wall are free from its roof to its foot; what stands behind the wall may draw their
-/// switch down.
+/// A column whose centre is inside the wall may switch anywhere from the wall's roof to its foot. Geometry
+/// behind the wall may move the switch down.
 #[test]
-fn below_a_ledge_it_is_dark_beside_the_wall_at_noon() {
+fn points_below_a_ledge_beside_a_wall_are_dark_at_noon() {
     let mut town = Mesh::default();
     let walls = (0..16_u8).map(|n| 10.0 * f32::from(n) + 0.031 * f32::from(n)).collect::<Vec<_>>();
     for &x in &walls {

@@ -1,20 +1,21 @@
-//! Surfaces with holes: how much light a file lets through them, against rays through the same textures.
+//! Surfaces with holes: how much light a file lets through them, compared with rays through the same
+//! textures.
 
 use adumbra::query::receiver;
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::{
     AlphaMode, GeneratedKind, LoadOptions, Material, Mesh, Pixels, Scene, Texture, Wrap, generate, load,
     random::Random,
 };
-use adumbra_testing::{add_quad, bake_file, scene_file, scene_of, shared};
+use adumbra_testing::{add_quad, scene_file, scene_of, shared};
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Class, LightAnswers, Sampler, Solids, SurfaceSampler, Verification, Verifier, VerifyOptions,
 };
 
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
-/// How high level cards hang above the ground.
+/// Height of level cards above the ground.
 const HEIGHT: f32 = 4.0;
 /// Side of a level card.
 const SIDE: f32 = 6.0;
@@ -42,8 +43,8 @@ fn row(texels: u32, wrap: Wrap, is_opaque: impl Fn(u32) -> bool) -> Texture {
     Texture { name: "row".to_owned(), width: texels, height: 1, pixels, wrap: [wrap; 2], nearest: true }
 }
 
-/// Returns where a point of a level card is in the world: card `number` of `count` stand side by side along x, each turned about
-/// its middle.
+/// Returns the world position of a point on level card `number` of `count`. The cards are side by side along
+/// x, each rotated about its centre.
 fn on_card([x, z]: [f32; 2], angle: f32, number: usize, count: usize) -> [f32; 3] {
     let (sin, cos) = angle.to_radians().sin_cos();
     let middle = 1.5 * SIDE * (number as f32 - 0.5 * (count - 1) as f32);
@@ -62,7 +63,8 @@ fn level_cards(angles: &[f32], period_world: f32) -> Mesh {
     cards
 }
 
-/// The bars of [`level_cards`] whose texture is opaque in the first `width_world` of each period, as geometry.
+/// The bars of [`level_cards`] whose texture is opaque in the first `width_world` of each period, as
+/// geometry.
 fn level_bars(angles: &[f32], period_world: f32, width_world: f32) -> Mesh {
     let mut bars = Mesh::default();
     let half = 0.5 * SIDE;
@@ -78,7 +80,8 @@ fn level_bars(angles: &[f32], period_world: f32, width_world: f32) -> Mesh {
     bars
 }
 
-/// Returns the mean light on the ground in the middle of the shadow of card `number` of `count`: by the files, and by rays.
+/// Returns the mean light on the ground in the middle of the shadow of card `number` of `count`, according to
+/// the files and according to rays.
 fn light_below<const N: usize>(
     files: [&ShadowFile; N],
     tracer: &Tracer<'_>,
@@ -90,9 +93,9 @@ fn light_below<const N: usize>(
     let sun = files[0].grid.sun.towards();
     let (mut sums, mut lit) = ([0.0; N], 0.0);
     for i in 0..POINTS {
-        // The golden ratio is in step with no bars.
+        // Steps of the golden ratio do not coincide with the period of any bars.
         let along = [0.618_033_988_75 * f64::from(i), f64::from(i) / f64::from(POINTS)].map(f64::fract);
-        // On the card, however it is turned.
+        // These points are on the card whatever its rotation.
         let [x, z] = along.map(|c| 0.65 * SIDE * (c as f32 - 0.5));
         let card = on_card([0.0; 2], 0.0, number, count);
         let card = [card[0] + x, card[1], z].map(f64::from);
@@ -109,7 +112,7 @@ fn light_below<const N: usize>(
 fn baked(scene: &Scene, size: Size) -> ShadowFile {
     let sun = Sun::from_angles(205.0, 55.0).expect("above the horizon");
     let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, size) };
-    bake_file(scene, &options).expect("a small bake fits")
+    Bake::with_options(scene, &options).in_memory().expect("a small bake fits")
 }
 
 fn verify(scene: &Scene, file: &ShadowFile) -> Verification {
@@ -122,11 +125,12 @@ fn verify(scene: &Scene, file: &ShadowFile) -> Verification {
 }
 
 #[test]
-fn bars_let_as_much_light_through_as_rays_and_as_bars_of_geometry() {
+fn masked_bars_pass_as_much_light_as_rays_and_geometry() {
     let angles = [0.0, 10.0, 22.5, 30.0, 45.0, 60.0, 67.5, 90.0];
     let width_world = 0.2;
     let mut most = 0.0_f64;
-    // Bars that are as wide as the gaps, of one texel of the texture and of eight, and bars a quarter as wide as the period.
+    // Bars that are as wide as the gaps, of one texel of the texture and of eight, and bars a quarter as wide
+    // as the period.
     for (texels, opaque, widths_texels) in [(2, 1, [1.0, 3.0]), (16, 8, [1.5, 8.0]), (32, 8, [1.0, 2.0])] {
         let period_world = width_world * texels as f32 / opaque as f32;
         let texture = || row(texels, Wrap::Repeat, |t| t < opaque);
@@ -154,7 +158,7 @@ fn bars_let_as_much_light_through_as_rays_and_as_bars_of_geometry() {
 }
 
 #[test]
-fn layers_of_leaves_let_as_much_light_through_as_rays_do() {
+fn layers_of_leaves_pass_as_much_light_as_rays() {
     // Half of the texels, at random, are opaque.
     let mut random = 1_u32;
     let mut alpha = |_| {
@@ -186,8 +190,8 @@ fn layers_of_leaves_let_as_much_light_through_as_rays_do() {
     }
 }
 
-/// Cards that stand on the ground along x, one behind the other, each with a part of the texture from `u[0]` to `u[1]`, and from
-/// v = 1 at its foot to 0 at its tip.
+/// Cards that stand on the ground along x, one behind the other, each with a part of the texture from
+/// `u[0]` to `u[1]`, and from v = 1 at its foot to 0 at its tip.
 fn standing_cards(u: [f32; 2]) -> Mesh {
     let mut cards = Mesh::default();
     for number in 0..40 {
@@ -199,7 +203,7 @@ fn standing_cards(u: [f32; 2]) -> Mesh {
 }
 
 #[test]
-fn cards_cast_their_own_part_of_the_texture_alone() {
+fn cards_cast_only_their_part_of_the_texture() {
     // The left half is clear.
     let texture = row(64, Wrap::Repeat, |t| t >= 32);
     let scene = cut_by(texture, standing_cards([0.0, 0.499]));
@@ -215,7 +219,7 @@ fn cards_cast_their_own_part_of_the_texture_alone() {
 }
 
 #[test]
-fn grass_with_a_texture_that_repeats_casts_as_with_one_that_does_not() {
+fn grass_casts_alike_with_repeating_and_clamped_textures() {
     // Blades that are opaque at the root and end before the tip.
     let grass = |wrap| {
         let alphas = (0..64 * 16).map(|t: u32| if t / 64 > 2 + t % 64 * 7 % 11 { 255 } else { 0 });
@@ -236,14 +240,14 @@ fn grass_with_a_texture_that_repeats_casts_as_with_one_that_does_not() {
     }
 }
 
-/// What filtered look-ups on the ground differ from the mean of rays over the filter's square.
+/// The differences between filtered look-ups on the ground and the mean of rays over the filter's square.
 #[derive(Debug)]
 struct FilteredError {
     rmse: f64,
     mean: f64,
 }
 
-/// Returns the errors of a filter of `width` × `width` at random points below which there is nothing but ground.
+/// Returns the errors of a filter of `width` × `width` at random points on the ground.
 fn filtered_error(scene: &Scene, tracer: &Tracer<'_>, file: &ShadowFile, width: u32) -> FilteredError {
     const POINTS: usize = 20_000;
     /// Strata of the square, along each axis.
@@ -275,7 +279,7 @@ fn filtered_error(scene: &Scene, tracer: &Tracer<'_>, file: &ShadowFile, width: 
             });
             let along = center[2] + gradient[0] * dx + gradient[1] * dy;
             let q = grid.to_world([center[0] + dx, center[1] + dy, along]);
-            // Curved ground is not before itself.
+            // Start above the surface, so that curved ground does not block its own rays.
             let lift = (0.5 + 0.5 * f64::from(width)) * grid.voxel_size;
             let origin = std::array::from_fn(|a| q[a] + lift * sun[a]);
             !tracer.occluded(&Ray { origin, direction: sun, t_min: 0.0, t_max: f64::INFINITY })
@@ -289,15 +293,15 @@ fn filtered_error(scene: &Scene, tracer: &Tracer<'_>, file: &ShadowFile, width: 
     FilteredError { rmse: (squares / POINTS as f64).sqrt(), mean: sum / POINTS as f64 }
 }
 
-/// Bakes a scene at two resolutions and checks filtered look-ups. With half of a texel's area in place of its centre, the roots of
-/// the mean square were `before`.
+/// Bakes a scene at two resolutions and checks filtered look-ups. `before` holds the root mean square errors
+/// of an earlier rule, which used half of a texel's area in place of its centre.
 fn assert_filtered(scene: &Scene, resolutions: [u64; 2], before: [f64; 2]) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
     let tracer = Tracer::build(scene, TraceOptions::default());
     for (resolution, before) in resolutions.into_iter().zip(before) {
         let size = Size::Resolution(resolution);
         let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, size) };
-        let file = bake_file(scene, &options).expect("it fits");
+        let file = Bake::with_options(scene, &options).in_memory().expect("it fits");
         let error = filtered_error(scene, &tracer, &file, 5);
         eprintln!("at {resolution}, 5 × 5: {error:.4?}");
         assert!(error.rmse < before && error.mean.abs() < 0.005, "{resolution}: {error:?}");

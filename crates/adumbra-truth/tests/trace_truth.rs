@@ -1,5 +1,5 @@
-//! The tracer compared with another renderer: every view in `shared/truth` (Mitsuba 3.9), traced again from its stored
-//! positions and normals. `shared/truth/README.md` describes the contents of each array.
+//! The tracer compared with another renderer: every view in `shared/truth` (Mitsuba 3.9), traced again from
+//! its stored positions and normals. `shared/truth/README.md` describes the contents of each array.
 //!
 //! CI tests every eighth pixel along x and y; `ADUMBRA_FULL=1` tests every pixel. The shared folder is
 //! `ADUMBRA_SHARED`, or `shared` beside the checkout. Without it the test prints a message and passes.

@@ -1,10 +1,11 @@
-//! Tests of `verify` itself: whether it draws its points uniformly, omits none, and finds each kind of wrong answer.
+//! Tests of `verify` itself: whether it draws its points uniformly, omits none, and finds each kind of wrong
+//! answer.
 
 use adumbra::query::{Receiver, receiver};
 use adumbra::{Filter, Sampler as FileSampler, ShadowFile, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, Size};
+use adumbra_bake::{AssumeGround, Bake, BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, Instance, Scene, generate};
-use adumbra_testing::{bake_file, cuboid, scene_of};
+use adumbra_testing::{cuboid, scene_of};
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use adumbra_truth::verify::{
     Answers, Class, LightAnswers, Replaced, Sampler, Solids, SurfaceSampler, Verification, Verifier,
@@ -12,7 +13,7 @@ use adumbra_truth::verify::{
 };
 
 fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
-    bake_file(scene, options).expect("a small bake fits")
+    Bake::with_options(scene, options).in_memory().expect("a small bake fits")
 }
 
 fn check(scene: &Scene, sun: Sun, answers: &impl Answers, samples: u64) -> Verification {
@@ -47,8 +48,8 @@ fn cubes(instances: Vec<Instance>) -> Scene {
     Scene { instances, ..scene_of(vec![cuboid([-0.5; 3], [0.5; 3])]) }
 }
 
-/// A floor of 100 m by 100 m, which is the unit cube scaled non-uniformly, below a hundred cubes that float three
-/// metres above it.
+/// A floor of 100 m by 100 m, which is the unit cube scaled non-uniformly, below a hundred cubes that float
+/// three metres above it.
 fn cubes_over_a_scaled_floor() -> Scene {
     let mut instances = vec![placed([100.0, 0.1, 100.0], [0.0, -0.05, 0.0])];
     for i in 0..100 {
@@ -59,13 +60,14 @@ fn cubes_over_a_scaled_floor() -> Scene {
 }
 
 #[test]
-fn points_are_spread_by_area_over_instances_of_any_scale() {
+fn points_are_uniform_by_area_over_instances_of_any_scale() {
     let scene = cubes_over_a_scaled_floor();
     let sun = Sun::from_angles(0.0, 90.0).expect("overhead");
     let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(1024)));
     let samples = 100_000;
     let v = verify(&scene, &baked, 1, samples);
-    // The floor has 20,000 m² and 40 m² of rim, each cube 6 m². The sun sees the top faces of the floor and the cubes.
+    // The floor has 20,000 m² and 40 m² of rim, each cube 6 m². The sun sees the top faces of the floor and
+    // the cubes.
     let seen = (10_000.0 + 100.0) / (20_040.0 + 600.0);
     let compared = v.samples as f64 / samples as f64;
     assert!((compared - seen).abs() < 0.006, "{compared} of the points are compared, by area {seen}");
@@ -107,8 +109,8 @@ fn every_point_that_the_sun_can_shine_on_is_in_one_class() {
 /// Falsifies an answer, given the point's grid position, its n·l and the filtered value.
 type Lie = fn([f64; 3], f64, f32) -> f32;
 
-/// Verifies a correct file of a small city whose answers are shifted and falsified, and returns the classes that miss
-/// their promises.
+/// Verifies a correct file of a small city whose answers are shifted and falsified, and returns the classes
+/// that miss their promises.
 fn caught(filter: u32, shift_texels: f64, lie: Lie) -> Vec<Class> {
     let scene = generate(GeneratedKind::City, 2);
     let sun = Sun::from_angles(37.0, 5.0).expect("above the horizon");
@@ -140,7 +142,7 @@ fn caught_in(
 }
 
 #[test]
-fn a_plane_that_is_flatter_than_level_ground_is_found_under_a_low_sun() {
+fn detects_clamped_plane_slopes_under_a_low_sun() {
     let scene = cubes_over_a_scaled_floor();
     for (elevation, filter, is_right) in [(6.0, 9, true), (3.0, 9, false), (2.0, 5, false), (2.0, 9, false)] {
         let sun = Sun::from_angles(37.0, elevation).expect("above the horizon");
@@ -185,13 +187,13 @@ fn right_answers_keep_every_promise() {
 }
 
 #[test]
-fn one_wrong_answer_in_a_hundred_is_found_in_the_interior() {
+fn detects_one_percent_of_wrong_answers_in_the_interior() {
     let lie: Lie = |p, _, value| if is_one_of_a_hundred(p) { 1.0 - value } else { value };
     assert!(caught(1, 0.0, lie).contains(&Class::Interior));
 }
 
 #[test]
-fn wrong_answers_where_the_sun_grazes_are_found() {
+fn detects_wrong_answers_under_a_grazing_sun() {
     let lie: Lie = |p, n_dot_l, value| {
         if n_dot_l <= 0.1 && (p[0] * 0.37).rem_euclid(1.0) < 0.03 { 1.0 - value } else { value }
     };
@@ -199,19 +201,19 @@ fn wrong_answers_where_the_sun_grazes_are_found() {
 }
 
 #[test]
-fn shadows_half_a_texel_off_are_found_at_their_edges() {
+fn detects_shadows_shifted_by_half_a_texel() {
     let found = caught(1, 0.5, |_, _, value| value);
     assert!(found.contains(&Class::Edge), "{found:?}");
 }
 
 #[test]
-fn a_filtered_value_that_is_a_little_too_dark_is_found() {
+fn detects_filtered_values_that_are_slightly_too_dark() {
     let found = caught(9, 0.0, |_, _, value| value * 0.95);
     assert!(found.contains(&Class::Interior), "{found:?}");
 }
 
 #[test]
-fn an_unfiltered_answer_is_found_where_a_filtered_one_was_asked() {
+fn detects_unfiltered_answers_in_place_of_filtered_ones() {
     let found = caught(9, 0.0, |_, _, value| if value > 0.5 { 1.0 } else { 0.0 });
     assert!(found.contains(&Class::Edge), "{found:?}");
 }
@@ -227,7 +229,7 @@ fn posts_on_a_floor() -> Scene {
 }
 
 #[test]
-fn posts_without_shadows_are_found() {
+fn detects_missing_shadows_of_posts() {
     let scene = posts_on_a_floor();
     let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
     let floor = cubes(vec![scene.instances[0].clone()]);
@@ -241,19 +243,19 @@ fn posts_without_shadows_are_found() {
 }
 
 #[test]
-fn a_nan_is_wrong() {
+fn nan_counts_as_a_wrong_answer() {
     let found = caught(9, 0.0, |_, _, _| f32::NAN);
     assert!(found.contains(&Class::Interior), "{found:?}");
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn what_is_no_visibility_is_wrong() {
+fn values_outside_0_to_1_count_as_wrong() {
     no_visibility_is_caught(|filter, lie| caught(filter, 0.0, lie));
 }
 
 #[test]
-fn what_is_no_visibility_is_wrong_below_floating_cubes() {
+fn values_outside_0_to_1_count_as_wrong_below_cubes() {
     let scene = cubes_over_a_scaled_floor();
     let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
     let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(512)));
@@ -275,7 +277,7 @@ fn no_visibility_is_caught(caught: impl Fn(u32, Lie) -> Vec<Class>) {
 }
 
 #[test]
-fn a_few_right_answers_are_no_proof() {
+fn too_few_points_do_not_pass_verification() {
     let scene = posts_on_a_floor();
     let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
     let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(1024)));

@@ -1,15 +1,14 @@
 //! Vertex alpha cuts masked materials: rays, the bake and its look-ups agree on where.
 
 use adumbra::{Filter, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{AlphaMode, Instance, Material, Mesh, Scene};
-use adumbra_testing::bake_file;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 const IDENTITY: [[f64; 4]; 3] = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
 
-/// A square from -`half` to `half` at height `y`. If `faded`, alpha goes from 0 at its left side to 1 at its right
-/// side.
+/// A square from -`half` to `half` at height `y`. If `faded`, alpha goes from 0 at its left side to 1 at its
+/// right side.
 fn square(name: &str, half: f32, y: f32, material: u32, faded: bool) -> Mesh {
     let colors = [[255, 255, 255, 0], [255; 4], [255; 4], [255, 255, 255, 0]];
     Mesh {
@@ -35,11 +34,11 @@ fn scene() -> Scene {
 }
 
 #[test]
-fn what_vertex_alpha_cuts_away_lets_the_sun_through() {
+fn sun_passes_where_vertex_alpha_is_below_the_cutoff() {
     let scene = scene();
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(512));
-    let baked = bake_file(&scene, &options).unwrap();
+    let baked = Bake::with_options(&scene, &options).in_memory().unwrap();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let texel = baked.grid.voxel_size;
     let sampler = baked.sampler(Filter::Nearest);

@@ -1,5 +1,5 @@
-//! The view without its window: executes commands, keeps everything in step, and draws. `results` handles the events of
-//! other threads, and `playing` plays the script.
+//! The view without its window: executes commands, keeps everything in step, and draws. `results` handles the
+//! events of other threads, and `playing` plays the script.
 
 mod playing;
 mod results;
@@ -64,9 +64,9 @@ pub(crate) struct App {
     pub(crate) initial: Settings,
     pub(crate) stage: Option<Stage>,
     pub(crate) loads: Loads,
-    /// The load of a scene that is shown and has changed; the view stays as it is.
+    /// Number of the load that reloads the shown scene after a change. It keeps the camera and the sun.
     again: Option<u64>,
-    /// The files that are followed.
+    /// The watched files.
     followed: Option<(Vec<PathBuf>, FileWatch)>,
     pub(crate) shadows: Shadows,
     /// The day that is played.
@@ -344,8 +344,8 @@ impl App {
         self.gpu.name()
     }
 
-    /// Returns the command line that reproduces this view. It includes a shadow file that was given or dropped, if it was
-    /// baked for the current sun.
+    /// Returns the command line that reproduces this view. It includes a shadow file that was given or
+    /// dropped, if it was baked for the current sun.
     pub(crate) fn command_line(&self) -> String {
         let scene = self.stage.as_ref().map_or(&self.options.scene, |s| &s.scene().path);
         let ball = self.options.ball_text.as_deref();
@@ -427,7 +427,7 @@ impl App {
         self.dirty || self.settings.continuous || self.shadows.is_streaming(&self.settings)
     }
 
-    /// Reads the file that is shown again, because the budget is another.
+    /// Reads the shown file again, after a change of the budget.
     fn read_again(&mut self) {
         if let Some(path) = self.shadows.given_path(&self.settings).map(Path::to_owned) {
             self.reading += 1;
@@ -435,7 +435,7 @@ impl App {
         }
     }
 
-    /// Whether something is in progress by itself, so that the event loop must not sleep.
+    /// Whether anything progresses without user input, so that the event loop must not sleep.
     pub(crate) fn is_busy(&self) -> bool {
         let moves = self.day.is_some() || self.stage.as_ref().is_some_and(|s| s.end_seconds().is_some());
         let plays = self.settings.playing && moves;

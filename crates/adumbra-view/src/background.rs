@@ -18,7 +18,8 @@ pub(crate) fn in_background<T>(
     thread::spawn(move || done(caught(work)));
 }
 
-/// Returns the result of `work`; a panic becomes an error. After a panic, nothing that `work` used may be used again.
+/// Returns the result of `work`; a panic becomes an error. After a panic, nothing that `work` used may be
+/// used again.
 pub(crate) fn caught<T>(work: impl FnOnce() -> Result<T, String>) -> Result<T, String> {
     catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
         let said = panic.downcast_ref::<String>().map(String::as_str);
@@ -32,7 +33,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_panic_is_an_error_with_its_words() {
+    fn panic_becomes_an_error_with_its_message() {
         assert_eq!(caught(|| Ok(7)), Ok(7));
         assert_eq!(caught::<()>(|| Err("gone".to_owned())), Err("gone".to_owned()));
         let broken = caught::<()>(|| panic!("index {} out of bounds", 9)).unwrap_err();

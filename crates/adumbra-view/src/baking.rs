@@ -1,11 +1,12 @@
-//! A background bake, coarse to fine: each level is shown as soon as it is done, and cancelling keeps the last one.
+//! A background bake, coarse to fine: each level is shown as soon as it is done, and cancelling keeps the
+//! last one.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeCache, BakeOptions, MemoryCache, Progress, Size, Watch, bake, bake_again};
+use adumbra_bake::{Bake, BakeCache, BakeOptions, MemoryCache, Progress, Size};
 
 use crate::background::{background_pool, caught};
 use crate::event::{Event, EventSender};
@@ -57,7 +58,7 @@ fn levels(finest: u64) -> Vec<u64> {
 }
 
 impl RunningBake {
-    /// Starts a bake. `cache` has what earlier bakes have made; without a memory limit they are used.
+    /// Starts a bake. `cache` has the results of earlier bakes, which are reused if there is no memory limit.
     pub(crate) fn start(
         key: BakeKey,
         scene: Arc<LoadedScene>,
@@ -72,7 +73,7 @@ impl RunningBake {
         thread::spawn(move || {
             let outcome = caught(|| {
                 let pool = background_pool()?;
-                // What only the bake before the last one used will hardly be needed again.
+                // Remove entries that the last bake did not use: they are unlikely to be needed again.
                 cache.remove_unused();
                 let cache = max_memory.is_none().then_some(cache as Arc<dyn BakeCache>);
                 let inputs = Inputs { scene: &scene, max_memory, cache };
@@ -86,7 +87,7 @@ impl RunningBake {
         Self { number, key, resolution: levels(key.resolution)[0], share: 0.0, cancel }
     }
 
-    /// Makes it stop soon.
+    /// Requests the bake to stop.
     pub(crate) fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
@@ -98,7 +99,7 @@ impl Drop for RunningBake {
     }
 }
 
-/// What a bake works on.
+/// The scene, memory limit and cache of a bake.
 struct Inputs<'a> {
     scene: &'a LoadedScene,
     max_memory: Option<u64>,
@@ -127,12 +128,11 @@ fn bake_levels(
             max_memory_bytes: inputs.max_memory,
             ..BakeOptions::new(key.sun, Size::Resolution(resolution))
         };
-        let (still, watch) = (&inputs.scene.still, Watch::new(&done, cancel));
-        let baked = match &inputs.cache {
-            Some(cache) => bake_again(still, &options, cache, watch)?,
-            None => bake(still, &options, watch)?,
-        };
-        let file = baked.file;
+        let mut bake = Bake::with_options(&inputs.scene.still, &options).on_progress(done).cancel(cancel);
+        if let Some(cache) = &inputs.cache {
+            bake = bake.cache(Arc::clone(cache));
+        }
+        let file = bake.in_memory()?;
         let last = resolution == key.resolution;
         sender.send(Event::Baked { bake: number, file: Box::new(file), last });
     }
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_go_from_coarse_to_what_was_asked_for() {
+    fn levels_end_at_the_requested_resolution() {
         assert_eq!(levels(8192), [512, 2048, 8192]);
         assert_eq!(levels(1024), [1024]);
         assert_eq!(levels(256), [256]);

@@ -1,4 +1,5 @@
-//! A user's commands, whatever their source: the mouse, a key, the panel, a dropped file, or a line of a script.
+//! A user's commands, whatever their source: the mouse, a key, the panel, a dropped file, or a line of a
+//! script.
 
 use std::path::PathBuf;
 
@@ -14,8 +15,8 @@ pub enum Side {
     Second,
 }
 
-/// A change of what is shown, or an action. As JSON it is an object with one key, such as `{"layer": "shadow"}`, or
-/// just the name if there are no arguments, such as `"quit"`.
+/// A change of what is shown, or an action. As JSON it is an object with one key, such as
+/// `{"layer": "shadow"}`, or just the name if there are no arguments, such as `"quit"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Command {
@@ -113,7 +114,7 @@ pub enum Command {
     Continuous(bool),
     /// Starts a new bake with this many texels on the longest side.
     Bake(u64),
-    /// Sets the budget of shadow files in MiB: one that needs more is streamed.
+    /// Sets the budget of shadow files in MiB: a file that needs more is streamed.
     Budget(u64),
     /// Stops the bake; completed levels stay.
     CancelBake,

@@ -94,7 +94,7 @@ mod tests {
     use crate::settings::tests::settings;
 
     #[test]
-    fn command_line_says_everything() {
+    fn command_line_includes_every_setting() {
         let mut s = settings();
         s.shown = Shown::Split(0.25);
         s.ball = true;

@@ -1,5 +1,5 @@
-//! A day that a view plays: where its clock is, and the keys around its sun. They are baked ahead of it, or read from a
-//! path file.
+//! A day that a view plays: its clock, and the keys around its sun. Keys are baked ahead of the sun, or read
+//! from a path file.
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use crate::event::{Event, EventSender};
 use crate::loaded_scene::LoadedScene;
 use crate::settings::Settings;
 
-/// Bytes that a frame may upload of a key.
+/// Largest number of bytes of a key that a frame uploads.
 const UPLOAD_BYTES: usize = 1 << 20;
 /// Seconds of a whole day.
 const DAY_SECONDS: f64 = 86_400.0;
@@ -22,30 +22,31 @@ const DAY_SECONDS: f64 = 86_400.0;
 /// A day to play.
 #[derive(Clone, Debug)]
 pub struct DayOptions {
-    /// Where the sun is, step by step.
+    /// Positions of the sun, step by step.
     pub steps: Vec<SunStep>,
     /// How far the local clock is ahead of UTC; `None` if the suns were listed without a place.
     pub utc_offset_seconds: Option<i32>,
-    /// Seconds that 24 hours take.
+    /// Playing time of 24 hours in seconds.
     pub length_seconds: f64,
-    /// The text of the day, for the command line that reproduces a view; none of a path file.
+    /// The text of the day, for the command line that reproduces a view; `None` for the day of a path file.
     pub text: Option<String>,
-    /// If set, keys are baked of what is within so many world units of the camera, along x and z.
+    /// If set, keys cover only the part of the scene within this distance of the camera along x and z, world
+    /// units.
     pub near_world: Option<f64>,
-    /// The hour by the local clock at which the day begins; that of the first sun if `None`.
+    /// The hour by the local clock at which the day begins. `None` means the hour of the first sun.
     pub hour: Option<f64>,
 }
 
 impl DayOptions {
-    /// Seconds that 24 hours take unless set: 48 minutes.
+    /// Default playing time of 24 hours in seconds: 48 minutes.
     pub const LENGTH_SECONDS: f64 = 2880.0;
 }
 
-/// A day that is played.
+/// A day in progress.
 pub(crate) struct Day {
     /// The steps whose sun is above the horizon.
     steps: Vec<SunStep>,
-    /// Between two such steps: the last one before a night and the first one after it.
+    /// Times of the last of these steps before each night and of the first step after it.
     nights: Vec<[f64; 2]>,
     utc_offset_seconds: Option<i32>,
     length_seconds: f64,
@@ -55,23 +56,23 @@ pub(crate) struct Day {
     light: Option<Arc<MovingLight>>,
     changes: u64,
     coarser: u64,
-    /// Why no more keys come.
+    /// The error that ended the stream of keys.
     fault: Option<String>,
     is_stopped: bool,
     began: Instant,
 }
 
-/// Where the keys come from.
+/// The source of the keys.
 enum Keys {
-    /// Nothing is followed yet.
+    /// No keys yet.
     None,
-    /// They are baked, for a scene of this number at this resolution.
+    /// Keys are baked for the scene with this number at this resolution.
     Baked { follower: Box<SunFollower>, scene: u64, resolution: u64 },
-    /// They are read.
+    /// Keys are read from a path file.
     Read(Box<PathReader>),
 }
 
-/// What a frame has to do.
+/// The action that a frame must take.
 pub(crate) enum Change {
     /// Nothing.
     None,
@@ -82,7 +83,7 @@ pub(crate) enum Change {
 }
 
 impl Day {
-    /// Begins a day with its first sun. `None` if the sun never is above the horizon.
+    /// Begins a day with its first sun. `None` if the sun is never above the horizon.
     pub(crate) fn new(options: &DayOptions) -> Option<Self> {
         let is_lit = |step: &&SunStep| Sun::from_direction(step.towards_sun).is_ok();
         let steps: Vec<SunStep> = options.steps.iter().filter(is_lit).copied().collect();
@@ -121,14 +122,14 @@ impl Day {
         Ok(())
     }
 
-    /// Moves the clock by seconds of the view. After its last sun the day begins again.
+    /// Advances the clock by seconds of the view. After its last sun, the day begins again.
     pub(crate) fn advance(&mut self, seconds: f64) {
         let [first, last] = self.span();
         let next = self.seconds + seconds * DAY_SECONDS / self.length_seconds;
         self.set(if next > last { first } else { next });
     }
 
-    /// Sets the clock, in the day's seconds. Nights are left out.
+    /// Sets the clock, in the day's seconds. Skips nights.
     pub(crate) fn set(&mut self, seconds: f64) {
         let [first, last] = self.span();
         let night = self.nights.iter().find(|[dusk, dawn]| *dusk < seconds && seconds < *dawn);
@@ -140,17 +141,17 @@ impl Day {
         self.seconds
     }
 
-    /// The first and the last moment.
+    /// The first and last time of the day, in seconds.
     pub(crate) fn span(&self) -> [f64; 2] {
         [0, self.steps.len() - 1].map(|step| self.steps[step].seconds)
     }
 
-    /// The moment as a clock shows it, or in seconds.
+    /// Formats a time as the local clock shows it, or in seconds.
     pub(crate) fn shown(&self, seconds: f64) -> String {
         clock(seconds, self.utc_offset_seconds.unwrap_or(0), self.utc_offset_seconds.is_some())
     }
 
-    /// Returns the seconds at which the clock shows an hour, at the day's first date.
+    /// Returns the time in seconds at which the clock shows an hour of the first date.
     pub(crate) fn at_hour(&self, hour: f64) -> f64 {
         let offset = f64::from(self.utc_offset_seconds.unwrap_or(0));
         let midnight = ((self.span()[0] + offset) / DAY_SECONDS).floor() * DAY_SECONDS - offset;
@@ -162,13 +163,13 @@ impl Day {
         (self.seconds - self.at_hour(0.0)) / 3600.0
     }
 
-    /// The sun of the clock.
+    /// The sun at the clock's time.
     pub(crate) fn sun(&self) -> Sun {
         let after = self.steps.partition_point(|step| step.seconds < self.seconds).min(self.steps.len() - 1);
         let (a, b) = (self.steps[after.saturating_sub(1)], self.steps[after]);
         let share =
             if b.seconds > a.seconds { (self.seconds - a.seconds) / (b.seconds - a.seconds) } else { 1.0 };
-        // Steps are a minute apart: on so short an arc the chord is the arc.
+        // Steps are a minute apart. Over such a short arc, interpolating along the chord is accurate.
         let towards = std::array::from_fn(|i| {
             a.towards_sun[i] + share.clamp(0.0, 1.0) * (b.towards_sun[i] - a.towards_sun[i])
         });
@@ -176,7 +177,7 @@ impl Day {
             .unwrap_or_else(|_| Sun::from_direction(b.towards_sun).expect("it was checked"))
     }
 
-    /// Takes the keys around the sun of the settings. Call it in each tick.
+    /// Updates the keys around the sun of the settings. Call it in each tick.
     pub(crate) fn follow(
         &mut self,
         settings: &Settings,
@@ -240,7 +241,7 @@ impl Day {
         self.is_stopped = true;
     }
 
-    /// Whether the keys come from a path file. It has none for a sun that is set by hand.
+    /// Whether the keys come from a path file, which has no keys for a sun that is set by hand.
     pub(crate) fn is_read(&self) -> bool {
         matches!(self.keys, Keys::Read(_))
     }
@@ -254,12 +255,12 @@ impl Day {
         }
     }
 
-    /// Returns why no more keys come, once.
+    /// Returns the error that ended the stream of keys, once.
     pub(crate) fn take_fault(&mut self) -> Option<String> {
         self.fault.take()
     }
 
-    /// Says where the keys come from.
+    /// Describes the source of the keys in one line.
     pub(crate) fn line(&self) -> String {
         match (&self.keys, self.coarser) {
             (Keys::Read(_), _) => "keys are read from a path file".to_owned(),
@@ -274,8 +275,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nights_are_left_out_and_the_day_begins_again() {
-        // Two days, of which every hour from 19 to 6 is night.
+    fn clock_skips_nights_and_wraps_at_the_end() {
+        // Two days with night at every hour from 19 to 6.
         let step = |hour: u32| {
             let (sin, cos) = (15.0 * f64::from(hour) - 90.5).to_radians().sin_cos();
             SunStep { seconds: 3600.0 * f64::from(hour), towards_sun: [cos, sin, 0.0] }

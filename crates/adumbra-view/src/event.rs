@@ -15,7 +15,7 @@ use crate::traced::Traced;
 pub(crate) enum Event {
     /// A loaded scene, or the error; `load` is the number of the load.
     Scene { load: u64, loaded: Result<Arc<LoadedScene>> },
-    /// Some of the files that are followed have changed.
+    /// Some of the watched files have changed.
     Changed,
     /// A shadow file that was read, or the error.
     File { path: PathBuf, read: Result<ShownFile, String> },

@@ -129,7 +129,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_switch_on_and_off() {
+    fn pressing_a_toggle_key_twice_restores_the_settings() {
         let mut s = settings();
         for key in ["x", "v", "b", "Space", "g", "m", "u", "?"] {
             let before = s.clone();

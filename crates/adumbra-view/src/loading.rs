@@ -38,8 +38,8 @@ pub(crate) fn drop_kind(path: &Path) -> Result<DropKind, String> {
     })
 }
 
-/// Scenes being loaded, by number. A scene replaces those that were requested before it; one that fails replaces
-/// nothing.
+/// Scenes being loaded, by number. A scene replaces those that were requested before it; one that fails
+/// replaces nothing.
 #[derive(Default)]
 pub(crate) struct Loads {
     under_way: BTreeMap<u64, PathBuf>,
@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn newest_scene_that_comes_is_shown() {
+    fn shows_the_newest_scene_that_loads() {
         let mut loads = Loads::default();
         let [a, b, c] = ["a", "b", "c"].map(|path| loads.begin(path.into()));
         assert_eq!((a, loads.newest()), (Loads::FIRST, Some(Path::new("c"))));
@@ -121,7 +121,7 @@ mod tests {
     }
 
     #[test]
-    fn drop_is_known_by_its_ending() {
+    fn dropped_files_are_recognized_by_extension() {
         let kind = |name: &str| drop_kind(Path::new(name));
         assert_eq!(kind("a/City.GLB"), Ok(DropKind::Scene));
         assert_eq!(kind("city.adumbra"), Ok(DropKind::ShadowFile));

@@ -37,8 +37,8 @@ impl Messages {
         self.add(text, true);
     }
 
-    /// Adds a message. An error that is already shown, for example because it recurs with every frame, is only shown
-    /// for longer.
+    /// Adds a message. An error that is already shown, for example because it recurs with every frame, is
+    /// only shown for longer.
     fn add(&mut self, text: String, is_error: bool) {
         let until = Instant::now() + if is_error { ERROR_STAYS } else { NOTE_STAYS };
         if is_error && let Some(same) = self.shown.iter_mut().find(|m| m.is_error && m.text == text) {
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_error_that_comes_with_every_frame_is_said_once() {
+    fn recurring_error_is_reported_once() {
         let lines = Rc::new(RefCell::new(Vec::new()));
         let seen = lines.clone();
         let mut messages = Messages::new(Box::new(move |line| seen.borrow_mut().push(line.to_owned())));
@@ -100,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_said_does_not_grow_for_ever() {
+    fn kept_messages_are_limited() {
         let mut messages = Messages::new(Box::new(|_| {}));
         (0..2 * MAX_REPORTED).for_each(|i| messages.note(i.to_string()));
         assert_eq!(messages.said().len(), MAX_REPORTED);

@@ -1,10 +1,10 @@
-//! Movement of cameras and of the sun. Up stays up: nothing rolls, and nothing passes over the pole.
+//! Movement of cameras and of the sun. Cameras do not roll. Neither cameras nor the sun pass over a pole.
 
 use adumbra::Sun;
 use adumbra_scene::{Camera, Projection};
 
-/// Smallest angle in degrees between a camera's view and straight up or down, and between the sun and the horizon or
-/// the zenith.
+/// Smallest angle in degrees between a camera's view and straight up or down, and between the sun and the
+/// horizon or the zenith.
 const MARGIN_DEGREES: f64 = 0.5;
 
 /// Returns the azimuth, clockwise from -Z, and the elevation of a direction, in degrees; the inverse of
@@ -79,7 +79,8 @@ fn shift(camera: &mut Camera, by: [f64; 3]) {
     }
 }
 
-/// Multiplies the eye's distance from the target, and the visible height of an orthographic camera, by a factor.
+/// Multiplies the eye's distance from the target, and the visible height of an orthographic camera, by a
+/// factor.
 pub(crate) fn zoom(camera: &mut Camera, factor: f64) {
     if let Projection::Orthographic { height_world } = &mut camera.projection {
         *height_world *= factor;
@@ -109,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn angles_are_those_of_the_sun() {
+    fn angles_are_the_inverse_of_sun_from_angles() {
         for (azimuth, elevation) in [(0.0, 30.0), (90.0, 5.0), (200.5, 60.0), (359.0, 80.0)] {
             let [a, e] = angles(Sun::from_angles(azimuth, elevation).unwrap().towards());
             assert!((a - azimuth).abs() < 1e-9 && (e - elevation).abs() < 1e-9, "{a} {e}");
@@ -142,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn pan_moves_the_picture_by_its_share() {
+    fn pan_moves_by_a_fraction_of_the_visible_height() {
         let mut moved = camera();
         pan(&mut moved, [0.25, 0.0]);
         let [x, y] = moved.view().pixel(camera().target).unwrap();

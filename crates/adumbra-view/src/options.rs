@@ -17,7 +17,8 @@ pub struct ViewOptions {
     pub scene: PathBuf,
     /// How scenes are loaded, including dropped ones.
     pub load: LoadOptions,
-    /// A shadow file that replaces a bake. A bake starts when the sun moves. The file is used again when it returns.
+    /// A shadow file that replaces a bake. A bake starts when the sun moves. The file is used again when the
+    /// sun returns.
     pub shadow_file: Option<PathBuf>,
     /// Whether to load the scene and the shadow file again when their files change.
     pub watch: bool,
@@ -29,7 +30,8 @@ pub struct ViewOptions {
     pub layer: String,
     /// How both sides are shown.
     pub shown: Shown,
-    /// The sun. The default is the shadow file's, or the scene's first directional light that shines, or the usual one.
+    /// The sun. The default is the shadow file's, or the scene's first directional light that shines, or the
+    /// usual one.
     pub sun: Option<Sun>,
     /// Camera position. The default is a position from which the whole scene is visible.
     pub eye: Option<[f64; 3]>,
@@ -57,9 +59,9 @@ pub struct ViewOptions {
     pub continuous: bool,
     /// Resolution of bakes, in texels on the longest side.
     pub resolution: u64,
-    /// Budget of shadow files in MiB: one that needs more is streamed.
+    /// Budget of shadow files in MiB: a file that needs more is streamed.
     pub budget_mib: u64,
-    /// Frames over which pages of a streamed file come and go; 0 changes them at once.
+    /// Number of frames over which pages of a streamed file fade in and out; 0 switches them at once.
     pub fade_frames: u32,
     /// Memory limit of a bake, in bytes.
     pub max_memory_bytes: Option<u64>,
@@ -69,8 +71,8 @@ pub struct ViewOptions {
     pub repeated: Vec<String>,
     /// Other files that were read, such as the script. No picture and no camera may overwrite them.
     pub inputs: Vec<PathBuf>,
-    /// A day to play. Its sun takes the place of `sun`. One without a text gives length and hour of a path file that is
-    /// the shadow file.
+    /// A day to play. Its sun replaces `sun`. If the shadow file is a sun path, only the day's length and
+    /// hour apply, and the day needs no text.
     pub day: Option<DayOptions>,
     /// Script to play.
     pub script: Option<Script>,

@@ -3,8 +3,8 @@
 //! A script is a JSON array of steps. A step is a [`Command`], or a wait:
 //!
 //! ```json
-//! [{"wait": "baked"}, {"layer": "shadow"}, {"key": "t"}, {"wait": {"frames": 2}}, {"screenshot": "shadow.png"},
-//! "quit"]
+//! [{"wait": "baked"}, {"layer": "shadow"}, {"key": "t"}, {"wait": {"frames": 2}},
+//!  {"screenshot": "shadow.png"}, "quit"]
 //! ```
 
 use std::collections::VecDeque;
@@ -72,8 +72,8 @@ impl Script {
     /// Reads a script.
     ///
     /// # Errors
-    /// Returns [`ViewError::Io`] if the file cannot be read, or [`ViewError::Script`], with the number of the step, if
-    /// it is not a script.
+    /// Returns [`ViewError::Io`] if the file cannot be read, or [`ViewError::Script`], with the number of the
+    /// step, if it is not a script.
     pub fn read(path: &Path) -> Result<Self> {
         let text = read_text(path, TEXT_BYTES)?;
         Self::parse(path, &text)
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn script_is_read_and_written() {
+    fn script_round_trips() {
         let text = r#"[{"wait":"baked"},{"wait":{"frames":2}},{"wait":{"message":"no"}},{"layer":"shadow"},
             {"shadow":{"side":"second","technique":"csm"}},{"split":0.25},{"resize":[640,480]},"quit"]"#;
         let script = parse(text).unwrap();
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn script_s_fault_names_its_step() {
+    fn script_error_names_the_step() {
         for (text, fault) in [
             ("{}", "not an array"),
             (r#"["quit", {"lair": "shadow"}]"#, "step 2"),

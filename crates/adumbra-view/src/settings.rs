@@ -57,9 +57,9 @@ pub struct Settings {
     pub continuous: bool,
     /// Resolution of bakes, in texels on the longest side.
     pub resolution: u64,
-    /// Budget of shadow files in MiB: one that needs more is streamed.
+    /// Budget of shadow files in MiB: a file that needs more is streamed.
     pub budget_mib: u64,
-    /// Frames over which pages of a streamed file come and go; 0 changes them at once.
+    /// Number of frames over which pages of a streamed file fade in and out; 0 switches them at once.
     pub fade_frames: u32,
 }
 
@@ -98,8 +98,8 @@ impl Settings {
         if self.shows_both() { &self.shadows } else { &self.shadows[..1] }
     }
 
-    /// Applies a command. Returns false if the command does not change a setting but does something else, such as a
-    /// screenshot.
+    /// Applies a command. Returns false if the command does not change a setting but does something else,
+    /// such as a screenshot.
     ///
     /// # Errors
     /// Returns a message if the command is invalid. Then nothing has changed.
@@ -292,7 +292,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn commands_change_what_they_say() {
+    fn commands_change_their_settings() {
         let mut s = settings();
         let csm = Command::Shadow { side: Side::Second, technique: "vsm:blur=5".to_owned() };
         for command in [
@@ -349,7 +349,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn next_goes_through_everything_and_around() {
+    fn next_cycles_through_all_choices() {
         let mut s = settings();
         let count = shadow_names().count();
         let mut seen = Vec::new();
@@ -368,7 +368,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_is_no_setting_is_left_to_others() {
+    fn apply_returns_false_for_other_commands() {
         for command in [Command::Quit, Command::ResetCamera, Command::Screenshot("a.png".into())] {
             assert_eq!(settings().apply(&command), Ok(false));
         }

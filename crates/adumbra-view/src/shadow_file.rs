@@ -12,9 +12,9 @@ use adumbra_render::voxel::{LightFile, MovingLight, StreamedFile};
 use crate::error::Result;
 use crate::settings::Settings;
 
-/// Bytes that a frame may upload of a streamed file.
+/// Largest number of bytes of a streamed file that a frame uploads.
 const UPLOAD_BYTES: usize = 1 << 20;
-/// How long the beginning of a streamed file is waited for.
+/// How long to wait for the beginning of a streamed file.
 const OPENING: Duration = Duration::from_secs(30);
 
 /// A shadow file that a view shows.
@@ -22,7 +22,7 @@ const OPENING: Duration = Duration::from_secs(30);
 pub(crate) enum ShownFile {
     Whole(Arc<ShadowFile>),
     Streamed(Arc<StreamedFile>),
-    /// The keys around a sun that moves.
+    /// The keys around a moving sun.
     Moving(Arc<MovingLight>),
 }
 
@@ -34,12 +34,12 @@ impl ShownFile {
     pub(crate) fn read(path: &Path, stream: StreamOptions) -> Result<Self> {
         let streamer = Streamer::new(FileSource::open(path)?, stream);
         if let Ok(file) = StreamedFile::open(streamer, UPLOAD_BYTES, OPENING) {
-            // A region's file is placed in the world, which is done with the whole file.
+            // The file of a region must be placed in the world. Only whole files support that.
             if file.counts().decoded_bytes > stream.budget_bytes && file.settings().region.is_none() {
                 return Ok(Self::Streamed(Arc::new(file)));
             }
         }
-        // Whatever is wrong with the file, reading it whole says so.
+        // Reading the whole file reports any fault of the file.
         Ok(Self::whole(ShadowFile::read(path)?.in_world()))
     }
 
@@ -54,7 +54,7 @@ impl ShownFile {
         }
     }
 
-    /// Whether the last frame had all that it needs; the next one has more otherwise.
+    /// Whether the last frame had everything it needed. If not, the next frame has more.
     pub(crate) fn is_settled(&self) -> bool {
         match self {
             Self::Whole(_) => true,
@@ -93,7 +93,7 @@ impl ShownFile {
         TechniqueFiles { light: Some(light), other: None }
     }
 
-    /// Whether the file fits the settings: it was baked for their sun, or follows it.
+    /// Whether the file fits the settings: it was baked for their sun, or follows the sun.
     pub(crate) fn serves(&self, settings: &Settings) -> bool {
         matches!(self, Self::Moving(_)) || is_same_sun(&self.sun(), &settings.sun)
     }

@@ -1,4 +1,5 @@
-//! Keeps the visible shadow file in step with the sun: a given file if it was baked for it, a new bake otherwise.
+//! Keeps the visible shadow file in step with the sun: a given file if it was baked for it, a new bake
+//! otherwise.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -19,12 +20,12 @@ pub(crate) struct Shadows {
     given: Option<Given>,
     stopped: Option<Stopped>,
     max_memory_bytes: Option<u64>,
-    /// What earlier bakes have made.
+    /// Results of earlier bakes.
     cache: Arc<MemoryCache>,
     sender: EventSender,
 }
 
-/// A given file, kept for when the sun is again the one it was baked for.
+/// A given file. It is kept while the sun is elsewhere, and used again when the sun returns.
 struct Given {
     file: ShownFile,
     path: Option<PathBuf>,
@@ -65,7 +66,7 @@ impl Shadows {
         }
     }
 
-    /// Drops the file and its bake, because there is another scene.
+    /// Drops the file and its bake, for another scene.
     pub(crate) fn clear(&mut self) {
         *self = Self::new(self.max_memory_bytes, self.sender.clone());
     }
@@ -78,15 +79,15 @@ impl Shadows {
         self.file = Some(file);
     }
 
-    /// Uses the keys around a sun that moves, which need no bake.
+    /// Uses the keys around a moving sun, which need no bake.
     pub(crate) fn follow(&mut self, file: ShownFile) {
         self.clear();
         self.origin = Origin::Followed;
         self.file = Some(file);
     }
 
-    /// Requests a new bake, in place of a given file or a bake that was stopped too. The existing file stays in use
-    /// until then.
+    /// Requests a new bake, even if a file was given or the last bake was stopped. The existing file stays in
+    /// use until the new bake has a level.
     pub(crate) fn rebake(&mut self) {
         (self.origin, self.stopped) = (Origin::None, None);
         self.set_aside(true);
@@ -119,7 +120,8 @@ impl Shadows {
         self.file.as_ref()
     }
 
-    /// Whether the visible file is streamed, or a key of a sun that moves, and the last frame lacked some of it.
+    /// Whether the visible file is streamed or follows a moving sun, and the last frame lacked some of its
+    /// data.
     pub(crate) fn is_streaming(&self, settings: &Settings) -> bool {
         self.file().is_some_and(|file| settings.uses_file() && !file.is_settled())
     }
@@ -156,7 +158,7 @@ impl Shadows {
         self.file().is_some_and(|f| f.serves(settings))
     }
 
-    /// Whether a visible technique reads a file, and neither the final one is there nor was its bake stopped.
+    /// Whether a visible technique reads a file, the final file is not present, and its bake was not stopped.
     fn needs_bake(&self, settings: &Settings, scene: &LoadedScene) -> bool {
         let wanted = BakeKey::new(scene.number, settings);
         let is_final = match &self.origin {
@@ -169,8 +171,8 @@ impl Shadows {
         settings.uses_file() && !is_final && !is_stopped
     }
 
-    /// Starts and cancels bakes until the visible file fits the settings. Only one bake runs at a time. Returns whether
-    /// the file changed.
+    /// Starts and cancels bakes until the visible file fits the settings. Only one bake runs at a time.
+    /// Returns whether the file changed.
     pub(crate) fn reconcile(&mut self, settings: &Settings, scene: &Arc<LoadedScene>) -> bool {
         let has_changed = self.take_back(settings);
         let key = BakeKey::new(scene.number, settings);
@@ -224,7 +226,8 @@ impl Shadows {
         }
     }
 
-    /// Stops the bake of these settings for good; completed levels stay. Returns false if there is nothing to stop.
+    /// Stops the bake of these settings for good; completed levels stay. Returns false if there is nothing to
+    /// stop.
     pub(crate) fn cancel(&mut self, settings: &Settings, scene: &LoadedScene) -> bool {
         let wanted = self.needs_bake(settings, scene);
         if let Some(running) = &self.running {
@@ -289,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn shadows_follow_the_sun_and_come_back() {
+    fn shadows_follow_the_sun_there_and_back() {
         let mut bench = Bench::new();
         let first = bench.settings.sun;
         bench.settle();
@@ -308,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn shadows_that_are_given_stay_until_a_bake_is_asked_for() {
+    fn given_shadows_stay_until_a_bake_is_requested() {
         let mut bench = Bench::new();
         bench.settings.resolution = 512;
         bench.settle();
@@ -351,7 +354,7 @@ mod tests {
     }
 
     #[test]
-    fn shadows_keep_what_landed_when_a_bake_is_cancelled() {
+    fn cancelled_bake_keeps_its_completed_levels() {
         let mut bench = Bench::new();
         bench.settle();
         bench.settings.resolution = 1 << 17;

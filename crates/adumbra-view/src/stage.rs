@@ -1,5 +1,5 @@
-//! Draws frames according to the settings. Keeps the scene on the device, the techniques of both sides, and their
-//! pictures.
+//! Draws frames according to the settings. Keeps the scene on the device, the techniques of both sides, and
+//! their pictures.
 
 mod sides;
 
@@ -156,8 +156,8 @@ impl Stage {
     /// Draws the visible sides.
     ///
     /// # Errors
-    /// Returns the device's errors. A technique that cannot be drawn is a fault of its side, which is then shown
-    /// without shadows.
+    /// Returns the device's errors. A technique that cannot be drawn is a fault of its side, which is then
+    /// shown without shadows.
     pub(crate) fn draw(&mut self, settings: &Settings, context: &FrameContext<'_>) -> Result<()> {
         self.moving.pose(settings.seconds);
         self.renderer.move_movers(&self.moving);

@@ -21,7 +21,7 @@ pub(crate) struct Startup {
     pub(crate) day: Option<StartingDay>,
 }
 
-/// A day, and the path file that has its keys, if there is one.
+/// A day, and the path file with its keys, if there is one.
 pub(crate) struct StartingDay {
     pub(crate) day: Day,
     pub(crate) path: Option<SunPath>,
@@ -64,7 +64,7 @@ impl Startup {
         Ok(Self { options, settings, file, day }.at_its_sun())
     }
 
-    /// Returns it with the sun of its day.
+    /// Sets the sun to that of the day, if there is a day.
     fn at_its_sun(mut self) -> Self {
         if let Some(StartingDay { day, .. }) = &self.day {
             self.settings.sun = day.sun();
@@ -73,7 +73,8 @@ impl Startup {
     }
 }
 
-/// Returns the day of a path file, with the length and hour that were asked for, or a day that was asked for.
+/// Returns the day of a path file, with the length and hour of `asked`. Without a path file, returns the day
+/// `asked`.
 fn starting_day(asked: Option<&DayOptions>, path: Option<SunPath>) -> Result<StartingDay> {
     let of_path = path.as_ref().map(|path| DayOptions {
         steps: path.steps().to_vec(),

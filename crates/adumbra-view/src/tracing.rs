@@ -1,5 +1,5 @@
-//! Ray tracing on another thread: the true visibility at each pixel, for the technique and the ambient occlusion named
-//! `truth`.
+//! Ray tracing on another thread: the true visibility at each pixel, for the technique and the ambient
+//! occlusion named `truth`.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -53,7 +53,8 @@ struct Placed {
     ignore_alpha: bool,
 }
 
-/// The tracing thread. It traces the picture requested last. Older requests are dropped, even if they are in progress.
+/// The tracing thread. It traces the picture requested last. Older requests are dropped, even if they are in
+/// progress.
 pub(crate) struct TraceThread {
     jobs: Sender<Job>,
     asked: Option<(TraceKey, Arc<AtomicBool>)>,
@@ -66,8 +67,8 @@ impl TraceThread {
         Self { jobs, asked: None }
     }
 
-    /// Requests a picture. Returns false if it is the one requested last. The key's time determines the pose of
-    /// everything that moves, including the ball.
+    /// Requests a picture. Returns false if it is the one requested last. The key's time determines the pose
+    /// of everything that moves, including the ball.
     pub(crate) fn ask(&mut self, key: TraceKey, scene: &Arc<LoadedScene>, ball: Option<&BallPath>) -> bool {
         if self.asked.as_ref().is_some_and(|(asked, _)| *asked == key) {
             return false;
@@ -107,7 +108,8 @@ fn trace_all(jobs: &Receiver<Job>, sender: &EventSender) {
     }
 }
 
-/// Traces pictures of one scene. Returns the first job of another scene, or `None` if no more jobs can arrive.
+/// Traces pictures of one scene. Returns the first job of another scene, or `None` if no more jobs can
+/// arrive.
 fn trace_scene(mut job: Job, jobs: &Receiver<Job>, sender: &EventSender) -> Result<Option<Job>, String> {
     let pool = background_pool()?;
     let placed = job.place();

@@ -34,8 +34,8 @@ const PULSE: Duration = Duration::from_millis(8);
 /// Opens a window and returns when it is closed. `say` receives each message as a line.
 ///
 /// # Errors
-/// Returns [`ViewError::Window`] if there is no display, and other errors if the options, the first scene, the script
-/// or the device are at fault.
+/// Returns [`ViewError::Window`] if there is no display, and other errors if the options, the first scene,
+/// the script or the device are at fault.
 pub fn run(options: ViewOptions, say: Say) -> Result<()> {
     let startup = Startup::new(options)?;
     let no_window = |e: winit::error::EventLoopError| ViewError::Window { reason: system_says(&e) };
@@ -75,9 +75,9 @@ struct Open {
     held: BTreeSet<String>,
     modifiers: ModifiersState,
     last: Instant,
-    /// Whether something was in progress by itself until now. Otherwise the time that passed does not count.
+    /// Whether the view was active since the last tick. If not, the elapsed time is ignored.
     was_active: bool,
-    /// When egui wants to be drawn again.
+    /// When egui requests the next repaint.
     repaint_at: Option<Instant>,
 }
 
@@ -130,7 +130,7 @@ impl Open {
         let painter = egui_wgpu::Renderer::new(&gpu.device, format, egui_wgpu::RendererOptions::default());
         let present = PresentPass::new(&gpu, format)?;
         let sender = EventSender::new(move |event| {
-            // Sending fails only if the event loop, and thus the window, is gone.
+            // Sending fails only after the event loop, and thus the window, has closed.
             let _ = proxy.send_event(event);
         });
         let mut app = App::new(startup, gpu.clone(), sender, say);
@@ -213,8 +213,8 @@ impl Open {
         }
     }
 
-    /// Returns the surface's next texture; `None` if there is none now. Then a redraw is requested if there will be
-    /// one.
+    /// Returns the surface's next texture. `None` if no texture is available now; requests a redraw unless
+    /// the window is hidden.
     fn frame(&mut self) -> Result<Option<wgpu::SurfaceTexture>> {
         match self.surface.get_current_texture() {
             wgpu::CurrentSurfaceTexture::Success(frame) | wgpu::CurrentSurfaceTexture::Suboptimal(frame) => {
@@ -227,7 +227,7 @@ impl Open {
                 self.surface.configure(&self.gpu.device, &self.config);
             }
             wgpu::CurrentSurfaceTexture::Timeout | wgpu::CurrentSurfaceTexture::Validation => {}
-            // It is drawn again when it becomes visible.
+            // The window is redrawn when it becomes visible.
             wgpu::CurrentSurfaceTexture::Occluded => return Ok(None),
         }
         self.window.request_redraw();

@@ -1,7 +1,7 @@
 //! How fast a shadow file is read on one core, raw and coded:
 //! `cargo run --release -p adumbra --example read_speed FILE`.
 //!
-//! Reading a raw file takes what checking its words takes. Decoding is what a coded one takes beyond that.
+//! Reading a raw file takes only the time to check its words. The extra time of a coded file is the decoding.
 
 use std::env;
 use std::error::Error;

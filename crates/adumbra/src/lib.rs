@@ -1,13 +1,14 @@
 //! Baked sun shadows of a static world: one look-up for any point in space, sharp at every distance.
 //!
-//! This crate reads what a bake has written, and is the one that an engine links. It opens a file ([`ShadowFile`]),
-//! looks up points on the CPU ([`Sampler`]), and provides the words and parameters that a shader needs ([`gpu`]). It
-//! depends on no graphics library, so it works with any version of any of them. Files are baked by the crate
-//! `adumbra-bake` or by the program `adumbra`. A [`SunPath`] has the suns of a day, and answers for any moment of it.
+//! This crate reads files that a bake has written. It is the crate that an engine links. It opens a file
+//! ([`ShadowFile`]), looks up points on the CPU ([`Sampler`]), and provides the words and parameters that a
+//! shader needs ([`gpu`]). It depends on no graphics library, so it works with any version of any of them.
+//! Files are baked by the crate `adumbra-bake` or by the program `adumbra`. A [`SunPath`] has the suns of a
+//! day, and answers for any moment of it.
 //!
-//! Data flows one way: grid → layout → file → look-ups, [`gpu`] → regions, [`stream`] → sun paths. All results have one
-//! polarity, *visibility*: 1 = unoccluded. Modules that the documentation hides are for the project's own crates, such
-//! as the bake: they may change in any version. `docs/api.txt` lists the rest.
+//! Data flows one way: grid → layout → file → look-ups, [`gpu`] → regions, [`stream`] → sun paths. All
+//! results have one polarity, *visibility*: 1 = unoccluded. Modules that the documentation hides are for the
+//! project's own crates, such as the bake: they may change in any version. `docs/api.txt` lists the rest.
 //!
 //! ```no_run
 //! use adumbra::{Filter, ShadowFile};

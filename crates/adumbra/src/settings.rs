@@ -9,8 +9,8 @@ use crate::grid::{Bounds, Region};
 pub struct Bias {
     /// Distance towards the sun, on every surface.
     pub constant_texels: f64,
-    /// Distance towards the sun, multiplied by the slope: the tangent of the angle between normal and light, at most
-    /// [`MAX_SLOPE`].
+    /// Distance towards the sun, multiplied by the slope: the tangent of the angle between normal and light,
+    /// at most [`MAX_SLOPE`].
     pub slope_texels: f64,
     /// Distance along the normal.
     pub normal_offset_texels: f64,
@@ -19,8 +19,8 @@ pub struct Bias {
 /// The largest slope that the bias uses; steeper slopes are clamped to it. It corresponds to n·l = 0.1.
 pub const MAX_SLOPE: f64 = 9.95;
 
-/// The steepest receiver plane that look-ups follow from texel to texel: level ground under a sun 0.5° high. Steeper
-/// planes are clamped to this slope. The limit keeps all arithmetic of a look-up within 32 bits, see
+/// The steepest receiver plane that look-ups follow from texel to texel: level ground under a sun 0.5° high.
+/// Steeper planes are clamped to this slope. The limit keeps all arithmetic of a look-up within 32 bits, see
 /// [`crate::query::FixedReceiver`].
 pub const MAX_PLANE_SLOPE: f64 = 120.0;
 
@@ -76,10 +76,11 @@ pub enum Receivers {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct FileSettings {
-    /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the smallest
-    /// power of two that is at least that number.
+    /// Number of texels on the longest side of the scene in the light's plane. If a voxel size was given, the
+    /// smallest power of two that is at least that number.
     pub resolution: u32,
-    /// How far below an open surface its shadow may begin, in world units; 0 = the bias at the surface's slope.
+    /// How far below an open surface its shadow may begin, in world units; 0 = the bias at the surface's
+    /// slope.
     pub thickness_world: f64,
     /// Whether the bake assumed that no static surface is behind the last one of a column.
     pub assume_ground: bool,
@@ -87,21 +88,21 @@ pub struct FileSettings {
     pub closed_regions: bool,
     /// Whether alpha masks were ignored.
     pub ignore_alpha: bool,
-    /// Whether Z points up in the scene's own file. The shadow file is of the world, in which Y does: (x, y, z) of the
-    /// scene's file is (x, z, −y) here.
+    /// Whether Z points up in the scene's own file. The shadow file is of the world, in which Y does: (x, y,
+    /// z) of the scene's file is (x, z, −y) here.
     pub scene_is_z_up: bool,
     /// The points at which the file is correct.
     pub receivers: Receivers,
-    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that no contour
-    /// crosses, the distance is measured from the block's deepest first surface. 0 = anywhere that no look-up from a
-    /// surface reads.
+    /// How far behind its first surface a column may switch from lit to shadowed, in voxels. In a block that
+    /// no contour crosses, the distance is measured from the block's deepest first surface. 0 = anywhere that
+    /// no look-up from a surface reads.
     pub switch_within_voxels: u32,
-    /// For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to
-    /// meet something. 0 = never.
+    /// For marches to another sun: a ray that is hidden from both keys for this many voxels from its start
+    /// counts as blocked. 0 = never.
     pub dark_after_voxels: u32,
     /// The box that fixed the extent of the grid, if one was given.
     pub bounds: Option<Bounds>,
-    /// The region of a world that the file is of, if the world was cut into regions. Positions are then relative to the
+    /// The region that the file covers, if the world was cut into regions. Positions are then relative to the
     /// region's origin.
     pub region: Option<Region>,
     /// The look-up bias that the bake was made for.

@@ -1,4 +1,5 @@
-//! What a camera that wants the pages around it asks a server for: `docs/guides/farms.md`, "What a world costs".
+//! The byte ranges that a camera requests from a server for the pages around it: `docs/guides/farms.md`,
+//! "What a world costs".
 
 use adumbra::layout::depths::page::bundles;
 
@@ -7,7 +8,7 @@ const SIDE: u32 = 64;
 const RADIUS_BUNDLES: f64 = 5.0;
 
 #[test]
-fn a_disc_of_bundles_is_a_few_runs_of_the_curve() {
+fn disc_of_bundles_is_a_few_contiguous_runs() {
     // A bundle is 4 x 4 pages.
     let order = bundles([4 * SIDE, 4 * SIDE]);
     assert_eq!(order.len(), (SIDE * SIDE) as usize);

@@ -1,4 +1,4 @@
-//! What a file says that it takes in memory, compared with what it takes.
+//! The memory that a file's header and tables predict, compared with the memory it takes.
 
 use adumbra::file::FileMemory;
 use adumbra::layout::depths::PLACED_PAGE_BYTES;
@@ -15,12 +15,12 @@ fn held_bytes(file: &ShadowFile) -> u64 {
 }
 
 #[test]
-fn memory_of_every_valid_file_is_what_it_holds() {
+fn predicted_memory_matches_every_valid_file() {
     let folder = Folder::new();
     let mut with_levels = 0;
     for entry in std::fs::read_dir(vectors("valid")).unwrap() {
         let path = entry.unwrap().path();
-        // The lab's files are there too.
+        // The folder also has files of the lab.
         let Ok(file) = ShadowFile::read(&path) else { continue };
         with_levels += u32::from(file.level_count() > 1);
         for encoding in [Encoding::Raw, Encoding::Coded] {
@@ -69,12 +69,12 @@ fn file_beyond_the_limit_is_refused_before_it_is_decoded() {
     assert_eq!(refused(error), (most, most - 1));
     assert!(matches!(ShadowFile::from_bytes_within(&bytes, most - 1), Err(FormatError::TooLarge { .. })));
 
-    // A damaged bundle is not seen, because it is not decoded.
+    // A damaged bundle goes unnoticed, because it is not decoded.
     let mut damaged = bytes.clone();
     *damaged.last_mut().unwrap() ^= 1;
     let damaged = folder.write("damaged.adumbra", &damaged);
     assert_eq!(refused(ShadowFile::read_within(&damaged, most - 1).unwrap_err()), (most, most - 1));
-    // Neither is a file read that is longer than the limit, nor anything behind the tables.
+    // A file that is longer than the limit is not read, and neither is anything after the tables.
     let length = bytes.len() as u64;
     assert_eq!(refused(ShadowFile::read_within(&path, length - 1).unwrap_err()), (length, length - 1));
     let cut = folder.write("cut.adumbra", &bytes[..bytes.len() - 400]);
@@ -92,7 +92,7 @@ fn no_file_takes_more_than_300_times_its_bytes() {
 }
 
 #[test]
-fn files_that_are_read_one_after_the_other_hold_both() {
+fn memory_of_successive_files_adds_up() {
     let memory = |held_bytes, peak_bytes, writing_bytes| FileMemory { held_bytes, peak_bytes, writing_bytes };
     let [first, second] = [memory(10, 100, 40), memory(20, 50, 60)];
     assert_eq!(first.then(second), memory(30, 100, 70));

@@ -1,6 +1,6 @@
-//! Tests of the file format with `test_vectors/` and with damaged files. For any bytes, reading must return either a
-//! file in which every voxel can be looked up, or an error that names the fault. Writing an invalid file must be an
-//! error.
+//! Tests of the file format with `test_vectors/` and with damaged files. For any bytes, reading must return
+//! either a file in which every voxel can be looked up, or an error that names the fault. Writing an invalid
+//! file must be an error.
 
 #[path = "format_support/mod.rs"]
 mod format_support;
@@ -58,7 +58,7 @@ fn valid_vectors_give_their_answers() {
     }
 }
 
-/// Number of voxels above which a level is compared at some of them.
+/// Largest number of voxels of a level that are all compared. Of a larger level, some are.
 const MOST_VOXELS: u64 = 1 << 18;
 
 #[test]
@@ -86,7 +86,7 @@ fn decoded_quadtree_agrees_with_the_reference() {
 }
 
 #[test]
-fn levels_are_files_of_their_own() {
+fn each_level_round_trips_as_its_own_file() {
     let bytes = fs::read(vectors("valid/levels_depths.adumbra")).unwrap();
     let file = ShadowFile::from_bytes(&bytes).unwrap();
     assert_eq!(file.level_count(), 3);
@@ -96,13 +96,13 @@ fn levels_are_files_of_their_own() {
     assert_eq!(coarse.settings.resolution, file.settings.resolution.div_ceil(4));
     assert_eq!((coarse.level_count(), coarse.level(1)), (2, file.level(2)));
     assert_eq!(file.level(3), None);
-    // A level is written as a file whose finest level it is.
+    // A level is written as a separate file, in which it is the finest.
     let again = ShadowFile::from_bytes(&encode(&coarse)).unwrap();
     assert_eq!(again, coarse);
 }
 
 #[test]
-fn pages_share_what_is_common() {
+fn pages_share_shapes_of_common_section() {
     let bytes = fs::read(vectors("valid/many_pages_depths.adumbra")).unwrap();
     let tree = &ShadowFile::from_bytes(&bytes).unwrap().tree;
     assert_eq!(tree.page_dims(), [5, 5]);
@@ -115,8 +115,8 @@ fn pages_share_what_is_common() {
 
 #[test]
 fn pointers_within_the_common_section_may_be_relative() {
-    // A node of level 7, whose first child switches at its base; and a root, whose first child is that node, three
-    // half-words back and 5 deeper. Their other children never switch.
+    // A node of level 7, whose first child switches at its base; and a root, whose first child is that node,
+    // three half-words back and 5 deeper. Their other children never switch.
     let common = vec![0, 0xfffe, 0xfffe_0001, 0x0503];
     let page = PageParts { root: 3, base: 10, words: Vec::new() };
     let tree = TreeParts { size: [512, 512, 64], common, pages: vec![page] }.tree().unwrap();
@@ -142,7 +142,7 @@ fn invalid_vectors_give_their_errors() {
 }
 
 #[test]
-fn specification_shows_the_example_as_it_is() {
+fn example_in_specification_matches_its_vector() {
     let example_in_text = specified_example("adumbra-file.md");
     assert_eq!(example_in_text.bytes, example());
     for (world, answer) in &example_in_text.answers {
@@ -152,7 +152,7 @@ fn specification_shows_the_example_as_it_is() {
 }
 
 #[test]
-fn coded_files_hold_the_same_words() {
+fn coded_files_decode_to_the_same_words() {
     for (name, bytes) in raw() {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         let coded = file.to_bytes(Encoding::Coded).unwrap();
@@ -165,8 +165,8 @@ fn coded_files_hold_the_same_words() {
 }
 
 #[test]
-fn file_of_another_writer_is_not_coded_if_it_would_change() {
-    // The example's page begins at byte 0x2d8 and has nine words. A tenth that nothing leads to is valid.
+fn rejects_coding_of_words_that_decoder_would_not_restore() {
+    // The example's page begins at byte 0x2d8 and has nine words. An unreferenced tenth word is valid.
     let mut bytes = example();
     bytes.extend([0; 4]);
     for (at, value) in [(0x220, 10_u32), (0x200, 232), (0x204, 232), (0x1d8, 232), (136, 768)] {
@@ -182,7 +182,7 @@ fn file_of_another_writer_is_not_coded_if_it_would_change() {
 }
 
 #[test]
-fn settings_and_grid_come_back_bit_for_bit() {
+fn settings_and_grid_round_trip_bit_for_bit() {
     let mut file = ShadowFile::from_bytes(&example()).unwrap();
     for bits in 0..16_u32 {
         let s = &mut file.settings;
@@ -223,7 +223,8 @@ fn every_flipped_bit_is_an_error() {
     }
 }
 
-/// Compares some voxels of an accepted file with the reference, spread over its columns and near where they switch.
+/// Compares some voxels of an accepted file with the reference, spread over its columns and near where they
+/// switch.
 fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
     let size = file.grid.size;
     for at in 0..24 {
@@ -236,7 +237,8 @@ fn agrees_with_the_reference(file: &ShadowFile, bytes: &[u8], seed: u64) {
     }
 }
 
-/// Damages files. Returns how many are still accepted, and the faults of the others with how often they are found.
+/// Damages files. Returns how many are still accepted, and the faults of the others with how often they are
+/// found.
 fn damage(count: u64) -> (u32, BTreeMap<&'static str, u32>) {
     let coded = raw().into_iter().map(|(name, bytes)| {
         let file = ShadowFile::from_bytes(&bytes).expect("a valid vector");
@@ -267,7 +269,7 @@ fn mutations_are_refused_or_answer_everywhere() {
 }
 
 #[test]
-fn fuzz_input_of_even_first_byte_gets_its_checksums() {
+fn fuzz_input_with_even_first_byte_gets_valid_checksums() {
     let mut input = example();
     assert_eq!(interpret(&input), example());
     input[0] = b'@';
@@ -321,7 +323,7 @@ fn failing_writer_is_an_error_after_any_byte() {
 }
 
 #[test]
-fn file_is_written_where_the_output_stands() {
+fn writes_file_at_current_position_of_output() {
     let file = ShadowFile::from_bytes(&example()).unwrap();
     let mut out = Cursor::new(b"before".to_vec());
     out.set_position(6);
@@ -331,7 +333,7 @@ fn file_is_written_where_the_output_stands() {
 }
 
 #[test]
-fn file_that_cannot_be_read_is_not_written() {
+fn rejects_writing_a_file_that_could_not_be_read() {
     let file = ShadowFile::from_bytes(&example()).unwrap();
     let tree = || (*file.tree).clone();
     let mut grids = [file.grid; 3];
@@ -353,7 +355,7 @@ fn file_that_cannot_be_read_is_not_written() {
 }
 
 #[test]
-fn read_says_what_is_wrong_with_the_path() {
+fn read_error_names_the_path() {
     let folder = vectors("valid");
     for path in [folder.clone(), folder.join("missing")] {
         let Err(Error::Io(IoError { action: "read", path: named, .. })) = ShadowFile::read(&path) else {

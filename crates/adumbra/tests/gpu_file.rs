@@ -1,4 +1,4 @@
-//! What a shader gets of a file: its words, the parameter block and the texture with both.
+//! The data that a shader gets from a file: its words, the parameter block and the texture with both.
 
 use adumbra::gpu::{
     HEADER_WORDS, LookUp, Parameters, Penumbra, TEXTURE_MAGIC, TEXTURE_VERSION, WordSource, wgsl_files,
@@ -44,7 +44,7 @@ fn words_are_blocks_then_code() {
 }
 
 #[test]
-fn parameters_are_where_their_table_says() {
+fn parameters_are_at_documented_offsets() {
     for name in ["cliff", "upright_turned_low"] {
         let file = file(name);
         let (grid, tree) = (&file.grid, &file.tree);
@@ -82,7 +82,7 @@ fn default_look_up_takes_the_bias_of_the_file() {
 }
 
 #[test]
-fn penumbrae_take_the_place_of_the_filter() {
+fn penumbrae_replace_the_filter() {
     let file = file("upright");
     let penumbra = Penumbra { sun_degrees: 2.0, max_radius_texels: 20.5 };
     let look_up = LookUp { filter: Filter::Box17, penumbra: Some(penumbra), ..LookUp::default() };
@@ -143,7 +143,7 @@ fn texture_holds_words_and_parameters() {
         assert_eq!(words, gpu.words().to_vec());
         assert!(padding.iter().all(|&word| word == 0));
 
-        // Other parameters change the header alone, and nothing of the grid and the words' places.
+        // Other parameters change only the header, and neither the grid nor the places of words.
         let other = Parameters { filter_width: 17, ..parameters };
         let before = texture.bytes().to_vec();
         assert_eq!(texture.header(), &before[..4 * HEADER_WORDS]);
@@ -156,11 +156,11 @@ fn texture_holds_words_and_parameters() {
 }
 
 #[test]
-fn shader_files_of_a_texture_are_those_of_buffers_and_its_own() {
+fn wgsl_files_of_texture_extend_those_of_buffers() {
     let of = |words| wgsl_files(words);
     let (buffer, texels) = (of(WordSource::Buffer), of(WordSource::Rgba8Unorm));
     let looked_up = buffer.iter().filter(|file| file.starts_with("core/"));
-    // A texture may be that of a stream, whose levels are blended.
+    // A texture may belong to a stream, whose levels are blended.
     let of_texels = |file: &&&str| file.starts_with("core/") && **file != "core/depths_blend.wgsl";
     assert!(looked_up.clone().count() > 3 && looked_up.eq(texels.iter().filter(of_texels)));
     assert!(texels.contains(&"core/depths_blend.wgsl"));

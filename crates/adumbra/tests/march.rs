@@ -1,18 +1,19 @@
-//! The march through a file's depths: without skipping, and at the file's own sun.
+//! The march through a file's depths, compared with a march that skips no blocks, and with look-ups at the
+//! file's own sun.
 
 use adumbra::query::{
     EDGE_VOXELS, FIXED_BITS, FixedReceiver, MarchSlope, Marched, SLOPE_BITS, march, receiver,
 };
 use adumbra::{Bias, Filter, MAX_SLOPE, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::{bake_file, overhead_grid};
+use adumbra_testing::overhead_grid;
 
 fn city(frame: FrameChoice) -> ShadowFile {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
     let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
-    bake_file(&generate(GeneratedKind::City, 3), &options).unwrap()
+    Bake::with_options(&generate(GeneratedKind::City, 3), &options).in_memory().unwrap()
 }
 
 #[test]
@@ -40,7 +41,7 @@ fn points(file: &ShadowFile, count: usize) -> Vec<[f64; 3]> {
 }
 
 #[test]
-fn at_the_files_own_sun_the_march_is_the_look_up() {
+fn march_equals_look_up_at_the_files_own_sun() {
     for frame in [FrameChoice::Light, FrameChoice::Oblique] {
         let file = city(frame);
         let (grid, bias) = (&file.grid, file.settings.bias);
@@ -115,7 +116,7 @@ fn reference(file: &ShadowFile, v: [f64; 2], start: [f64; 3]) -> Marched {
 }
 
 #[test]
-fn blocks_that_are_skipped_change_nothing() {
+fn skipping_blocks_matches_march_column_by_column() {
     for frame in [FrameChoice::Light, FrameChoice::Oblique] {
         let file = city(frame);
         let mut random = Random::new(6, 0);

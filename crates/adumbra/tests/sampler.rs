@@ -1,4 +1,5 @@
-//! Look-ups of a file compared with a count of its lit voxels, tap by tap, by the rules of the specification.
+//! Look-ups in a file, compared with a count of its lit voxels, tap by tap, by the rules of the
+//! specification.
 
 use std::thread;
 
@@ -58,8 +59,8 @@ fn counted(file: &ShadowFile, bias: Bias, filter: Filter, (point, normal): Point
     taps.filter(|&tap| is_lit(tap)).count() as f32 / (filter.width() * filter.width()) as f32
 }
 
-/// Returns points in and around a file's grid, every third without a normal, and half of them near where their column
-/// switches.
+/// Returns points in and around a file's grid, every third without a normal, and half of them near where
+/// their column switches.
 fn points(file: &ShadowFile, count: usize, random: &mut Random) -> Vec<Point> {
     let size = file.grid.size.map(f64::from);
     let mut point = |number: usize| {
@@ -108,18 +109,18 @@ fn every_filter_counts_the_lit_voxels_of_its_taps() {
     }
 }
 
-/// Points and normals apart, as lists of points are looked up.
+/// Separates points and normals into the lists that batch look-ups take.
 fn lists(points: &[Point]) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
     points.iter().map(|(point, normal)| (*point, normal.unwrap_or([0.0, 1.0, 0.0]))).unzip()
 }
 
 #[test]
-fn points_in_a_list_answer_as_they_do_alone() {
+fn batch_look_ups_match_single_look_ups() {
     let mut random = Random::new(6, 0);
     for name in NAMES {
         let file = file(name);
         let mut all = points(&file, 1000, &mut random);
-        // Neighbours too, which share blocks.
+        // Sort, so that neighbours share blocks.
         all.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]));
         let (points, normals) = lists(&all);
         for filter in Filter::ALL {
@@ -156,14 +157,14 @@ fn refuses_other_lengths(
 }
 
 #[test]
-fn list_of_another_length_is_refused() {
+fn rejects_lists_of_different_lengths() {
     let sampler = file("sphere").sampler(Filter::Box5);
     refuses_other_lengths(|points, normals, out| sampler.visibilities(points, normals, out));
 }
 
 #[cfg(feature = "rayon")]
 #[test]
-fn points_on_all_threads_answer_as_on_one() {
+fn parallel_look_ups_match_serial_look_ups() {
     let file = file("upright_turned_low");
     let (points, normals) = lists(&points(&file, 20_000, &mut Random::new(7, 0)));
     let sampler = file.sampler(Filter::Box9);
@@ -177,7 +178,7 @@ fn points_on_all_threads_answer_as_on_one() {
 }
 
 #[test]
-fn placed_look_ups_answer_in_the_app_as_in_the_file() {
+fn placed_look_ups_match_unplaced_look_ups() {
     let mut random = Random::new(9, 0);
     for name in NAMES {
         let file = file(name);
@@ -194,7 +195,7 @@ fn placed_look_ups_answer_in_the_app_as_in_the_file() {
                 }
             }
         }
-        // One place after the other, and between the keys of a path.
+        // Two placements in succession, and look-ups between the keys of a path.
         let [(_, first), .., (_, second)] = placements();
         let towards_sun = file.grid.sun.towards();
         let path = PathSampler::new([&file, &file], towards_sun, Filter::Box5).unwrap();
@@ -219,7 +220,7 @@ fn placed_look_ups_answer_in_the_app_as_in_the_file() {
 }
 
 #[test]
-fn sampler_outlives_its_file_and_goes_to_other_threads() {
+fn sampler_outlives_its_file_and_works_across_threads() {
     let file = file("sphere");
     let points = points(&file, 100, &mut Random::new(8, 0));
     let expected: Vec<f32> =
@@ -278,7 +279,7 @@ fn bias_out_of_range_is_refused() {
 }
 
 #[test]
-fn filter_is_made_of_its_width() {
+fn filter_converts_from_valid_widths_only() {
     for filter in Filter::ALL {
         assert_eq!(Filter::try_from(filter.width()), Ok(filter));
     }
@@ -294,7 +295,7 @@ fn file_of(tree: DepthTree) -> ShadowFile {
 }
 
 #[test]
-fn grids_too_long_for_32_bits_are_counted_too() {
+fn grids_too_long_for_32_bits_match_the_count() {
     let leaf = |differences: Vec<u32>, seed: u32| Leaf {
         width: 2,
         ranks: (0..64).map(|column| (column * seed / 8) % 4).collect(),

@@ -1,4 +1,4 @@
-//! Towers that are built while the app runs: their shadows are baked on threads of their own. Space adds a tower.
+//! Towers that are built while the app runs: their shadows are baked on separate threads. Space adds a tower.
 
 mod common;
 
@@ -35,11 +35,7 @@ fn setup(
     let ground = meshes.add(Plane3d::default().mesh().size(300.0, 300.0));
     let material = materials.add(Color::srgb(0.8, 0.8, 0.75));
     commands.spawn((Mesh3d(ground), MeshMaterial3d(material.clone()), ChildOf(root)));
-    commands.spawn((
-        common::camera(),
-        // In place of the street corner's.
-        Name::new("camera"),
-    ));
+    commands.spawn((common::camera(), Name::new("camera")));
     commands.insert_resource(Town { root, mesh: meshes.add(Cuboid::from_length(1.0)), material, towers: 0 });
 }
 

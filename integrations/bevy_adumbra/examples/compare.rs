@@ -36,7 +36,7 @@ fn main() {
 }
 
 fn setup(mut commands: Commands, assets: Res<AssetServer>) {
-    // Suns a tenth of a degree apart: a file is that of the light whose direction is its sun's.
+    // Keep the suns a tenth of a degree apart: a file belongs to every light that has its sun's direction.
     let towards_sun = Vec3::from_array(common::TOWARDS_SUN.map(|c| c as f32));
     let beside = Quat::from_rotation_y(0.003) * towards_sun;
     commands.spawn((
@@ -61,8 +61,8 @@ fn setup(mut commands: Commands, assets: Res<AssetServer>) {
     }
 }
 
-/// Every mesh is lit in both halves, each by its own light. Bevy culls by a frustum that knows nothing of a part of a
-/// view, so nothing is culled.
+/// Every mesh is lit in both halves, each by its own light. Bevy's culling frustum ignores sub-camera views,
+/// so culling is turned off.
 fn show_in_both(mut commands: Commands, new: Query<Entity, Added<Mesh3d>>) {
     for entity in &new {
         commands.entity(entity).insert((RenderLayers::from_layers(&[1, 2]), NoFrustumCulling));
@@ -83,7 +83,7 @@ fn switch(keys: Option<Res<ButtonInput<KeyCode>>>, mut shown: ResMut<Shown>) {
 fn divide(shown: Res<Shown>, mut cameras: Query<(&Half, &mut Camera, &mut Transform)>) {
     let first = cameras.iter().find(|(half, ..)| **half == Half::Cascades).map(|(.., transform)| *transform);
     for (half, mut camera, mut transform) in &mut cameras {
-        // `walk` moves both; rounding must not part them.
+        // `walk` moves both cameras. Copy the transform, so that rounding does not separate them.
         if let Some(first) = first.filter(|_| *half == Half::File)
             && *transform != first
         {

@@ -112,7 +112,7 @@ fn main() {
     }
 }
 
-/// Spawns the world, and waits until it is there.
+/// Spawns the world, and waits until it is loaded.
 fn set_up(app: &mut App, file: ShadowFile) -> Entity {
     let world = app.world_mut();
     let scene: Handle<WorldAsset> = world.resource::<AssetServer>().load("scene.glb#Scene0");

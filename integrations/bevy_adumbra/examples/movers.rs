@@ -36,7 +36,7 @@ fn setup(
     }
 }
 
-/// Each ball on a circle of its own.
+/// Moves each ball on its own circle.
 fn fly(time: Res<Time>, mut balls: Query<(&Ball, &mut Transform)>) {
     for (Ball(n), mut transform) in &mut balls {
         let angle = 0.5 * time.elapsed_secs() + 1.1 * n;

@@ -1,4 +1,4 @@
-//! A material of one's own receives baked shadows: by `apply_pbr_lighting`, or by asking for the visibility itself.
+//! A custom material receives baked shadows: by `apply_pbr_lighting`, or by looking up the visibility itself.
 
 mod common;
 
@@ -12,8 +12,8 @@ use bevy_adumbra::prelude::*;
 
 const SHADER: Handle<Shader> = uuid_handle!("7a1e7a0e-6a3f-4c02-9d5c-0d2f6f2f5a51");
 
-/// Stripes where the sun shines. The extension lights like any PBR material, so it is shadowed without a line; that it
-/// also knows where the shadow is comes from `adumbra::look_up`.
+/// Stripes where the sun shines. The extension is lit like any PBR material, so it is shadowed without extra
+/// code. `adumbra::look_up` also gives it the place of the shadow.
 const WGSL: &str = "
 #import bevy_pbr::{
     forward_io::{VertexOutput, FragmentOutput},

@@ -1,4 +1,5 @@
-//! A flight through a city whose file is streamed: what the camera sees is read, and the log says how much that is.
+//! A flight through a city whose file is streamed: the parts that the camera sees are read, and the log says
+//! how much that is.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Lights are kept at the sun of their files, and are the app's again afterwards.
+//! Keeps lights at the sun of their files, and restores the app's rotation afterwards.
 
 use bevy::asset::Assets;
 use bevy::ecs::prelude::*;
@@ -59,9 +59,9 @@ pub(crate) fn align_lights(
     let mut all = transforms.p1();
     for (light, parent, towards_sun) in turns {
         let Ok((mut transform, aligned)) = all.get_mut(light) else { continue };
-        // An exact test would turn a light at every frame that cannot have just this direction.
+        // With an exact test, a light that rounding keeps off this direction would turn in every frame.
         let towards_light = (parent * (transform.rotation * Vec3::Z)).normalize_or_zero();
-        // A parent may stretch or mirror its lights. Below one without a size there is no direction.
+        // A parent may stretch or mirror its lights. Below a parent with zero scale there is no direction.
         let [towards, up] = [towards_sun, Vec3::Y].map(|d| (parent.inverse() * d).normalize_or_zero());
         if towards_light.distance(towards_sun) <= TURNED || !towards.is_normalized() {
             continue;
@@ -73,7 +73,7 @@ pub(crate) fn align_lights(
             None => {
                 commands.entity(light).try_insert(Aligned { of_app, given, has_warned: false });
             }
-            // Its parent turns, or its file.
+            // The light's parent or its file has turned.
             Some(mut aligned) if aligned.given == of_app => aligned.given = given,
             Some(mut aligned) => {
                 if !aligned.has_warned {
@@ -89,12 +89,12 @@ pub(crate) fn align_lights(
     }
 }
 
-/// Whether a light is kept at the sun of its files. One that is followed goes where the app turns it.
+/// Whether a light is kept at the sun of its files. A light that is followed keeps the app's direction.
 fn is_kept(shadow: &BakedShadow) -> bool {
     shadow.align && !shadow.follow
 }
 
-/// Gives lights that are kept no longer the rotation that the app has set last.
+/// Restores the app's last rotation of lights that are no longer kept.
 pub(crate) fn give_back(
     mut commands: Commands,
     mut lights: Query<(Entity, &Aligned, Option<&BakedShadow>, &mut Transform)>,
@@ -112,17 +112,17 @@ pub(crate) fn give_back(
 
 #[cfg(test)]
 mod tests {
-    use adumbra_bake::{BakeOptions, Size, Watch, bake};
+    use adumbra_bake::{Bake, BakeOptions, Size};
     use adumbra_scene::{GeneratedKind, generate};
 
     use super::*;
 
     #[test]
-    fn a_light_below_a_rig_is_kept_wherever_the_rig_turns() {
+    fn aligns_a_light_below_a_rig_that_turns() {
         let sun = adumbra::Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
         let towards_sun = Vec3::from_array(sun.towards().map(|c| c as f32));
         let options = BakeOptions::new(sun, Size::Resolution(64));
-        let file = bake(&generate(GeneratedKind::Primitives, 1), &options, Watch::none()).unwrap().file;
+        let file = Bake::with_options(&generate(GeneratedKind::Primitives, 1), &options).in_memory().unwrap();
         let mut world = World::new();
         world.init_resource::<Rooted>();
         world.init_resource::<ShadowStreams>();
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn a_light_that_is_followed_is_not_kept() {
+    fn does_not_align_a_light_that_is_followed() {
         let kept = BakedShadow { align: true, ..BakedShadow::default() };
         assert!(is_kept(&kept));
         assert!(!is_kept(&BakedShadow { follow: true, ..kept }));

@@ -1,4 +1,4 @@
-//! What an app puts on its entities, and what it finds there.
+//! Components that an app puts on its entities or finds there.
 
 use adumbra::{Bias, Filter};
 use bevy::asset::Handle;
@@ -10,35 +10,37 @@ use crate::BakedShadowFile;
 use crate::source::StreamSource;
 use crate::status::BakedShadowStatus;
 
-/// Shadows of a directional light from baked files. Put it on the light, whose `shadow_maps_enabled` must be true.
+/// Shadows of a directional light from baked files. Put it on the light, whose `shadow_maps_enabled` must be
+/// true.
 ///
-/// While a file is in use, entities below a [`ShadowStatic`] cast no shadow through this light's cascades, because their
-/// shadows are in the file. Everything else goes on casting through them, and the darker shadow wins.
-/// [`BakedShadowStatus`] on the same entity tells what is going on.
+/// While a file is in use, entities below a [`ShadowStatic`] cast no shadow through this light's cascades,
+/// because their shadows are in the file. Everything else goes on casting through them, and the darker shadow
+/// wins. [`BakedShadowStatus`] on the same entity says where shadows come from.
 #[derive(Component, Clone, Debug, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]
 #[require(BakedShadowStatus)]
 pub struct BakedShadow {
-    /// The files: parts of a large world, or several suns. A point takes the file whose grid contains it, and that
-    /// which it is farthest inside of if there are several. At most eight files are in use at once in an app.
+    /// The files: parts of a large world, or several suns. A point is looked up in the file whose grid
+    /// contains it; if several do, in the file that it is farthest inside of. At most eight files are in use
+    /// at once in an app.
     pub files: Vec<Handle<BakedShadowFile>>,
-    /// Files that are streamed: of these, what cameras see is read within a [`StreamBudget`](crate::StreamBudget). They
-    /// are in use beside `files`.
+    /// Files that are streamed: the parts that cameras see are read, within a
+    /// [`StreamBudget`](crate::StreamBudget). They are in use in addition to `files`.
     pub streams: Vec<StreamSource>,
     /// The texels whose mean a look-up returns.
     pub filter: ShadowFilter,
-    /// Full angle of the sun's disc in degrees, 0.01 to 20, for shadows that soften with distance; the real sun has
-    /// 0.53. It takes the place of `filter`, and costs about 64 look-ups per pixel.
+    /// Full angle of the sun's disc in degrees, 0.01 to 20, for shadows that soften with distance; the real
+    /// sun has 0.53. It takes the place of `filter`, and costs about 64 look-ups per pixel.
     pub sun_degrees: Option<f32>,
-    /// Whether to turn the light towards the sun of the first file. Otherwise a file is in use while the light's
-    /// direction is that of its sun, to within 0.05 degrees.
+    /// Whether to turn the light towards the sun of the first file. Otherwise a file is in use while the
+    /// light's direction is that of its sun, to within 0.05 degrees.
     pub align: bool,
     /// How far points are lifted off their surfaces. `None` is the bias that the file was baked for.
     pub bias: Option<ShadowBias>,
-    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that a
-    /// `RuntimeBake` on the same light bakes ahead of it (feature `bake`), in place of `files` and `streams`. A filter
-    /// is the mean of 3 × 3 rays; `sun_degrees` is not possible. Of the files that an app may have in use, such a light
-    /// takes four.
+    /// Whether shadows follow the light wherever it turns, as the sun does in a day. They come from keys that
+    /// a `RuntimeBake` on the same light bakes ahead of it (feature `bake`), in place of
+    /// `files` and `streams`. A filter is the mean of 3 × 3 rays; `sun_degrees` is not possible. Of the files
+    /// that an app may have in use, such a light takes four.
     pub follow: bool,
 }
 
@@ -48,15 +50,16 @@ impl BakedShadow {
         Self { files: vec![file], ..Self::default() }
     }
 
-    /// Shadows from one file of any size that is streamed: of an asset's path, a path on a disk, or a source of the
-    /// app's own. Bake it with several levels (`adumbra bake --levels 5`), of which a coarse one answers at once.
+    /// Shadows from one streamed file of any size. The source is an asset's path, a path on a disk, or a
+    /// custom source. Bake the file with several levels (`adumbra bake --levels 5`), so that a coarse level
+    /// answers at once.
     pub fn streamed(source: impl Into<StreamSource>) -> Self {
         Self { streams: vec![source.into()], ..Self::default() }
     }
 
-    /// Shadows that follow the light wherever it turns, as the sun does in a day: put a `RuntimeBake` on the same light
-    /// (feature `bake`). Keys are baked ahead of the light in the background, coarse to fine. There is an answer in
-    /// every frame after the first key, also where the light jumps.
+    /// Shadows that follow the light wherever it turns, as the sun does in a day: put a `RuntimeBake` on the
+    /// same light (feature `bake`). Keys are baked ahead of the light in the background, coarse to fine.
+    /// After the first key, every frame has an answer, even if the light jumps.
     pub fn follow_sun() -> Self {
         Self { align: false, follow: true, ..Self::default() }
     }
@@ -79,8 +82,8 @@ impl Default for BakedShadow {
 
 /// The texels whose mean a look-up returns, around the point's texel.
 ///
-/// These are the filters of [`Filter`], which knows nothing of reflection. Reflection of another crate's type takes
-/// `unsafe` code, which this crate forbids.
+/// It mirrors [`Filter`], which does not implement reflection. Reflecting another crate's type takes `unsafe`
+/// code, which this crate forbids.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq, Hash)]
 pub enum ShadowFilter {
@@ -128,7 +131,7 @@ impl From<ShadowFilter> for Filter {
 
 /// How far a look-up lifts its point off the surface, in texels of the file.
 ///
-/// These are the fields of [`Bias`], mirrored for the same reason as [`ShadowFilter`].
+/// It mirrors [`Bias`] for the same reason as [`ShadowFilter`].
 #[derive(Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Default, Clone, Debug, PartialEq)]
 pub struct ShadowBias {
@@ -160,18 +163,18 @@ impl From<ShadowBias> for Bias {
     }
 }
 
-/// Everything below this entity, and itself, is in the files: it does not move. Skinned and animated meshes are left
-/// out, as a bake leaves them out.
+/// This entity and everything below it does not move, and is in the files. Skinned and animated meshes are
+/// left out, as in a bake.
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]
 pub struct ShadowStatic;
 
-/// The root of what a file was baked from: the file's world is that of this entity. Shadows follow it wherever the app
-/// moves it, turns it, or scales it by one number, at any time, and so does the file's sun. Without one, a file's world
-/// is the app's.
+/// The root of the scene that a file was baked from: the file's world coordinates are local to this entity.
+/// Shadows and the file's sun follow it wherever the app moves it, turns it, or scales it by one number, at
+/// any time. Without a root, the file's world coordinates are the app's.
 ///
-/// It has a `Transform`, which is added where there is none. A file with several roots is in several places, each of
-/// which is one of the at most eight files in use, with a copy of the words on the GPU.
+/// It requires a `Transform`. A file with several roots is in several places. Each place counts as one of the
+/// at most eight files in use, with a separate copy of the words on the GPU.
 #[derive(Component, Clone, Debug, PartialEq, Reflect)]
 #[reflect(Component, Clone, Debug, PartialEq)]
 #[require(Transform)]
@@ -194,7 +197,7 @@ impl FileRoot {
     }
 }
 
-/// This entity and everything below it moves after all, although it is below a [`ShadowStatic`].
+/// This entity and everything below it may move, although it is below a [`ShadowStatic`].
 #[derive(Component, Clone, Copy, Debug, Default, Reflect)]
 #[reflect(Component, Default, Clone, Debug)]
 pub struct ExcludeFromBake;
@@ -211,6 +214,6 @@ pub enum StaticCasters {
     /// They are left out of the cascades of lights whose files are in use. Shadows of other lights keep them.
     #[default]
     LeaveOut,
-    /// They stay in the cascades, and cast twice. To compare.
+    /// They stay in the cascades and cast twice. For comparisons.
     Keep,
 }

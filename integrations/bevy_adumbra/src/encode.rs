@@ -1,4 +1,4 @@
-//! Bytes of words in the formats of textures that Bevy draws into.
+//! Encodes bytes of words in the formats of textures that Bevy draws into.
 
 use std::borrow::Cow;
 
@@ -31,12 +31,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_halves_exactly() {
+    fn half_encodes_bytes_exactly() {
         assert_eq!([0, 1, 2, 5, 255].map(half), [0, 0x3c00, 0x4000, 0x4500, 0x5bf8]);
     }
 
     #[test]
-    fn bytes_keep_their_place_in_every_format() {
+    fn encodes_bytes_for_each_texture_format() {
         let bytes = [1, 2, 3, 255];
         assert_eq!(encoded(&bytes, TextureFormat::Rgba8UnormSrgb), Some(bytes[..].into()));
         assert_eq!(encoded(&bytes, TextureFormat::Bgra8Unorm), Some(vec![3, 2, 1, 255].into()));

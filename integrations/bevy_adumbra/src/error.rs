@@ -10,7 +10,7 @@ use bevy::asset::AssetLoadError;
 use bevy::reflect::prelude::*;
 
 /// Why no file of a light is in use. The message says what to do.
-// Errors of the crates below know nothing of reflection.
+// Error types of the lower crates do not implement reflection.
 #[derive(Clone, Debug, PartialEq, Reflect, thiserror::Error)]
 #[reflect(opaque)]
 #[reflect(Clone, Debug, PartialEq)]
@@ -36,12 +36,12 @@ pub enum BakedShadowError {
     /// A file could not be loaded.
     #[error(transparent)]
     NotLoaded(SharedError<AssetLoadError>),
-    /// A part of a streamed file could not be had.
+    /// A part of a streamed file could not be loaded.
     #[error("{file}: {fault}")]
     Stream {
         /// Where the file is read from.
         file: String,
-        /// What is missing, why, and when it is asked for again.
+        /// The missing part, the reason, and the time of the next request.
         #[source]
         fault: SharedError<StreamFault>,
     },
@@ -80,9 +80,9 @@ pub enum BakedShadowError {
     ShaderText {
         /// Path of the shader's asset.
         shader: &'static str,
-        /// The text that should be there once.
+        /// The text that should occur once.
         text: &'static str,
-        /// How often it is there.
+        /// How often the text occurs.
         found: usize,
     },
     /// One of Bevy's shaders is no longer WGSL. No shader is changed.
@@ -96,7 +96,7 @@ pub enum BakedShadowError {
     },
 }
 
-/// An error that its clones share. Two are equal if they say the same.
+/// A shared error: clones refer to the same error. Two are equal if their messages are equal.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
 pub struct SharedError<E: Error + 'static>(Arc<E>);
@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn errors_are_equal_if_they_say_the_same() {
+    fn errors_with_equal_messages_are_equal() {
         let error = |text: &str| SharedError::from(std::io::Error::other(text.to_owned()));
         assert_eq!(error("one"), error("one"));
         assert_ne!(error("one"), error("two"));

@@ -23,11 +23,11 @@ pub struct BakedShadowFile {
 }
 
 impl BakedShadowFile {
-    /// Makes the asset of a file that was read or baked. A file that needs a larger texture than the device allows is an
-    /// asset all the same, but casts no shadows. Cost: one copy of the file's words.
+    /// Makes the asset of a file that was read or baked. A file that needs a larger texture than the device
+    /// allows is an asset all the same, but casts no shadows. Cost: one copy of the file's words.
     ///
     /// # Errors
-    /// Returns the errors of [`LookUpTexture::new`] but that of the size.
+    /// Returns the errors of [`LookUpTexture::new`], except the error of the size.
     pub fn new(file: ShadowFile, limits: DeviceLimits) -> Result<Self, Error> {
         let max_side = limits.max_texture_side;
         let texture = match LookUpTexture::new(&file, &LookUp::default(), max_side) {
@@ -53,12 +53,12 @@ impl BakedShadowFile {
         &self.file.grid
     }
 
-    /// Returns what the file answers for.
+    /// Returns which receivers the file answers for.
     pub(crate) fn receivers(&self) -> Receivers {
         self.file.settings.receivers
     }
 
-    /// Returns the texture, or why there is none.
+    /// Returns the texture, or the reason why it cannot be made.
     pub(crate) fn texture(&self) -> Result<&Arc<LookUpTexture>, &RangeError> {
         self.texture.as_ref()
     }

@@ -1,8 +1,8 @@
 //! Lights of glTF files that name their shadow file.
 //!
-//! A directional light of `KHR_lights_punctual` may have
-//! `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`. The path is relative to the glTF file, and the
-//! filter is its width in texels. `adumbra bake --link-in city.glb` writes it.
+//! A directional light of `KHR_lights_punctual` may have `extras: {"adumbra": {"shadow": "city.adumbra",
+//! "filter": 5}}`. The path is relative to the glTF file, and the filter is its width in texels. `adumbra
+//! bake --link-in city.glb` writes it.
 
 use adumbra::Filter;
 use bevy::asset::{AssetPath, AssetServer};
@@ -39,7 +39,7 @@ pub(crate) fn attach_files(
     server: Res<AssetServer>,
 ) {
     for (entity, extras, mut light) in &mut lights {
-        // Extras of other kinds are none of ours.
+        // Skip extras of other kinds.
         let Ok(Extras { adumbra: Some(Shadow { shadow: Some(name), filter }) }) =
             serde_json::from_str::<Extras>(&extras.value)
         else {
@@ -76,7 +76,7 @@ pub(crate) fn attach_files(
     }
 }
 
-/// Returns the filter of this width, `None` if there is none.
+/// Returns the filter of this width, or `None` if no filter has it.
 fn filter_of_width(width: &Number) -> Option<Filter> {
     let width = u32::try_from(width.as_u64()?).ok()?;
     Filter::try_from(width).ok()
@@ -87,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_widths_of_filters_are_taken() {
+    fn accepts_only_existing_filter_widths() {
         let filter = |extras: &str| {
             let extras: Extras = serde_json::from_str(extras).unwrap();
             filter_of_width(&extras.adumbra.unwrap().filter.unwrap())

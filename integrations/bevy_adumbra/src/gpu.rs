@@ -1,9 +1,10 @@
-//! The files in use as one texture, at the binding of a view that Bevy keeps for transmission.
+//! The files in use as one texture, at the binding of a view that Bevy reserves for transmission.
 //!
-//! Bevy's view bind group has no place for a plugin. Binding 24 is in every view's layout, and Bevy puts a texture there
-//! only where something transmissive is drawn. So a view without that gets the words as they are, in `Rgba8Unorm`. A
-//! view with it gets one texture of the format that Bevy needs: the picture's rows above, as Bevy copies them, and the
-//! words below. Bevy's shader of transmission is changed to take its texels from the picture alone.
+//! Bevy's view bind group has no binding for plugins. Binding 24 is in every view's layout, and Bevy puts a
+//! texture there only if the view draws something transmissive. A view without transmission gets the words
+//! alone, in `Rgba8Unorm`. A view with transmission gets one texture of the format that Bevy needs: the
+//! picture's rows above, as Bevy copies them, and the words below. Bevy's transmission shader is patched to
+//! take its texels from the picture alone.
 
 use std::borrow::Cow;
 
@@ -60,7 +61,8 @@ pub(crate) struct WordTextures {
     files: Vec<FileInUse>,
     /// The words alone.
     words: Option<WordTexture>,
-    /// Words below a picture, by the picture's size and format, and for how many frames no view has used them.
+    /// Words below a picture, by the picture's size and format, and for how many frames no view has used
+    /// them.
     below: HashMap<(UVec2, TextureFormat), (WordTexture, u32)>,
 }
 
@@ -83,7 +85,7 @@ impl WordTextures {
             }
             _ => {
                 self.below.clear();
-                // Files that do not fit are not in use.
+                // A layout always exists, because files that do not fit are not in use.
                 let layout = Layout::below(UVec2::ZERO, all_texels(files), max_side).unwrap_or_default();
                 let size = layout.size(all_texels(files));
                 let same = self.words.take().filter(|words| words.texture.size() == extent(size));
@@ -103,11 +105,11 @@ impl WordTextures {
         self.words.iter().chain(self.below.values().map(|(words, _)| words))
     }
 
-    /// Writes what has come to pools in this frame.
+    /// Writes the changes of pools in this frame.
     fn take_writes(&self, queue: &RenderQueue, pools: &mut Pools) {
         pools.take_writes(|pool, first, bytes| {
             for words in self.all() {
-                // Each place of a streamed file has the words.
+                // A streamed file in several places is written once for each place.
                 for (file, row) in self.files.iter().zip(words.layout.first_rows(all_texels(&self.files))) {
                     if file.texels == Texels::Pool(pool) {
                         words.write(queue, row, words.layout.width(&file.texels), first, bytes);
@@ -135,7 +137,7 @@ struct WordTexture {
 #[derive(Component)]
 pub(crate) struct HasWords(TextureId);
 
-/// Frames after which a texture goes that a view does not use: glass comes into view and leaves it as a camera turns.
+/// Number of frames for which an unused texture is kept: glass enters and leaves the view as a camera turns.
 const KEPT_FRAMES: u32 = 300;
 
 /// Bytes of texels in a row of all texels of a file, or of the directory.
@@ -148,7 +150,7 @@ struct Part<'a> {
     bytes: Cow<'a, [u8]>,
 }
 
-/// What depends on settings: each file's headers and the directory.
+/// Returns the parts that depend on settings: each file's headers and the directory.
 fn parameters(files: &[FileInUse], layout: Layout) -> Vec<Part<'_>> {
     let listed = files.iter().filter(|file| file.is_ready).count();
     let all_rows = layout.all_rows(all_texels(files));
@@ -187,12 +189,12 @@ pub(crate) fn give_words(
     views: Query<(Entity, &ExtractedView, &ExtractedCamera)>,
     given: Query<(Entity, &HasWords, Option<&ViewTransmissionTexture>, Has<ExtractedView>)>,
 ) {
-    // A camera that draws no more keeps no texture.
+    // Remove the texture from cameras that no longer draw.
     for (entity, words, texture, is_drawn) in &given {
         if files.files.is_empty() || !is_drawn {
             let mut entity = commands.entity(entity);
             entity.remove::<HasWords>();
-            // Where something is transmissive, Bevy has put its own texture there for this frame.
+            // Keep any other texture: in views with transmission, Bevy has set its own for this frame.
             if texture.is_some_and(|texture| texture.texture.id() == words.0) {
                 entity.remove::<ViewTransmissionTexture>();
             }
@@ -248,7 +250,8 @@ pub(crate) fn give_words(
     });
 }
 
-/// Returns a texture with a picture's rows above and room for the words below, or why there can be none.
+/// Returns a texture with a picture's rows above and room for the words below, or the reason why it cannot be
+/// made.
 fn below_a_picture(
     device: &RenderDevice,
     limits: DeviceLimits,
@@ -281,7 +284,7 @@ impl WordTexture {
             view_formats: &[],
         });
         let view = texture.create_view(&Default::default());
-        // As Bevy's own for transmission.
+        // The same as Bevy's sampler for transmission.
         let sampler = device.create_sampler(&SamplerDescriptor {
             mag_filter: FilterMode::Linear,
             min_filter: FilterMode::Linear,
@@ -290,14 +293,14 @@ impl WordTexture {
         Self { texture, view, sampler, layout }
     }
 
-    /// Writes what depends on settings.
+    /// Writes the parts that depend on settings.
     fn write_parameters(&self, queue: &RenderQueue, files: &[FileInUse]) {
         for part in parameters(files, self.layout) {
             self.write(queue, part.row, part.width, part.first, &part.bytes);
         }
     }
 
-    /// Writes all files and the directory. Of pools, that is what has been written to them.
+    /// Writes all files and the directory. Of a pool, only the part that has been written to is copied.
     fn write_all(&self, queue: &RenderQueue, files: &[FileInUse], pools: &Pools) {
         for (file, row) in files.iter().zip(self.layout.first_rows(all_texels(files))) {
             let bytes = match &file.texels {
@@ -309,10 +312,11 @@ impl WordTexture {
         self.write_parameters(queue, files);
     }
 
-    /// Writes texels of a file, which begins in a row and has a width, in the texture's format.
+    /// Writes texels of a file in the texture's format. The file begins in row `row` and is `width` texels
+    /// wide.
     fn write(&self, queue: &RenderQueue, row: u32, width: u32, first: u32, bytes: &[u8]) {
         let texture = &self.texture;
-        // A texture without a format for words is not made.
+        // Textures are created only in formats that can hold words.
         let Some(bytes) = encoded(bytes, texture.format()) else { return };
         let texel_bytes = texture.format().pixel_size().unwrap_or(4);
         let mut offset = 0;

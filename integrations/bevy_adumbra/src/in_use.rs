@@ -19,33 +19,34 @@ use crate::{BakedShadowFile, DeviceLimits};
 /// Largest number of files in use at once.
 pub(crate) const MAX_FILES: usize = 8;
 
-/// A light has a file's sun if the distance of their unit vectors is at most this, 0.05 degrees.
+/// A light matches a file's sun if the distance between their unit vectors is at most this, 0.05 degrees.
 const SAME_SUN: f32 = 1e-3;
 
 /// A file that is in use.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct FileInUse {
     pub(crate) texels: Texels,
-    /// Where the app has the file's world.
+    /// Where the app has placed the file's world.
     pub(crate) placement: Placement,
-    /// Its grid there. A key that answers through another one has none.
+    /// Its grid there. `None` for a slot of a moving sun that does not answer.
     pub(crate) grid: Option<LightGrid>,
     pub(crate) way: Way,
     /// The first texels: the headers of a look-up texture, with the light's filter and bias.
     pub(crate) header: Vec<u8>,
     pub(crate) towards_sun: Vec3,
-    /// Whether every point has an answer. Otherwise the file has its place already, but is not looked up.
+    /// Whether every point has an answer. Otherwise the texture has room for the file, but the file is not
+    /// looked up.
     pub(crate) is_ready: bool,
-    /// For a key of a sun that moves: the way to the sun.
+    /// For a key of a moving sun: the march towards that sun.
     pub(crate) march: Option<March>,
 }
 
-/// The way from a key to a sun beside its own.
+/// The march through a key towards a sun that differs from the key's sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct March {
-    /// Texels aside per voxel nearer to the sun, in 2^-16.
+    /// Sideways texels per voxel towards the sun, in units of 2^-16.
     pub(crate) slope: [i32; 2],
-    /// The key that is asked where this one does not know.
+    /// The key that is looked up where this key has no answer.
     pub(crate) other: PoolTexels,
 }
 
@@ -86,7 +87,7 @@ impl FileInUse {
     }
 }
 
-/// Returns what a light asks of look-ups in a file in its place.
+/// Returns the look-up settings of a light for a file in this place.
 pub(crate) fn look_up(shadow: &BakedShadow, placement: Placement) -> LookUp {
     let penumbra =
         shadow.sun_degrees.map(|angle| Penumbra { sun_degrees: angle.into(), ..Penumbra::default() });
@@ -107,8 +108,8 @@ pub(crate) fn way(shadow: &BakedShadow) -> Way {
 pub(crate) struct FilesInUse {
     /// For the render world.
     pub(crate) files: Vec<FileInUse>,
-    /// Lights with a file that is not looked up: it is loading, has another sun, or is missing. What is in it has no
-    /// other shadow than that of the cascades.
+    /// Lights with a file that is not looked up: it is loading, has another sun, or is missing. Meshes in
+    /// that file cast through the cascades only.
     pub(crate) partial: EntityHashSet,
 }
 
@@ -124,7 +125,7 @@ impl FilesInUse {
 pub(crate) struct LightFiles<'a> {
     pub(crate) in_use: &'a mut Vec<FileInUse>,
     pub(crate) limits: DeviceLimits,
-    /// Of the light.
+    /// Unit vector towards the light.
     pub(crate) towards_light: Vec3,
     /// Files that are looked up.
     pub(crate) added: usize,
@@ -132,14 +133,14 @@ pub(crate) struct LightFiles<'a> {
     pub(crate) missing: usize,
     /// Whether a file is loading.
     pub(crate) is_loading: bool,
-    /// Angle to the nearest sun of a file that the light does not have.
+    /// Angle to the nearest sun among the files that do not match the light.
     pub(crate) nearest_degrees: f32,
     /// Why a file is not in use.
     pub(crate) error: Option<BakedShadowError>,
 }
 
 impl LightFiles<'_> {
-    /// Adds a file if the light has its sun.
+    /// Adds a file if its sun matches the light.
     pub(crate) fn add(
         &mut self,
         towards_sun: Vec3,

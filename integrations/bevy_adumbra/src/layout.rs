@@ -1,15 +1,15 @@
-//! How the words of several files lie in one texture, below a picture or alone.
+//! The layout of the words of several files in one texture, below a picture or alone.
 
 use bevy::math::UVec2;
 
 use crate::texels::Texels;
 
-/// How the words lie in a texture.
+/// The layout of words in a texture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Layout {
     /// Size of the picture above them; zero without one.
     pub(crate) picture: UVec2,
-    /// Files that are narrower are laid out this wide, a power of two, so that they have fewer rows.
+    /// Narrower files are laid out with this width, a power of two, so that they take fewer rows.
     least_width: u32,
 }
 
@@ -20,7 +20,8 @@ impl Default for Layout {
 }
 
 impl Layout {
-    /// Returns the layout below a picture, in textures with sides of at most `max_side` texels. `None` if nothing fits.
+    /// Returns the layout below a picture, in textures with sides of at most `max_side` texels. `None` if
+    /// nothing fits.
     pub(crate) fn below<'t>(
         picture: UVec2,
         files: impl Iterator<Item = &'t Texels> + Clone,
@@ -72,7 +73,7 @@ mod tests {
     use crate::texels::PoolTexels;
 
     #[test]
-    fn words_lie_in_more_columns_where_they_would_not_fit_below_a_picture() {
+    fn widens_files_that_would_not_fit_below_a_picture() {
         let all = [4096 * 4096 - 128, 4096 * 4096 - 128, 1000]
             .map(|words| Texels::Pool(PoolTexels::new(words, 8192)));
         let two = Layout::below(UVec2::ZERO, all[1..].iter(), 8192).unwrap();

@@ -1,5 +1,5 @@
-//! Baked sun shadows of a whole static world for Bevy: one look-up for any point, sharp at every distance, from a file
-//! of a few megabytes.
+//! Baked sun shadows of a whole static world for Bevy: one look-up for any point, sharp at every distance,
+//! from a file of a few megabytes.
 //!
 //! ```no_run
 //! use bevy::prelude::*;
@@ -18,8 +18,9 @@
 //! }
 //! ```
 //!
-//! Every material that calls `apply_pbr_lighting` receives these shadows, and so does volumetric fog. Meshes that are
-//! not below a [`ShadowStatic`] go on casting through Bevy's cascades; a world without any makes no depth pass.
+//! Every material that calls `apply_pbr_lighting` receives these shadows, and so does volumetric fog. Meshes
+//! that are not below a [`ShadowStatic`] go on casting through Bevy's cascades; without any such mesh, no
+//! depth pass is drawn.
 //!
 //! | module | what it does |
 //! |---|---|
@@ -38,7 +39,8 @@
 //! | `bake` | baking while the app runs (feature `bake`) |
 //! | `processor` | baking as an asset step (feature `processor`) |
 //!
-//! Whatever cannot work falls back to Bevy's own shadows in the same frame and says why: see [`BakedShadowStatus`].
+//! If a file cannot be used, Bevy's own shadows take over in the same frame, and [`BakedShadowStatus`] says
+//! why.
 
 mod align;
 #[cfg(feature = "bake")]
@@ -100,7 +102,7 @@ pub use status::{BakedShadowChanged, BakedShadowStatus};
 pub use stream::{ShadowStreams, StreamBudget, StreamDiagnostics};
 pub use systems::AdumbraSystems;
 
-/// Registers what an app finds in its world. Bevy registers types by itself only with its feature
+/// Registers the public types for reflection. Bevy registers types automatically only with its feature
 /// `reflect_auto_register`.
 fn register_types(app: &mut App) {
     app.register_type::<BakedShadow>()
@@ -119,7 +121,7 @@ fn register_types(app: &mut App) {
     app.register_type::<RuntimeBake>().register_type::<BakeProgress>();
 }
 
-/// Adds baked shadows to an app. It goes after `DefaultPlugins`.
+/// Adds baked shadows to an app. Add it after `DefaultPlugins`.
 #[derive(Clone, Debug, Default)]
 pub struct AdumbraPlugin;
 
@@ -150,7 +152,7 @@ impl Plugin for AdumbraPlugin {
             .init_resource::<stream::PoolUploads>();
         StreamDiagnostics::register(app);
         let Some(mut shaders) = app.world_mut().get_resource_mut::<Assets<Shader>>() else {
-            // As on a server.
+            // For example, on a server.
             bevy::log::info!("AdumbraPlugin draws nothing, because there is no renderer before it");
             return;
         };
@@ -176,7 +178,8 @@ impl Plugin for AdumbraPlugin {
                     statics::skip_cascades
                         .after(SimulationLightSystems::UpdateDirectionalLightCascades)
                         .before(SimulationLightSystems::UpdateLightFrusta),
-                    // Before shaders are extracted, so that they change in the frame in which a light asks.
+                    // Before shaders are extracted, so that they change in the same frame in which a light
+                    // needs a way.
                     lights::add_ways.before(AssetEventSystems),
                     statics::leave_out.in_set(AdumbraSystems::LeaveCascades),
                 ),
@@ -201,7 +204,7 @@ impl Plugin for AdumbraPlugin {
             );
         let Some(render) = app.get_sub_app_mut(RenderApp) else { return };
         render
-            // Made anew if the device is lost.
+            // Recreated if the device is lost.
             .init_gpu_resource::<gpu::WordTextures>()
             .init_resource::<DeviceLimits>()
             .init_resource::<gpu::ExtractedFiles>()
@@ -225,7 +228,7 @@ impl Plugin for AdumbraPlugin {
             );
     }
 
-    /// Registers the loaders, which need the limits of the device. It is known by now.
+    /// Registers the loaders, which need the limits of the device. The device is known by now.
     fn finish(&self, app: &mut App) {
         if !app.world().contains_resource::<DeviceLimits>() {
             return;

@@ -1,5 +1,5 @@
-//! Which files are in use: those whose sun a light has. Decided once per frame, before cascades are made, so that
-//! cascades and files never both leave a shadow out.
+//! Finds the files in use: those whose sun matches a light. It runs once per frame, before Bevy builds
+//! cascades, so that cascades and files never both leave a shadow out.
 
 use bevy::asset::{AssetServer, Assets, LoadState};
 use bevy::ecs::prelude::*;
@@ -17,10 +17,10 @@ use crate::status::{BakedShadowChanged, BakedShadowStatus};
 use crate::stream::ShadowStreams;
 use crate::{BakedShadowFile, DeviceLimits};
 
-/// Where the files of lights are.
+/// The resources that hold the files of lights.
 type Files<'w> = (Res<'w, Assets<BakedShadowFile>>, Res<'w, AssetServer>, Res<'w, ShadowStreams>);
 
-/// What bakes files for a light.
+/// The component that bakes files for a light.
 #[cfg(feature = "bake")]
 type Bakes = crate::bake::RuntimeBake;
 #[cfg(not(feature = "bake"))]
@@ -74,7 +74,7 @@ pub(crate) fn find_files_in_use(
                 } else {
                     add_files(shadow, &files, &roots, &mut of_light)
                 };
-                // A file is on its way.
+                // The bake has not delivered its file yet.
                 let is_none = status == BakedShadowStatus::Unusable(BakedShadowError::NoFiles);
                 let status = if bakes && is_none { BakedShadowStatus::Waiting } else { status };
                 if !of_light.is_complete() {
@@ -122,7 +122,7 @@ fn follow(shadow: &BakedShadow, keys: Option<&SunKeys>, of_light: &mut LightFile
     let put = |files: Vec<FileInUse>| files.into_iter().try_for_each(|file| of_light.put(file).map(|_| ()));
     match keys.files(shadow, towards_light).and_then(put) {
         Err(error) => {
-            // Keys answer together.
+            // Keep either all keys of the light or none.
             of_light.in_use.truncate(before);
             BakedShadowStatus::Unusable(error)
         }
@@ -192,15 +192,15 @@ fn add_files(
     }
 }
 
-/// Adds the ways in which lights ask for look-ups to the shaders, when the first one does: before its file is there, so
-/// that pipelines are not compiled again once it is.
+/// Adds the look-up ways that lights need to the shaders. A way is added as soon as a light needs it, before
+/// the light's file is loaded, so that pipelines are not recompiled when the file arrives.
 pub(crate) fn add_ways(
     lights: Query<&BakedShadow>,
     mut shaders: ResMut<Assets<Shader>>,
     mut patch: ResMut<ShaderPatch>,
 ) {
     let ways = lights.iter().map(way);
-    // Neither resource is marked as changed for nothing.
+    // Do not mark either resource as changed without need.
     if !ways.clone().all(|way| patch.has_way(way)) {
         patch.add_ways(ways, &mut shaders);
     }

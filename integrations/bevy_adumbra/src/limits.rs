@@ -1,11 +1,11 @@
-//! What the device allows.
+//! Limits of the device.
 
 use bevy::ecs::prelude::*;
 use bevy::reflect::prelude::*;
 use bevy::render::renderer::RenderDevice;
 
-/// What the device allows of files in use. A resource of the main world and of the render world. It has its default in an
-/// app without a device, and before the device is known, which is when plugins finish.
+/// Limits of the device for files in use. A resource of the main world and of the render world. It keeps its
+/// default in an app without a device, and until plugins finish, when the device is known.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct DeviceLimits {
@@ -13,7 +13,7 @@ pub struct DeviceLimits {
     pub max_texture_side: u32,
 }
 
-/// What every device allows.
+/// The limits that every device supports.
 impl Default for DeviceLimits {
     fn default() -> Self {
         Self { max_texture_side: 8192 }

@@ -1,7 +1,8 @@
-//! The keys of a sun that moves: what of them is in the texture, and how look-ups find them there.
+//! The keys of a moving sun: how they get into the texture, and how look-ups find them there.
 //!
-//! Each key has a slot, which is a pool as that of a streamed file. A new pair answers once both of its keys have been
-//! written, a few bytes per frame; until then the one before it answers, for the sun of the frame all the same.
+//! Each key has a slot, which is a pool like that of a streamed file. Keys are written a few bytes per frame.
+//! A new pair answers once both of its keys have been written; until then the previous pair answers, also for
+//! the sun of the current frame.
 
 use std::sync::Arc;
 
@@ -20,14 +21,14 @@ use crate::stream::PoolUploads;
 use crate::texels::{PoolTexels, Texels};
 use crate::{DeviceLimits, StreamBudget};
 
-/// Slots of a sun that moves: two for the keys that answer, two for those to come.
+/// Slots of a moving sun: two for the keys that answer, two for the next keys.
 const SLOTS: usize = 4;
-/// Room in a slot, as a share of the largest key that is known: others are larger.
+/// Size of a slot relative to the largest known key: later keys may be larger.
 const ROOM: f64 = 1.25;
-/// Where the header of a look-up texture has the unit vector towards the sun, in words.
+/// Word offset of the unit vector towards the sun in the header of a look-up texture.
 const SUN_AT: usize = 8;
 
-/// What answers for a light that follows the sun. The plugin keeps it on the lights of
+/// The keys that answer for a light that follows the sun. The plugin keeps this component on the lights of
 /// [`BakedShadow::follow_sun`].
 #[derive(Component, Default)]
 pub struct SunKeys {
@@ -40,7 +41,7 @@ pub struct SunKeys {
     shown: Option<[usize; 2]>,
 }
 
-/// Two keys, the one that is asked first and the other one, and the sun between them.
+/// Two keys, in the order in which they are looked up, and the sun between them.
 struct Moment {
     keys: [Arc<ShadowFile>; 2],
     towards_sun: [f64; 3],
@@ -54,13 +55,14 @@ struct Slot {
 }
 
 impl SunKeys {
-    /// Returns look-ups on the CPU for the sun of this frame. `None` at night, and as long as there is no key.
+    /// Returns look-ups on the CPU for the sun of this frame. `None` at night, and as long as there is no
+    /// key.
     pub fn sampler(&self, filter: Filter) -> Option<PathSampler> {
         let Moment { keys, towards_sun } = self.moment.as_ref().filter(|_| !self.is_night)?;
         PathSampler::new(keys.each_ref().map(|key| &**key), *towards_sun, filter)
     }
 
-    /// Whether the keys of the moment are those that answer in the picture. Otherwise they are being written.
+    /// Whether the picture uses the current keys. Otherwise they are still being written.
     pub fn is_settled(&self) -> bool {
         let Some(moment) = &self.moment else { return false };
         self.shown.is_some_and(|shown| {
@@ -76,7 +78,7 @@ impl SunKeys {
         self.is_night
     }
 
-    /// Says that the sun is at or below the horizon. The keys stay.
+    /// Records that the sun is at or below the horizon. The keys stay.
     #[cfg(feature = "bake")]
     pub(crate) fn set_night(&mut self) {
         self.is_night = true;
@@ -89,7 +91,7 @@ impl SunKeys {
         self.moment = Some(Moment { keys, towards_sun });
     }
 
-    /// Moves the sun where a march from the keys reaches it.
+    /// Moves the sun if a march from both keys reaches it.
     #[cfg(feature = "bake")]
     pub(crate) fn turn(&mut self, towards_sun: [f64; 3]) {
         self.is_night = towards_sun[1] <= 0.0;
@@ -105,7 +107,7 @@ impl SunKeys {
         self.slots.iter().chain(&self.next).map(|slot| slot.pool)
     }
 
-    /// Writes up to so many words of the keys of the moment, and shows those that are written.
+    /// Writes at most `max_words` words of the current keys, and shows both keys once they are written.
     fn write(&mut self, max_words: usize, limits: DeviceLimits) -> Vec<(PoolTexels, Vec<PoolWrite>)> {
         let Some(Moment { keys, .. }) = &self.moment else { return Vec::new() };
         let newest = if self.next.is_empty() { &self.slots } else { &self.next };
@@ -137,8 +139,8 @@ impl SunKeys {
         writes
     }
 
-    /// Returns what is in use, with a light's settings: the key that is asked first, then the other one, then slots that do
-    /// not answer. Empty as long as no key answers.
+    /// Returns the slots as files in use, with a light's settings. Slots that do not answer are not ready.
+    /// Empty before the first key.
     pub(crate) fn files(
         &self,
         shadow: &BakedShadow,
@@ -153,7 +155,7 @@ impl SunKeys {
                 (Some(place), Some([_, other]), Some(file)) => {
                     let header = file.gpu().texture_header(&look_up(shadow, Placement::BAKED));
                     let mut header = header.map_err(|error| BakedShadowError::Setting(error.into()))?;
-                    // The other key is found through the first one, and has no light's sun.
+                    // The other key is found through the first one, and must not match any light's sun.
                     let towards_sun = if place == 0 { towards_light } else { Vec3::ZERO };
                     let bytes = towards_sun.to_array().into_iter().flat_map(f32::to_le_bytes);
                     header.splice(4 * SUN_AT..4 * (SUN_AT + 3), bytes);
@@ -184,7 +186,7 @@ impl Slot {
         HEADER_WORDS as u64 + words_of(key) <= texels
     }
 
-    /// Writes up to so many words of a key.
+    /// Writes at most `left` words of a key, and subtracts them from `left`.
     fn write(&mut self, key: &Arc<ShadowFile>, left: &mut usize) -> Option<(PoolTexels, Vec<PoolWrite>)> {
         if !self.has(key) {
             (self.file, self.written_words) = (Some(Arc::clone(key)), 0);
@@ -232,14 +234,14 @@ fn words_of(file: &ShadowFile) -> u64 {
     file.gpu().words().count()
 }
 
-/// Writes a part of each key that is to come.
+/// Writes a part of the keys that are not complete yet.
 pub(crate) fn write_keys(
     mut lights: Query<&mut SunKeys>,
     (budget, limits): (Res<StreamBudget>, Res<DeviceLimits>),
     mut uploads: ResMut<PoolUploads>,
 ) {
     for mut keys in &mut lights {
-        // Without a render world nothing takes what is to be written.
+        // Write nothing until earlier writes are taken: without a render world, nothing takes them.
         let is_taken = keys.pools().all(|pool| uploads.writes.iter().all(|(written, _)| *written != pool));
         let max_words = if is_taken { budget.upload_bytes_per_frame / 4 } else { 0 };
         let writes = keys.write(max_words, *limits);
@@ -251,7 +253,7 @@ pub(crate) fn write_keys(
 #[cfg(all(test, feature = "bake"))]
 mod tests {
     use adumbra::Sun;
-    use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+    use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
     use adumbra_scene::{GeneratedKind, generate};
 
     use super::*;
@@ -262,7 +264,7 @@ mod tests {
             frame: FrameChoice::Oblique,
             ..BakeOptions::new(sun, Size::Resolution(resolution))
         };
-        Arc::new(bake(&generate(GeneratedKind::City, 1), &options, Watch::none()).unwrap().file)
+        Arc::new(Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap())
     }
 
     fn towards(degrees: f64) -> [f64; 3] {
@@ -284,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_pair_answers_once_it_is_written_and_a_known_key_is_not_written_again() {
+    fn shows_a_pair_once_written_and_reuses_known_keys() {
         let [a, b, c] = [0.0, 8.0, 16.0].map(|degrees| key(degrees, 512));
         let shadow = BakedShadow::follow_sun();
         let light = Vec3::from_array(towards(4.0).map(|c| c as f32));
@@ -311,7 +313,7 @@ mod tests {
     }
 
     #[test]
-    fn a_larger_key_gets_other_slots_while_the_keys_before_it_answer() {
+    fn writes_a_larger_key_to_new_slots_while_old_keys_answer() {
         let [small, large] = [256, 1024].map(|resolution| key(0.0, resolution));
         let shadow = BakedShadow::follow_sun();
         let mut keys = SunKeys::default();
@@ -328,7 +330,7 @@ mod tests {
     }
 
     #[test]
-    fn a_night_has_no_look_ups_and_the_keys_stay_for_the_morning() {
+    fn keeps_keys_but_has_no_look_ups_at_night() {
         let mut keys = SunKeys::default();
         keys.set([key(0.0, 256), key(0.0, 256)], towards(0.0));
         keys.set_night();

@@ -21,11 +21,11 @@ pub(crate) enum PatchState<'p> {
     Failed(&'p BakedShadowError),
 }
 
-/// The modules of look-ups, and what is known of Bevy's shaders.
+/// The look-up modules, and the patch state of Bevy's shaders.
 #[derive(Resource)]
 pub(crate) struct ShaderPatch {
     look_up: Handle<Shader>,
-    /// Kept so that the modules stay.
+    /// Keeps the modules' assets alive.
     _modules: Vec<Handle<Shader>>,
     ways: BTreeSet<Way>,
     done: [bool; PATCHES.len()],
@@ -63,7 +63,7 @@ impl ShaderPatch {
         self.ways.contains(&way)
     }
 
-    /// Adds ways of looking up to the module that calls them. Pipelines are compiled anew.
+    /// Adds ways of looking up to the module that calls them. Pipelines are recompiled.
     pub(crate) fn add_ways(&mut self, more: impl Iterator<Item = Way>, shaders: &mut Assets<Shader>) {
         let mut ways = self.ways.clone();
         ways.extend(more);
@@ -74,7 +74,8 @@ impl ShaderPatch {
     }
 }
 
-/// Patches each shader as soon as it is there. One that somebody changes, as hot reload does, is patched again.
+/// Patches each shader as soon as it is loaded. A shader that changes later, as in a hot reload, is patched
+/// again.
 pub(crate) fn patch_shaders(
     server: Res<AssetServer>,
     mut shaders: ResMut<Assets<Shader>>,

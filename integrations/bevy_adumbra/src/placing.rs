@@ -1,4 +1,4 @@
-//! Where an app has the files' worlds: the roots that files follow.
+//! Where an app places the files' worlds: the roots that files follow.
 
 use adumbra::Placement;
 use bevy::asset::AssetId;
@@ -11,14 +11,14 @@ use crate::components::FileRoot;
 use crate::error::BakedShadowError;
 use crate::{BakedShadowFile, StreamSource};
 
-/// The files that have had a root. While they have none, as between two levels, they are nowhere.
+/// The files that have had a root. While such a file has no root, as between two levels, it has no place.
 #[derive(Resource, Default)]
 pub(crate) struct Rooted {
     whole: HashSet<AssetId<BakedShadowFile>>,
     streamed: Vec<StreamSource>,
 }
 
-/// Keeps [`Rooted`].
+/// Updates [`Rooted`].
 pub(crate) fn note_roots(roots: Query<&FileRoot, Changed<FileRoot>>, mut rooted: ResMut<Rooted>) {
     for root in &roots {
         match root {
@@ -45,7 +45,8 @@ impl<'a> Roots<'a> {
         roots: impl Iterator<Item = (Entity, &'a FileRoot, GlobalTransform)>,
     ) -> Self {
         let mut roots: Vec<_> = roots.map(|(entity, root, at)| (entity, root, at.to_matrix())).collect();
-        // The first one turns the light: the same one in each frame, whatever components the app inserts.
+        // The first root turns the light. Sort them, so that it is the same root in every frame, whatever
+        // components the app inserts.
         roots.sort_unstable_by_key(|(entity, ..)| entity.index_u32());
         Self { roots, rooted }
     }

@@ -1,4 +1,5 @@
-//! The pools of streamed files in the render world: a copy of their texels, from which textures are made anew.
+//! The pools of streamed files in the render world: a copy of their texels, from which textures are
+//! recreated.
 
 use bevy::ecs::prelude::*;
 use bevy::platform::collections::HashMap;
@@ -10,7 +11,7 @@ use adumbra::stream::PoolWrite;
 use crate::stream::PoolUploads;
 use crate::texels::PoolTexels;
 
-/// The pools of streamed files, and what has come to them in this frame.
+/// The pools of streamed files, and the writes to them in this frame.
 #[derive(Resource, Default)]
 pub(crate) struct Pools {
     pools: HashMap<u64, Pool>,
@@ -20,11 +21,11 @@ pub(crate) struct Pools {
 /// Texels of a pool.
 struct Pool {
     bytes: Vec<u8>,
-    /// How many of the bytes have been written to, from the first on.
+    /// Number of bytes up to the last one that has been written to.
     used: usize,
 }
 
-/// Takes what streams have written in this frame.
+/// Takes the writes of streams in this frame.
 pub(crate) fn extract_pools(mut main: ResMut<MainWorld>, mut pools: ResMut<Pools>) {
     let Some(mut uploads) = main.get_resource_mut::<PoolUploads>() else { return };
     let uploads = uploads.bypass_change_detection();
@@ -45,7 +46,8 @@ impl Pools {
         self.pools.get(&pool.id).map_or(&[], |pool| &pool.bytes[..pool.used])
     }
 
-    /// Takes what has come to pools, and calls `written` with each first texel and bytes.
+    /// Applies the new writes to the pools. Calls `written` with the pool, first texel and bytes of each
+    /// write.
     pub(crate) fn take_writes(&mut self, mut written: impl FnMut(PoolTexels, u32, &[u8])) {
         for (texels, writes) in self.fresh.drain(..) {
             let Some(pool) = self.pools.get_mut(&texels.id) else { continue };

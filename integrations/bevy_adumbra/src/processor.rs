@@ -8,15 +8,15 @@
 //! )
 //! ```
 //!
-//! With Bevy's asset processor the bake runs once, and again when the scene or these settings change; what ships is the
-//! baked file. Without the processor every load bakes.
+//! With Bevy's asset processor the bake runs once, and again when the scene or these settings change; the app
+//! ships the baked file. Without the processor every load bakes.
 
 use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::{fs, io};
 
 use adumbra::{Encoding, Error, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::LoadOptions;
 use bevy::asset::io::{Reader, Writer};
 use bevy::asset::processor::LoadTransformAndSave;
@@ -32,7 +32,7 @@ use tempfile::TempDir;
 use crate::threads::pool;
 use crate::{BakedShadowFile, DeviceLimits, ShadowFileLoader, ShadowFileSettings};
 
-/// What a `.shadow.ron` says: the scene to bake, and how.
+/// The contents of a `.shadow.ron` file: the scene to bake, and how.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AssetBake {
@@ -56,7 +56,7 @@ fn usual_resolution() -> u64 {
 pub(crate) type AssetBakeProcess =
     LoadTransformAndSave<AssetBakeLoader, IdentityAssetTransformer<BakedShadowFile>, ShadowFileSaver>;
 
-/// Loads `.shadow.ron` files: reads the scene that they name and bakes it, on threads of its own.
+/// Loads `.shadow.ron` files: reads the scene that they name and bakes it on separate threads.
 #[derive(TypePath, Clone, Debug)]
 pub struct AssetBakeLoader {
     limits: DeviceLimits,
@@ -82,7 +82,7 @@ pub enum AssetBakeError {
         "not a valid .shadow.ron: {0}; it should look like (scene: \"city.glb\", towards_sun: (0.5, 0.8, 0.35), resolution: 8192)"
     )]
     Settings(#[from] ron::error::SpannedError),
-    /// The scene's name is no path.
+    /// The scene's name is not a valid path.
     #[error("the scene's name {0:?} is no path: {1}")]
     Name(String, ParseAssetPathError),
     /// The scene, or a file of it, could not be read.
@@ -123,7 +123,7 @@ impl AssetLoader for AssetBakeLoader {
         let copy = Copy::new(&settings.scene, load_context).await?;
         let (sender, receiver) = async_channel::bounded(1);
         pool(0)?.spawn(move || {
-            // Whoever waits may be gone.
+            // The receiver may have been dropped; ignore it.
             let _ = sender.send_blocking(bake_copy(&copy, &settings, sun));
         });
         let file = receiver.recv().await.map_err(|_| AssetBakeError::Lost)??;
@@ -135,7 +135,7 @@ impl AssetLoader for AssetBakeLoader {
     }
 }
 
-/// A scene and the files that it names, in a folder of their own, which is removed with this.
+/// A scene and the files that it names, in a temporary folder that is removed on drop.
 struct Copy {
     scene: PathBuf,
     _folder: TempDir,
@@ -157,7 +157,7 @@ impl Copy {
         let scene = folder.path().join(file_name);
         for file in adumbra_scene::files_of_gltf(&scene, &bytes)? {
             let Some(name) = file.to_str() else { continue };
-            // The scene's loader refuses whatever it needs and does not find.
+            // Skip a missing file: the scene's loader reports it if the scene needs it.
             let Ok(bytes) = load_context.read_asset_bytes(&resolve(&path, name)?).await else { continue };
             let copy = folder.path().join(&file);
             if let Some(parent) = copy.parent() {
@@ -176,7 +176,7 @@ fn bake_copy(copy: &Copy, settings: &AssetBake, sun: Sun) -> Result<ShadowFile, 
         thickness_world: settings.thickness_world,
         ..BakeOptions::new(sun, Size::Resolution(settings.resolution))
     };
-    Ok(bake(&scene, &options, Watch::none())?.file)
+    Ok(Bake::with_options(&scene, &options).in_memory()?)
 }
 
 /// Saves a file as `.adumbra` bytes.

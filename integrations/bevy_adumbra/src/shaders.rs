@@ -1,8 +1,9 @@
 //! The WGSL modules of look-ups, and the places in Bevy's own shaders that call them.
 //!
-//! Every material that calls `apply_pbr_lighting` asks `bevy_pbr::shadows` for the shadow of a directional light. So one
-//! function there, and one line of the volumetric fog, serve all of them. [`PATCHES`] lists the changes by the text that
-//! they replace. Each text must occur exactly once; otherwise Bevy's shader is left as it is.
+//! Every material that calls `apply_pbr_lighting` asks `bevy_pbr::shadows` for the shadow of a directional
+//! light. So one function there, and one line of the volumetric fog, serve all of them. [`PATCHES`] lists the
+//! changes by the text that they replace. Each text must occur exactly once; otherwise Bevy's shader is left
+//! as it is.
 
 use std::collections::BTreeSet;
 
@@ -25,7 +26,7 @@ pub(crate) enum Way {
 impl Way {
     pub(crate) const ALL: [Self; 3] = [Self::Filtered, Self::Soft, Self::March];
 
-    /// Returns the number that stands for it in the directory.
+    /// Returns its number in the directory.
     pub(crate) fn code(self) -> u32 {
         self as u32
     }
@@ -42,7 +43,7 @@ impl Way {
     /// Returns its module, `adumbra::NAME`.
     pub(crate) fn module(self) -> String {
         let files = wgsl_files(WordSource::Rgba8Unorm);
-        // The texels come from `adumbra::words`, not from a binding of their own.
+        // The texels come from `adumbra::words`, not from a separate binding.
         let files = files.into_iter().filter(|path| *path != "access/texture_rgba8unorm.wgsl");
         let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
         let of_plugin = |name, text| Source { name, text };
@@ -68,8 +69,8 @@ impl Way {
 /// The module `adumbra::words`.
 pub(crate) const WORDS: &str = include_str!("wgsl/words.wgsl");
 
-/// Returns the module `adumbra::look_up`, which looks up files in any of these ways. The fewer there are, the sooner
-/// pipelines compile.
+/// Returns the module `adumbra::look_up`, which looks up files in any of these ways. Fewer ways compile
+/// faster.
 pub(crate) fn look_up_module(ways: &BTreeSet<Way>) -> String {
     let mut text = "#define_import_path adumbra::look_up\n#import adumbra::words\n".to_owned();
     for way in ways {
@@ -154,7 +155,7 @@ fn fetch_directional_shadow(
         ],
         end: "",
     },
-    // The words are below the picture, and alone where there is none.
+    // The texture holds the picture with the words below it. Without a picture, it holds the words alone.
     Patch {
         asset: "embedded://bevy_pbr/transmission/transmission.wgsl",
         replacements: &[

@@ -17,31 +17,31 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 #[reflect(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum StreamSource {
-    /// An asset, by its path. It is opened once, and ranges of it are read if its reader can seek. Otherwise it is read
-    /// whole, once, and streamed from memory, as are assets of Bevy's `http` and `https` sources. Bevy's reader of
-    /// files may read up to 8 MiB more than what is asked for; [`StreamSource::Disk`] does not.
+    /// An asset, by its path. It is opened once, and ranges of it are read if its reader can seek. Otherwise
+    /// it is read whole, once, and streamed from memory, as are assets of Bevy's `http` and `https` sources.
+    /// Bevy's reader of files may read up to 8 MiB more than requested; [`StreamSource::Disk`] does not.
     Asset(AssetPath<'static>),
     /// A file on a disk, by its path in the file system.
     Disk(PathBuf),
-    /// A source of the app's own, such as an HTTP client that asks for ranges. It is called on threads that may wait.
+    /// A custom source, such as an HTTP client that requests ranges. It is called on threads that may block.
     Ranges(Arc<dyn ShadowSource>),
 }
 
 impl StreamSource {
-    /// A source of the app's own. Its clones are the same source, so lights that share one share its bytes.
+    /// A custom source. Its clones are the same source, so lights that share a source share its bytes.
     pub fn ranges(source: impl ShadowSource + 'static) -> Self {
         Self::Ranges(Arc::new(source))
     }
 }
 
-/// What a saved world has of a source.
+/// The form in which a saved world stores a source.
 #[derive(Serialize, Deserialize)]
 enum Saved {
     Asset(AssetPath<'static>),
     Disk(PathBuf),
 }
 
-/// A source of the app's own cannot be saved.
+/// A custom source cannot be saved.
 impl Serialize for StreamSource {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let saved = match self {
@@ -65,7 +65,7 @@ impl<'de> Deserialize<'de> for StreamSource {
     }
 }
 
-/// Two sources of the app's own are equal if they are clones of one.
+/// Two custom sources are equal if they are clones of one source.
 impl PartialEq for StreamSource {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {

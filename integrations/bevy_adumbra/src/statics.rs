@@ -28,14 +28,14 @@ type Animated = Or<(With<bevy::animation::AnimatedBy>, With<SkinnedMesh>)>;
 #[cfg(not(feature = "animation"))]
 type Animated = With<SkinnedMesh>;
 
-/// The end of what moves an entity.
+/// Removals of the components that move an entity.
 #[cfg(feature = "animation")]
 type NoMotion<'w, 's> =
     (RemovedComponents<'w, 's, SkinnedMesh>, RemovedComponents<'w, 's, bevy::animation::AnimatedBy>);
 #[cfg(not(feature = "animation"))]
 type NoMotion<'w, 's> = (RemovedComponents<'w, 's, SkinnedMesh>,);
 
-/// What may change which meshes are in the files.
+/// Changes after which a mesh may belong to the files or leave them.
 #[cfg(feature = "animation")]
 type Changes = Or<(
     Added<Mesh3d>,
@@ -49,8 +49,8 @@ type Changes = Or<(
 type Changes =
     Or<(Added<Mesh3d>, Added<ShadowStatic>, Added<ExcludeFromBake>, Changed<ChildOf>, Added<SkinnedMesh>)>;
 
-/// Keeps [`IncludedInBake`] on the meshes below a [`ShadowStatic`]. Cost: nothing while the hierarchy does not change;
-/// then one walk over what is below the entities that changed.
+/// Keeps [`IncludedInBake`] on the meshes below a [`ShadowStatic`]. Cost: nothing while the hierarchy does
+/// not change; after a change, one walk over the descendants of the changed entities.
 pub(crate) fn mark_meshes(
     mut commands: Commands,
     changed: Query<Entity, Changes>,
@@ -93,7 +93,8 @@ pub(crate) fn mark_meshes(
     }
 }
 
-/// Whether the nearest ancestor that says anything, or the entity itself, says that it does not move.
+/// Whether the entity is static. The entity itself or its nearest marked ancestor decides: [`ShadowStatic`]
+/// makes it static; [`ExcludeFromBake`], an animation or a skin makes it move, and wins on the same entity.
 fn is_in_bake(
     entity: Entity,
     parents: &Query<&ChildOf>,
@@ -113,34 +114,33 @@ fn is_in_bake(
     }
 }
 
-/// A mesh below a [`ShadowStatic`] that the file in use does not have where it is now.
+/// A mesh below a [`ShadowStatic`] whose current shadow is not in the file in use.
 #[derive(Component, Debug)]
 pub(crate) struct AwaitingBake;
 
-/// The lights whose cascades have nothing to draw in this frame, so that the render world makes no depth pass. Their
-/// components stay as the app has them.
+/// The lights whose cascades have nothing to draw in this frame. The render world makes no depth pass for
+/// them; their components stay unchanged.
 #[derive(Resource, Default, Debug)]
 pub(crate) struct RestingLights(pub(crate) EntityHashSet);
 
-/// Meshes that cast and that the GPU culls alone.
+/// Shadow-casting meshes that only the GPU culls.
 type Unculled = (With<Mesh3d>, With<NoCpuCulling>, Without<NotShadowCaster>);
 
-/// Which casters besides meshes there are. Bevy does not list them by cascade.
+/// Casters that Bevy does not list by cascade: meshes that only the GPU culls, and meshlets.
 #[derive(SystemParam)]
 pub(crate) struct OtherCasters<'w, 's> {
     unculled: Query<'w, 's, (), (Unculled, Or<(Without<IncludedInBake>, With<AwaitingBake>)>)>,
     unculled_in_bake: Query<'w, 's, (), (Unculled, With<IncludedInBake>)>,
     components: &'w Components,
     archetypes: &'w Archetypes,
-    /// The component of meshlets, as of so many components.
+    /// The number of components at the last search for the meshlet component, and the result.
     meshlets: Local<'s, (usize, Option<ComponentId>)>,
 }
 
 impl OtherCasters<'_, '_> {
-    /// Whether there are some: meshes that the GPU culls alone, or meshlets. Unless all files are in use, static ones
-    /// may be among them.
+    /// Whether any such casters exist. Static meshes count too, unless all files are in use.
     fn exist(&mut self, is_complete: bool) -> bool {
-        // Meshlets are a feature of Bevy that this crate does not ask for, so their type may not exist.
+        // This crate does not enable Bevy's meshlet feature, so the type may not exist. Find it by name.
         if self.meshlets.0 != self.components.len() {
             let mut all = self.components.iter_registered();
             let found = all.find(|info| info.name().to_string().ends_with("::MeshletMesh3d"));
@@ -154,8 +154,8 @@ impl OtherCasters<'_, '_> {
     }
 }
 
-/// Spares lights whose files are in use the search for what is in their cascades, where there is nothing that may move.
-/// Between Bevy's cascades and their frusta.
+/// Clears the cascades of lights whose files are in use if nothing may move, so that Bevy does not search
+/// them for casters. Runs after Bevy computes cascades and before it computes their frusta.
 pub(crate) fn skip_cascades(
     choice: Res<StaticCasters>,
     mut lights: Query<(Entity, &BakedShadowStatus, &mut Cascades), With<BakedShadow>>,
@@ -171,7 +171,7 @@ pub(crate) fn skip_cascades(
     }
     for (light, status, mut cascades) in &mut lights {
         if status.is_active() && !files.partial.contains(&light) {
-            // Bevy wants an entry for every view.
+            // Keep the map's entries: Bevy expects one for every view.
             for of_view in cascades.cascades.values_mut() {
                 of_view.clear();
             }
@@ -179,7 +179,8 @@ pub(crate) fn skip_cascades(
     }
 }
 
-/// Number of casters in all cascades of lights whose files are in use, in the last frame. A resource, to observe.
+/// Number of casters in all cascades of lights whose files are in use, in the last frame. A resource for
+/// diagnostics.
 #[derive(Resource, Clone, Copy, Debug, Default, PartialEq, Eq, Reflect)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct CascadeCasters {
@@ -189,7 +190,7 @@ pub struct CascadeCasters {
     pub kept: usize,
 }
 
-/// Returns the corners of a mesh's bounds: its origin where it has none.
+/// Returns the corners of a mesh's bounds. Without bounds, each corner is the mesh's origin.
 fn corners(bounds: Option<&Aabb>) -> impl Iterator<Item = Vec3> {
     let (center, half) =
         bounds.map_or((Vec3A::ZERO, Vec3A::ZERO), |bounds| (bounds.center, bounds.half_extents));
@@ -199,8 +200,8 @@ fn corners(bounds: Option<&Aabb>) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// Removes the meshes in the files from the cascades of lights whose files are in use, and finds the lights with
-/// nothing left.
+/// Removes the meshes in the files from the cascades of lights whose files are in use, and finds the lights
+/// with nothing left.
 pub(crate) fn leave_out(
     choice: Res<StaticCasters>,
     mut lights: Query<
@@ -248,14 +249,14 @@ pub(crate) fn extract_resting(main: Extract<Res<RestingLights>>, mut resting: Re
     resting.0.clone_from(&main.0);
 }
 
-/// Takes the cascades from the render world's copies of those lights.
+/// Removes the cascades of those lights in the render world.
 pub(crate) fn rest_cascades(
     resting: Res<RestingLights>,
     mut lights: Query<(&MainEntity, &mut ExtractedDirectionalLight)>,
 ) {
     for (light, mut extracted) in &mut lights {
         if resting.0.contains(&light.id()) {
-            // As many cascades are drawn as have a bound.
+            // Bevy draws one cascade per bound.
             extracted.cascade_shadow_config.bounds.clear();
         }
     }

@@ -1,4 +1,4 @@
-//! What the shadows of a light come from.
+//! The source of a light's shadows.
 
 use std::fmt;
 
@@ -9,8 +9,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::error::BakedShadowError;
 
-/// What the shadows of a [`BakedShadow`](crate::BakedShadow) come from. It is kept up to date on the light, and
-/// [`BakedShadowChanged`] is triggered when it changes.
+/// The source of the shadows of a [`BakedShadow`](crate::BakedShadow). The plugin keeps it up to date on the
+/// light, and triggers [`BakedShadowChanged`] when it changes.
 #[derive(Component, Clone, Debug, Default, PartialEq, Reflect)]
 #[reflect(Component, Default, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[non_exhaustive]
@@ -23,14 +23,15 @@ pub enum BakedShadowStatus {
         /// How many of the light's files are.
         files: usize,
     },
-    /// Files are in use, and others are missing, or a part of a streamed one could not be had. What is static and
-    /// outside of the files in use casts through the cascades.
+    /// Files are in use, but others are missing, or a part of a streamed file could not be loaded. Static
+    /// meshes outside of the files in use cast through the cascades.
     Incomplete {
         /// How many of the light's files are in use.
         files: usize,
-        /// How many are not. Zero if a part of a streamed file is missing, where a coarser level of it answers.
+        /// How many are not. Zero if only a part of a streamed file is missing; a coarser level answers
+        /// there.
         missing: usize,
-        /// Why the first of them is not, or what is missing.
+        /// Why the first of them is not in use, or which part is missing.
         fault: BakedShadowError,
     },
     /// The light points away from the sun of every loaded file. Shadows come from the light's cascades.
@@ -38,10 +39,10 @@ pub enum BakedShadowStatus {
         /// Angle to the nearest of these suns.
         degrees: f32,
     },
-    /// The light is followed, and points upwards as a sun does below the horizon. Shadows come from the light's
-    /// cascades.
+    /// The light is followed, and points upwards as a sun does below the horizon. Shadows come from the
+    /// light's cascades.
     Night,
-    /// Nothing can be used. Shadows come from the light's cascades.
+    /// No file can be used. Shadows come from the light's cascades.
     Unusable(BakedShadowError),
 }
 
@@ -52,10 +53,9 @@ impl BakedShadowStatus {
     }
 }
 
-/// Continues the sentence "the shadow is …", and says what to do if it is not in use.
 impl BakedShadowStatus {
-    /// Whether another status says the same but for numbers that may change in every frame: an angle, or the scales of
-    /// a root.
+    /// Whether both are equal except for numbers that may change in every frame: an angle, or the scales of a
+    /// root.
     pub(crate) fn is_like(&self, other: &Self) -> bool {
         use BakedShadowError::Root;
         match (self, other) {
@@ -70,20 +70,21 @@ impl BakedShadowStatus {
     }
 }
 
-/// A saved world has it as text.
+/// A saved world stores it as text.
 impl Serialize for BakedShadowStatus {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-/// The plugin finds it anew in a world that is loaded.
+/// Ignores the saved text: the plugin updates the status in a loaded world.
 impl<'de> Deserialize<'de> for BakedShadowStatus {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer).map(|_| Self::default())
     }
 }
 
+/// The text continues the sentence "the shadow is …", and says what to do if the shadow is not in use.
 impl fmt::Display for BakedShadowStatus {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -124,7 +125,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_status_is_said_with_what_to_do() {
+    fn display_says_what_to_do() {
         let fault = StreamFault {
             part: "bundle 7 of level 0".to_owned(),
             error: SourceError::Changed.into(),

@@ -15,21 +15,21 @@ pub enum AdumbraSystems {
     AttachFiles,
     /// Lights turn to the suns of their files. In `PostUpdate`, before [`TransformSystems::Propagate`].
     AlignLights,
-    /// Meshes below a [`ShadowStatic`](crate::ShadowStatic) get [`IncludedInBake`](crate::IncludedInBake), others lose
-    /// it. In `PostUpdate`.
+    /// Meshes below a [`ShadowStatic`](crate::ShadowStatic) get [`IncludedInBake`](crate::IncludedInBake),
+    /// others lose it. In `PostUpdate`.
     MarkStatics,
-    /// Bakes begin, and the files of those that are done are put on their lights. In `PostUpdate`, after
+    /// Bakes start, and finished files are put on their lights. In `PostUpdate`, after
     /// [`TransformSystems::Propagate`] and [`AdumbraSystems::MarkStatics`], with the feature `bake`.
     Bake,
-    /// Streamed files take what cameras see, and what has been read. In `PostUpdate`, after
+    /// Streamed files take the views of cameras, and the data that has been read. In `PostUpdate`, after
     /// [`VisibilitySystems::UpdateFrusta`] and before [`AdumbraSystems::ApplyFiles`].
     Stream,
-    /// Loaded files are applied to their lights. After that, [`BakedShadowStatus`](crate::BakedShadowStatus) is that of
-    /// this frame. In `PostUpdate`, after [`AdumbraSystems::Bake`] and before
+    /// Loaded files are applied to their lights. After that, [`BakedShadowStatus`](crate::BakedShadowStatus)
+    /// is up to date for this frame. In `PostUpdate`, after [`AdumbraSystems::Bake`] and before
     /// [`SimulationLightSystems::UpdateDirectionalLightCascades`].
     ApplyFiles,
-    /// Meshes in the files leave the cascades. After that, [`CascadeCasters`](crate::CascadeCasters) are those of this
-    /// frame. In `PostUpdate`, after [`SimulationLightSystems::CheckLightVisibility`].
+    /// Meshes in the files leave the cascades. After that, [`CascadeCasters`](crate::CascadeCasters) is up to
+    /// date for this frame. In `PostUpdate`, after [`SimulationLightSystems::CheckLightVisibility`].
     LeaveCascades,
     /// Files in use go to the device. In the render world's `ExtractSchedule`, and in `Render` in
     /// [`RenderSystems::PrepareResourcesCollectPhaseBuffers`](bevy::render::RenderSystems).

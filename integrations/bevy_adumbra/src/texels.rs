@@ -1,4 +1,5 @@
-//! The texels of files: those of a whole file are in memory, those of a streamed one are written where they are needed.
+//! The texels of files. Those of a whole file are in memory; those of a streamed file are written where they
+//! are needed.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -9,7 +10,7 @@ use bevy::math::UVec2;
 /// A file's texels.
 #[derive(Clone, Debug)]
 pub(crate) enum Texels {
-    /// Those of a whole file.
+    /// The texels of a whole file.
     Whole(Arc<LookUpTexture>),
     /// The pool of a streamed file.
     Pool(PoolTexels),
@@ -33,7 +34,7 @@ impl Texels {
     }
 }
 
-/// Two are equal if they are the same texels.
+/// Equal if both are the same texture or the same pool.
 impl PartialEq for Texels {
     fn eq(&self, other: &Self) -> bool {
         match (self, other) {
@@ -47,15 +48,15 @@ impl PartialEq for Texels {
 /// The size of a pool in rows of texels, with a look-up texture's header before the pool's words.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct PoolTexels {
-    /// No two pools have the same.
+    /// Unique for each pool.
     pub(crate) id: u64,
     pub(crate) width: u32,
     pub(crate) height: u32,
 }
 
 impl PoolTexels {
-    /// Makes the rows of a pool of so many words as square as a width allows that is a power of two and at most
-    /// `max_side`. There may be more rows than that.
+    /// Lays out a pool of `words` words in rows, as square as possible with a width that is a power of two
+    /// and at most `max_side`. The number of rows may exceed `max_side`.
     pub(crate) fn new(words: u32, max_side: u32) -> Self {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let id = COUNT.fetch_add(1, Ordering::Relaxed);
@@ -64,15 +65,16 @@ impl PoolTexels {
         while width * width < texels && 2 * width <= max_side.into() {
             width *= 2;
         }
-        // Both are at most the number of texels, and a pool has at most 2^31 words.
+        // Both fit 32 bits: they are at most the number of texels, and a pool has at most 2^31 words.
         Self { id, width: width as u32, height: texels.div_ceil(width) as u32 }
     }
 }
 
-/// Returns the rectangles, each with its first texel and its size, that so many texels in a row of all texels cover.
+/// Splits `count` consecutive texels, from texel `first` on, into rectangles of a texture that is `width`
+/// texels wide. Each rectangle has its first texel and its size.
 ///
-/// Worked value: of a width of 128, the 300 texels from the 100th on are 28 in the first row, two whole rows, and 16 in
-/// the fourth row.
+/// Worked value: with a width of 128, the 300 texels from the 100th on are 28 in the first row, two whole
+/// rows, and 16 in the fourth row.
 pub(crate) fn rectangles(first: u32, count: u32, width: u32) -> impl Iterator<Item = (UVec2, UVec2)> {
     let (mut at, mut left) = (first, count);
     std::iter::from_fn(move || {
@@ -106,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn words_in_a_row_are_at_most_three_rectangles() {
+    fn splits_consecutive_texels_into_at_most_three_rectangles() {
         let all = |first, count| -> Vec<_> {
             let each = rectangles(first, count, 128);
             each.map(|(at, size)| [at.x, at.y, size.x, size.y]).collect()

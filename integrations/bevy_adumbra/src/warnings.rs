@@ -1,4 +1,4 @@
-//! What is warned of once, because shadows would be wrong without a fault that a status could say.
+//! One-time warnings of mistakes that make shadows wrong without a fault in a status.
 
 use adumbra::Receivers;
 use bevy::ecs::prelude::*;
@@ -13,14 +13,14 @@ use crate::components::{BakedShadow, FileRoot, IncludedInBake, ShadowStatic};
 use crate::status::BakedShadowStatus;
 use crate::stream::ShadowStreams;
 
-/// A light whose files were not baked by the running app, from where things are.
+/// A light whose files were not baked by the running app. The app would bake meshes where they are now.
 #[cfg(feature = "bake")]
 type Loaded = (With<BakedShadow>, Without<crate::bake::RuntimeBake>);
 #[cfg(not(feature = "bake"))]
 type Loaded = With<BakedShadow>;
 
-/// Warns if something moves and receives a file that answers only static surfaces. Without a [`ShadowStatic`] it is
-/// not known what moves.
+/// Warns if a moving mesh receives shadows from a file that answers for static surfaces only. Without a
+/// [`ShadowStatic`] the plugin cannot know which meshes move.
 pub(crate) fn warn_of_movers(
     mut done: Local<bool>,
     lights: Query<(Entity, &BakedShadow, &BakedShadowStatus)>,
@@ -46,8 +46,8 @@ pub(crate) fn warn_of_movers(
     }
 }
 
-/// Returns, once, a static root that is not where it was baked, if no file follows a root. A root that is a mesh is a
-/// part of a world that has its origin elsewhere.
+/// Returns, once, a static root that is not at the origin, where it was baked, if no file follows a root. A
+/// root that is itself a mesh is skipped: it is a part of a world whose origin is elsewhere.
 pub(crate) fn find_moved_root(
     mut has_found: Local<bool>,
     lights: Query<&BakedShadowStatus, Loaded>,
@@ -63,7 +63,7 @@ pub(crate) fn find_moved_root(
     moved
 }
 
-/// Warns of that root.
+/// Warns about that root.
 pub(crate) fn warn_of_moved_root(In(moved): In<Option<Entity>>) {
     let Some(entity) = moved else { return };
     warn!(
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_static_root_that_is_not_at_rest_is_found_until_a_file_follows_a_root() {
+    fn finds_a_moved_static_root_unless_a_file_follows_a_root() {
         let mut world = World::new();
         let find = |world: &mut World| world.run_system_once(find_moved_root).unwrap();
         world.spawn((ShadowStatic, GlobalTransform::default()));

@@ -40,7 +40,7 @@ fn load(app: &mut App, path: String) -> Option<String> {
 }
 
 #[test]
-fn what_the_reader_takes_loads() {
+fn loads_every_valid_vector() {
     let mut app = app();
     for (name, bytes) in named_vectors("valid", 10) {
         let error = load(&mut app, format!("valid/{name}.adumbra"));

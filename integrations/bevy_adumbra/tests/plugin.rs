@@ -22,7 +22,7 @@ fn has<T: 'static, D: TypeData>(registry: &TypeRegistry) -> bool {
 #[test]
 fn components_and_resources_are_registered() {
     let mut app = App::new();
-    // The registry of these tests would find types by itself, and that of an app need not.
+    // Start with an empty registry: the default one registers types automatically here, but not in every app.
     app.insert_resource(AppTypeRegistry::default());
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), AdumbraPlugin));
     let registry = app.world().resource::<AppTypeRegistry>().read();
@@ -59,7 +59,7 @@ fn count(in_bake: Query<(), With<IncludedInBake>>, mut marked: ResMut<Marked>) {
     marked.0.push(in_bake.iter().count());
 }
 
-/// Returns an app with what the plugin needs of a renderer's assets.
+/// Returns an app with the renderer's assets that the plugin needs.
 fn with_assets() -> App {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default()))
@@ -72,7 +72,7 @@ fn with_assets() -> App {
 }
 
 #[test]
-fn systems_of_an_app_are_ordered_against_the_plugins() {
+fn app_systems_can_be_ordered_against_the_plugin() {
     let mut app = with_assets();
     app.init_resource::<Marked>().add_systems(
         PostUpdate,
@@ -86,7 +86,7 @@ fn systems_of_an_app_are_ordered_against_the_plugins() {
 }
 
 #[test]
-fn a_mesh_that_is_said_to_be_static_later_is_marked_in_that_frame() {
+fn marks_a_mesh_in_the_frame_in_which_it_becomes_static() {
     let mut app = with_assets();
     app.finish();
     app.cleanup();
@@ -117,7 +117,7 @@ fn without_assets_or_a_renderer_nothing_is_done_and_nothing_panics() {
 }
 
 #[test]
-fn a_world_is_saved_whatever_its_lights_do() {
+fn saves_and_loads_a_world_with_lights_in_any_state() {
     let mut app = App::new();
     app.add_plugins((MinimalPlugins, AssetPlugin::default(), AdumbraPlugin));
     let light = app.world_mut().spawn(BakedShadow::streamed("world.adumbra")).id();
@@ -152,7 +152,7 @@ fn a_world_is_saved_whatever_its_lights_do() {
     assert_eq!(new.get::<BakeProgress>(light), Some(&BakeProgress::Waiting));
     assert!(new.get::<ShadowStatic>(root).is_some());
 
-    // A source of the app's own says what to do.
+    // The error for a custom source says what to do.
     let own = StreamSource::ranges(BytesSource(Vec::new()));
     let light = app.world_mut().spawn(BakedShadow::streamed(own)).id();
     let types = registry.read();

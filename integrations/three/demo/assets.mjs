@@ -1,6 +1,7 @@
-// Makes what the pages show: the city, its shadows, and the truth of one view by rays; and the shadows of 2 × 2 km. The program
-// `adumbra` does it all. It takes seconds, but for the shadows of 2 × 2 km about half a minute: they are baked only where they are
-// not there, so remove `demo/public` to have them baked anew. `ADUMBRA_BIN` says where the program is, if not in the path.
+// Makes the assets of the pages: the city, its shadows, the truth of one view by rays, and the shadows of 2 ×
+// 2 km. The program `adumbra` makes all of them. It takes seconds, except for the shadows of 2 × 2 km, which
+// take about half a minute. Those are baked only if they are missing, so remove `demo/public` to bake them
+// again. `ADUMBRA_BIN` is the path of the program, if it is not in `PATH`.
 
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
@@ -17,7 +18,7 @@ const VIEW = { eye: [-150, 38, 175], target: [-75, 4, 75], fov: 45, width: 480, 
 const folder = fileURLToPath(new URL('public', import.meta.url));
 const program = process.env.ADUMBRA_BIN ?? 'adumbra';
 
-/** Runs the program. The output has its name only once it is complete. */
+/** Runs the program. The output gets its final name only once it is complete. */
 function make(name, ...args) {
   const output = join(folder, name);
   const unfinished = join(folder, `unfinished-${name}`);

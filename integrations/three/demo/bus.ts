@@ -48,7 +48,7 @@ export function makeBus(): Mesh<BufferGeometry, MeshStandardMaterial> {
   bus.name = 'bus';
   bus.castShadow = true;
   bus.receiveShadow = true;
-  // It is in each depth pass, which is how passes are counted.
+  // Never cull the bus: depth passes are counted by its draws.
   bus.frustumCulled = false;
   return bus;
 }
@@ -69,12 +69,13 @@ export function drive(bus: Object3D, seconds: number): void {
   let rest = (seconds * SPEED) % lap;
   for (const [i, side] of sides.entries()) {
     const [x, z] = middles[i]!;
-    // The angle of the way out of the turn's middle, from +x towards +z: west on the first side, then north, …
+    // The angle of the direction out of the turn's middle, from +x towards +z: west on the first side, then
+    // north, …
     const out = Math.PI + (i * Math.PI) / 2;
     const angle = rest <= side ? out : out + Math.min(rest - side, turn) / radius;
     const behind = Math.max(side - rest, 0);
     if (rest <= side + turn) {
-      // It heads at a right angle to the way out.
+      // The bus heads at a right angle to that direction.
       const heading = angle + Math.PI / 2;
       bus.position.set(
         x + radius * Math.cos(angle) - behind * Math.cos(heading),

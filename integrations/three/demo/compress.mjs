@@ -1,5 +1,5 @@
-// Puts a file `.br` beside each file of the built page that gets smaller, for servers that send these. Not beside the file that
-// is streamed, since ranges are of the bytes as they are stored.
+// Puts a file `.br` beside each file of the built page that gets smaller, for servers that send these. The
+// streamed file gets none, because ranges count the bytes as they are stored.
 
 import { readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';

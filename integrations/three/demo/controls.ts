@@ -69,12 +69,15 @@ export class Controls {
     for (const button of this.#pad.querySelectorAll('button')) this.#holdable(button);
   }
 
-  /** What one walks on and cannot walk through. */
+  /** The objects that one walks on and cannot walk through. */
   set solids(solids: Object3D) {
     this.#solids = solids;
   }
 
-  /** Where a walk begins, and what one looks at there; without it, on top of what the camera goes around. */
+  /**
+   * Where a walk begins, and the point that one looks at there. Without it, a walk begins on top of the point
+   * that the camera orbits.
+   */
   set onFoot(places: readonly [from: Vector3, to: Vector3] | null) {
     this.#onFoot = places;
   }
@@ -175,7 +178,7 @@ export class Controls {
     const aside = new Vector3(-ahead.z, 0, ahead.x);
     const way = ahead.multiplyScalar(forward).addScaledVector(aside, right).normalize();
     const { position } = this.#camera;
-    // Along each axis by itself, so that one slides along a wall.
+    // Move along each axis separately, so that one slides along a wall.
     for (const step of [new Vector3(way.x, 0, 0), new Vector3(0, 0, way.z)]) {
       const length = PACE * seconds * step.length();
       if (length > 0 && !this.#isBlocked(step.normalize(), length + ELBOWS)) position.addScaledVector(step, length);
@@ -185,7 +188,7 @@ export class Controls {
   }
 
   #isBlocked(direction: Vector3, metres: number): boolean {
-    // At the height of the hips, which steps are below.
+    // Test at the height of the hips, so that steps do not block.
     const hips = this.#camera.position.clone();
     hips.y -= EYES - 0.9;
     return this.#hit(hips, direction, metres) !== null;

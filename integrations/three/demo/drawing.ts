@@ -1,4 +1,4 @@
-// What the page asks of a renderer.
+// The interface between the page and a renderer.
 
 import type { Camera, PerspectiveCamera, Scene } from 'three';
 import type { BakedShadowFile, FilterWidth } from 'adumbra-three';
@@ -33,7 +33,7 @@ export interface Drawing {
   draw(scene: Scene, camera: Camera, from: number, to: number): void;
   /** Draws into floats, four per pixel, from the top left. */
   read(scene: Scene, camera: Camera, width: number, height: number): Promise<Float32Array>;
-  /** Gives a stage a file's shadows. What moves casts in a shadow map. */
+  /** Gives a stage a file's shadows. Moving objects cast in a shadow map. */
   bake(stage: Stage, file: BakedShadowFile | StreamedShadowFile, lookUp: LookUp | undefined, settings: FileSettings): Shadows;
   /** Gives a stage three's own shadows. */
   stock(stage: Stage, technique: Technique, camera: PerspectiveCamera): Shadows;

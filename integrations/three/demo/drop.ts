@@ -7,14 +7,14 @@ import { element } from './dom.js';
 import { readWorld } from './scene.js';
 import type { World } from './scene.js';
 
-/** What was read. */
+/** The files that were read. */
 export interface Read {
   readonly world?: World;
   readonly file?: BakedShadowFile;
   readonly fileName?: string;
 }
 
-/** Takes files: calls back with what was read, or with what is wrong. */
+/** Takes files: calls back with the files that were read, or with an error message. */
 export function takeFiles(onRead: (read: Read) => void, onError: (message: string) => void): void {
   const take = async (files: readonly File[]): Promise<void> => {
     try {

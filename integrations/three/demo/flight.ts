@@ -5,7 +5,7 @@ import type { PerspectiveCamera } from 'three';
 
 /** Metres per second. */
 const SPEED = 30;
-/** Metres from the camera to what it looks at along its way. */
+/** Metres from the camera to the point on its way that it looks at. */
 const AHEAD = 90;
 
 const WAY = new CatmullRomCurve3(
@@ -24,7 +24,9 @@ const WAY = new CatmullRomCurve3(
 );
 const LENGTH = WAY.getLength();
 
-/** Puts a camera where the flight is after so many seconds, and returns the point on the ground that it looks at. */
+/**
+ * Puts a camera where the flight is after `seconds`, and returns the point on the ground that it looks at.
+ */
 export function fly(camera: PerspectiveCamera, seconds: number): Vector3 {
   const at = (metres: number): Vector3 => WAY.getPointAt((((metres / LENGTH) % 1) + 1) % 1);
   camera.position.copy(at(SPEED * seconds));

@@ -11,7 +11,7 @@ import { disposeStage, makeStage } from './scene.js';
 import type { Stage, World } from './scene.js';
 import type { Technique } from './stock-shadows.js';
 
-/** What the depth passes of a frame draw. */
+/** Counts of the depth passes of a frame. */
 export class DepthPasses {
   passes = 0;
   triangles = 0;
@@ -22,7 +22,7 @@ export class DepthPasses {
     this.triangles = 0;
   }
 
-  /** Counts what a stage draws into shadow maps. */
+  /** Counts the draws of a stage into shadow maps. */
   watch({ bus, statics }: Stage, isOfMovers: boolean): void {
     let inEachPass: Mesh | null = bus;
     const watched: Mesh[] = bus === null ? [] : [bus];
@@ -70,14 +70,14 @@ export class Half {
     this.#shadows?.setIntensity(intensity);
   }
 
-  /** Frees all that is this half's own. */
+  /** Frees everything that belongs to this half. */
   dispose(): void {
     this.#shadows?.dispose();
     disposeStage(this.stage);
   }
 }
 
-/** Direction towards the sun where there is no file to say it. */
+/** Direction towards the sun without a file. */
 const NO_FILE_SUN = new Vector3(0.5, 0.8, 0.35).normalize();
 
 /** Direction towards the sun. */

@@ -22,7 +22,7 @@ import { TECHNIQUE_NAMES } from './stock-shadows.js';
 import type { Technique } from './stock-shadows.js';
 import { compare, loadTruth } from './truth.js';
 
-/** What is in the picture. */
+/** The parts that are in the picture. */
 type Mode = 'divider' | 'file' | 'stock';
 
 const EYE = new Vector3(-150, 38, 175);
@@ -162,7 +162,10 @@ class Page {
     return stockHalf(this.#drawing, this.#world, this.#file, kind, this.#camera, this.#passes.stock);
   }
 
-  /** Makes the halves that the picture needs, and frees the one that it does not, so that frame times are true. */
+  /**
+   * Makes the halves that the picture needs, and frees a half that it does not need, so that it adds nothing
+   * to frame times.
+   */
   #rebuild(): void {
     const [needsFile, needsStock] = [this.#mode !== 'stock', this.#mode !== 'file'];
     if (!needsFile) this.#drop('baked');
@@ -184,7 +187,7 @@ class Page {
   async #soften(): Promise<void> {
     const isSoft = wantsSoftness();
     const lookUp = await loadLookUp(isSoft);
-    // The panel has changed meanwhile, which brings a look-up of its own.
+    // The panel has changed meanwhile: that change loads another look-up.
     if (isSoft !== wantsSoftness()) return;
     if (lookUp === this.#lookUp) {
       this.#baked?.setOptions(this.#settings);
@@ -195,7 +198,7 @@ class Page {
     this.#rebuild();
   }
 
-  /** Shows what people brought. If it cannot be drawn, the page goes on with what it had. */
+  /** Shows files that people dropped or picked. If they cannot be drawn, the page keeps the previous ones. */
   async #take({ world, file, fileName }: Read): Promise<void> {
     if (world === undefined && file === undefined) return;
     // The shadows of another world would be wrong.
@@ -240,7 +243,7 @@ class Page {
     // Settings would change the halves that are compared.
     panel.inert = true;
     say('Comparing with rays…');
-    // A half that is not in the picture is made for this alone.
+    // A half that is not in the picture is made only for the comparison.
     const made: Half[] = [];
     const keep = (half: Half): Half => {
       made.push(half);
@@ -300,7 +303,10 @@ function wantsSoftness(): boolean {
   return softness.value !== '';
 }
 
-/** Returns a look-up. The one with a filter needs no naming, and the soft one is loaded when it is needed. */
+/**
+ * Returns a look-up: `undefined` for the filter, which is the default. The soft look-up is loaded when it is
+ * needed.
+ */
 async function loadLookUp(isSoft: boolean): Promise<LookUp | undefined> {
   return isSoft ? (await import('adumbra-three/look-ups')).soft : undefined;
 }
@@ -310,12 +316,12 @@ function readAddress(): void {
   const wantedFilter = Number(parameters.get('filter'));
   if ((FILTER_WIDTHS as readonly number[]).includes(wantedFilter)) filter.value = String(wantedFilter);
   const wanted = parameters.get('stock');
-  // Four maps of 4096² are much for a phone.
+  // Four maps of 4096² are too much for a phone.
   technique.value = wanted === 'csm' || wanted === 'default' ? wanted : isPhone ? 'default' : 'csm';
   panel.open = !isPhone;
 }
 
-/** Lets people choose another renderer, which begins the page anew. */
+/** Lets people choose another renderer, which reloads the page. */
 function offerRenderers(kind: RendererKind): void {
   const select = element('renderer', HTMLSelectElement);
   select.value = kind;
@@ -325,7 +331,7 @@ function offerRenderers(kind: RendererKind): void {
   });
 }
 
-/** Opens the screen that says what this is. */
+/** Opens the screen that explains the page. */
 function offerAbout(): void {
   const about = element('about', HTMLDialogElement);
   element('about-open', HTMLButtonElement).addEventListener('click', () => about.showModal());

@@ -1,5 +1,5 @@
-// A city of 2 × 2 km: the demo's city several times in each direction, each copy turned. Scenes share their meshes, so that only
-// the nodes are written anew.
+// A city of 2 × 2 km: the demo's city several times in each direction, each copy turned. The copies share
+// their meshes, so only the nodes are rewritten.
 
 /** Number of copies along each side. */
 export const COPIES = 5;
@@ -18,7 +18,7 @@ export function places() {
   return numbers.flatMap((column) => numbers.map((row) => ({ x: middle(column), z: middle(row), quarterTurns: turnsOf(column, row) })));
 }
 
-/** Returns the bytes of a GLB with all copies of the scene in another one, whose nodes are all at its root. */
+/** Returns the bytes of a GLB with all copies of the scene in `glb`, whose nodes must all be at the root. */
 export function multiplied(glb) {
   const JSON_HEADER = 20;
   const jsonBytes = glb.readUInt32LE(12);

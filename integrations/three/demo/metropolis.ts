@@ -19,7 +19,7 @@ const CHANGE = 250;
 const parameters = new URLSearchParams(location.search);
 /** Pixels of the canvas per CSS pixel. */
 const pixels = (): number => Number(parameters.get('pixels')) || Math.min(devicePixelRatio, 2);
-/** Metres from which on all is haze. */
+/** Metres beyond which everything is haze. */
 const HAZE = Number(parameters.get('haze')) || 1000;
 const canvas = element('canvas', HTMLCanvasElement);
 const budget = element('budget', HTMLInputElement);
@@ -100,7 +100,7 @@ class Page {
     flyButton.textContent = this.#isFlying ? 'Stop the flight' : 'Fly on';
   }
 
-  /** Opens the file with the budget of the slider, as often as that has changed meanwhile. */
+  /** Opens the file with the budget of the slider, and again if the budget has changed meanwhile. */
   async #reopen(): Promise<void> {
     if (this.#isOpening) return;
     this.#isOpening = true;
@@ -171,7 +171,7 @@ function openFile(bytes: number): Promise<StreamedShadowFile> {
   return StreamedShadowFile.open('metropolis.adumbra', { budget: bytes });
 }
 
-/** Lets people choose another renderer, which begins the page anew. */
+/** Lets people choose another renderer, which reloads the page. */
 function offerRenderers(kind: RendererKind): void {
   const renderer = element('renderer', HTMLSelectElement);
   renderer.value = kind;

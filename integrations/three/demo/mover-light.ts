@@ -1,4 +1,4 @@
-// The shadow map of what moves, beside a file: a small one around the bus.
+// The shadow map of moving objects, beside a file: a small map around the bus.
 
 import type { DirectionalLight, Object3D, Vector3 } from 'three';
 
@@ -13,7 +13,7 @@ export function fitToMover({ shadow }: DirectionalLight): void {
   camera.left = camera.bottom = -REACH;
   camera.right = camera.top = REACH;
   camera.near = 1;
-  // Behind the bus there is what its shadow falls on, however far.
+  // The shadow of the bus may fall on surfaces far behind it.
   camera.far = DISTANCE + 80;
   shadow.mapSize.set(1024, 1024);
   shadow.normalBias = 0.02;

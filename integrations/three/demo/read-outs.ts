@@ -1,4 +1,4 @@
-// What the page measures: bytes over the wire, frame times, depth passes.
+// The measurements of the page: bytes over the wire, frame times, depth passes.
 
 import { element } from './dom.js';
 import type { DepthPasses } from './halves.js';
@@ -8,7 +8,7 @@ const FRAMES = 60;
 /** Milliseconds between changes of the numbers, so that they can be read. */
 const CHANGE = 500;
 
-/** Bytes of a resource as they went over the wire, or as they lie in the browser's cache. */
+/** Bytes of a resource as transferred, or as stored in the browser's cache. */
 function bytesOf(entry: PerformanceResourceTiming): number {
   return entry.transferSize || entry.encodedBodySize;
 }
@@ -24,7 +24,7 @@ export function fetched(): { all: number; file: number } {
   return { all, file };
 }
 
-/** Writes bytes for people. */
+/** Formats a number of bytes. */
 export function megabytes(bytes: number): string {
   return `${(bytes / 1e6).toFixed(2)} MB`;
 }
@@ -35,13 +35,13 @@ export class ReadOuts {
   #before: number | undefined;
   #written = 0;
 
-  /** Forgets the times so far: another thing is drawn from now on. */
+  /** Forgets the times so far, because something else is drawn from now on. */
   restart(): void {
     this.#times.length = 0;
     this.#before = undefined;
   }
 
-  /** Takes a frame down, which began at `now`, with the depth passes of the halves that it has. */
+  /** Records a frame that began at `now`, with the depth passes of the halves that it has. */
   frame(now: number, file: DepthPasses | null, stock: DepthPasses | null): void {
     if (this.#before !== undefined) this.#times.push(now - this.#before);
     if (this.#times.length > FRAMES) this.#times.shift();

@@ -96,7 +96,7 @@ export async function open(
           for (const { shadow: own } of csm.lights) if (own !== undefined) own.intensity = intensity;
         },
         dispose() {
-          // The node leaves the maps of its cascades to others.
+          // The node does not dispose the maps of its cascades.
           for (const { shadow: own } of csm.lights) own?.dispose();
           csm.dispose();
         },
@@ -109,7 +109,7 @@ export async function open(
   };
 }
 
-/** Rows from the bottom up, from the top down. */
+/** Reverses the order of rows. */
 function upsideDown(pixels: Float32Array, width: number, height: number): Float32Array {
   const row = 4 * width;
   const turned = new Float32Array(pixels.length);

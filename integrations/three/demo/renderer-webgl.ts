@@ -93,7 +93,7 @@ export function open(canvas: HTMLCanvasElement, antialias: boolean): Drawing {
         light.shadow.normalBias = CSM.normalBias;
       }
       for (const material of materials) setUp(csm, chunks, material);
-      // Each cascade has a light of its own, which take the sun's place.
+      // Each cascade has its own light. These lights replace the sun.
       sun.removeFromParent();
       return {
         ...common,
@@ -124,7 +124,10 @@ export function open(canvas: HTMLCanvasElement, antialias: boolean): Drawing {
 /** Texts of three's shaders. */
 type Chunks = Pick<typeof ShaderChunk, 'lights_fragment_begin' | 'lights_pars_begin'>;
 
-/** Makes cascades, which change three's shaders for all materials. Here they are changed back, and returned. */
+/**
+ * Makes cascades, which change three's shaders for all materials. The change is undone here, and the changed
+ * texts are returned.
+ */
 function cascades(settings: ConstructorParameters<typeof Cascades>[0]): { csm: Cascades; chunks: Chunks } {
   const { lights_fragment_begin, lights_pars_begin } = ShaderChunk;
   const csm = new Cascades(settings);

@@ -1,8 +1,8 @@
-// The three renderers, each loaded only when it is asked for.
+// The three renderers, each loaded only when it is needed.
 
 import type { Drawing, RendererKind } from './drawing.js';
 
-/** Returns the renderer that can be had: WebGL2 in place of WebGPU where the browser or the machine has none. */
+/** Returns an available renderer: WebGL2 in place of WebGPU if the browser or the machine has no WebGPU. */
 export async function available(wanted: RendererKind): Promise<RendererKind> {
   if (wanted !== 'webgpu') return wanted;
   const adapter = await navigator.gpu?.requestAdapter().catch(() => null);

@@ -1,5 +1,5 @@
-// The world: loaded from a GLB, with its static meshes merged so that a frame takes a few hundred draws, and put into a
-// scene of its own for each kind of shadows.
+// The world: loaded from a GLB, with its static meshes merged so that a frame takes a few hundred draws, and
+// put into a separate scene for each kind of shadows.
 
 import { Box3, Color, DirectionalLight, Group, HemisphereLight, Mesh, Scene, Vector3 } from 'three';
 import type { BufferGeometry, Light, Material, MeshStandardMaterial, Object3D } from 'three';
@@ -15,7 +15,7 @@ const SQUARES = 4;
 /** The colour of the sky. */
 export const SKY = new Color(0x9fb9d6);
 
-/** What a GLB holds. */
+/** The contents of a GLB. */
 export interface World {
   readonly name: string;
   readonly root: Object3D;
@@ -26,7 +26,7 @@ export interface World {
   readonly isAnimated: boolean;
 }
 
-/** The world in a scene of its own. */
+/** The world in a separate scene. */
 export interface Stage {
   readonly scene: Scene;
   readonly sun: DirectionalLight;
@@ -66,7 +66,7 @@ function world(name: string, root: Object3D, kind: Pick<World, 'isCity' | 'isAni
   return { name, root, box, ...kind };
 }
 
-/** Puts a world into a scene of its own; geometries are shared with others, materials are not. */
+/** Puts a world into a separate scene; geometries are shared with other scenes, materials are not. */
 export function makeStage({ root, box, isCity }: World, towardsSun: Vector3): Stage {
   const scene = new Scene();
   scene.background = SKY;
@@ -94,7 +94,7 @@ export function makeStage({ root, box, isCity }: World, towardsSun: Vector3): St
   return { scene, sun, sky, statics, bus, materials, box };
 }
 
-/** Frees what a scene has of its own. */
+/** Frees everything that a scene does not share. */
 export function disposeStage({ scene, sun, materials }: Stage): void {
   for (const material of materials) material.dispose();
   sun.dispose();
@@ -138,7 +138,7 @@ function merge(root: Object3D, box: Box3, squares: number): void {
     (material as MeshStandardMaterial).flatShading = false;
     group.add(new Mesh(mergeGeometries(geometries), material));
   }
-  // The matrices of what was merged are in its positions already.
+  // Merged positions already include the matrices of their meshes.
   group.applyMatrix4(root.matrixWorld.clone().invert());
   root.add(group);
   root.updateMatrixWorld(true);

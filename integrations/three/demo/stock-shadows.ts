@@ -6,15 +6,15 @@ import type { DirectionalLight, PerspectiveCamera } from 'three';
 /** A kind of three's own shadows. */
 export type Technique = 'csm' | 'default';
 
-/** What the page calls them. */
+/** Their names on the page. */
 export const TECHNIQUE_NAMES: Record<Technique, string> = {
   csm: 'three.js, CSM 4 × 4096²',
   default: 'three.js, default map of 512²',
 };
 
 /**
- * Cascades. The bias is the addon's default, which leaves the fewest wrong pixels in the view with a truth: 0.30 %, where
- * 1e-5 leaves 0.32 %, 3e-5 and -5e-5 0.67 %, and a normal bias of 2 cm 0.48 %.
+ * Cascades. The bias is the addon's default, which leaves the fewest wrong pixels in the view with a truth:
+ * 0.30 %, where 1e-5 leaves 0.32 %, 3e-5 and -5e-5 0.67 %, and a normal bias of 2 cm 0.48 %.
  */
 export const CSM = { cascades: 4, size: 4096, bias: 0.000001, normalBias: 0 };
 
@@ -57,7 +57,7 @@ export class Reach {
     return this.#metres;
   }
 
-  /** Follows a camera; returns whether cascades must be split anew. */
+  /** Follows a camera; returns whether cascades must be split again. */
   follow(camera: PerspectiveCamera): boolean {
     camera.updateMatrixWorld();
     let far = 0;

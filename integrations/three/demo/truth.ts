@@ -19,7 +19,7 @@ export interface Truth {
   readonly isLit: readonly boolean[];
 }
 
-/** What a comparison found. */
+/** The result of a comparison. */
 export interface Wrong {
   readonly pixels: number;
   readonly compared: number;
@@ -52,8 +52,8 @@ export async function loadTruth(): Promise<Truth> {
 const DARK = 0.003;
 
 /**
- * Counts the pixels of a half whose shadow is on the wrong side of one half. Only surfaces that face the sun are
- * compared; the bus is left out. The camera comes back as it was.
+ * Counts the pixels of a half whose shadow is on the wrong side of one half. Only surfaces that face the sun
+ * are compared; the bus is left out. The camera is restored afterwards.
  */
 export async function compare(drawing: Drawing, half: Half, camera: PerspectiveCamera, truth: Truth): Promise<Wrong> {
   const { stage } = half;
@@ -73,7 +73,8 @@ export async function compare(drawing: Drawing, half: Half, camera: PerspectiveC
     return drawing.read(stage.scene, camera, truth.width, truth.height);
   };
   try {
-    // The first picture makes ready what takes its number of cascades, or its programs, from a frame before.
+    // Draw once before: some techniques take their number of cascades, or their programs, from the previous
+    // frame.
     await light(1);
     const [shadowed, unshadowed] = [await light(1), await light(0)];
     let [pixels, compared] = [0, 0];

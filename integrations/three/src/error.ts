@@ -2,10 +2,11 @@
 // `spec/adumbra-file.md`, "What a reader checks", which the Rust crate shares.
 
 /**
- * What is wrong with a file.
+ * The kind of fault of a file.
  *
- * `Io`: it could not be fetched. `TooLarge`: it may be valid, but does not fit the GPU, the budget or the limit. `Changed`: it is another than
- * when it was opened. All others are those of the specification: the file is not valid.
+ * `Io`: it could not be fetched. `TooLarge`: it may be valid, but does not fit the GPU, the budget or the
+ * limit. `Changed`: it has changed since it was opened. All others are those of the specification: the file
+ * is not valid.
  */
 export type ShadowFileErrorKind =
   | 'Magic'
@@ -33,11 +34,11 @@ export type ShadowFileErrorDetails = Readonly<Record<string, number | string>>;
 /** A shadow file that cannot be used. The message names the fault and its place, and says what to do about it. */
 export class ShadowFileError extends Error {
   override readonly name = 'ShadowFileError';
-  /** What is wrong. Stable across versions. */
+  /** The kind of fault. Stable across versions. */
   declare readonly kind: ShadowFileErrorKind;
   /** The fault in the voxels, for the kind `Depths`. Stable across versions. */
   declare readonly fault: ShadowFileFault | undefined;
-  /** The values found, by name. Of a fault in the voxels, only its level is among them. */
+  /** The values found, by name. For a fault in the voxels, only its level is given. */
   declare readonly details: ShadowFileErrorDetails;
   /** Where the file came from, if a loader read it. */
   declare readonly url: string | undefined;

@@ -1,5 +1,5 @@
-// adumbra-three: baked sun shadows for three.js. This entry reads `.adumbra` files and looks points up on the CPU; the
-// entries `./webgpu` and `./webgl` put a file's shadows into materials.
+// adumbra-three: baked sun shadows for three.js. This entry reads `.adumbra` files and looks points up on the
+// CPU; the entries `./webgpu` and `./webgl` put a file's shadows into materials.
 
 export { ShadowFileError } from './error.js';
 export type { ShadowFileErrorDetails, ShadowFileErrorKind, ShadowFileFault } from './error.js';

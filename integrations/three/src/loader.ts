@@ -8,18 +8,19 @@ import { BakedShadowFile } from './file/shadow-file.js';
 /**
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.
  *
- * `loadAsync` rejects with what `load` gives to `onError`: a {@link ShadowFileError} whose message and `url` name the
- * file, of the kind `Io` if it could not be fetched. A request that was aborted, by {@link ShadowFileLoader.abort}, by
- * {@link ShadowFileLoader.signal} or by the loading manager, gives the browser's `AbortError`.
+ * `loadAsync` rejects with the error that `load` gives to `onError`: a {@link ShadowFileError} whose message
+ * and `url` name the file, of the kind `Io` if it could not be fetched. A request that was aborted, by {@link
+ * ShadowFileLoader.abort}, by {@link ShadowFileLoader.signal} or by the loading manager, gives the browser's
+ * `AbortError`.
  */
 export class ShadowFileLoader extends Loader<BakedShadowFile> {
-  /** What is checked: everything by default; `'header'` for files that you trust. */
+  /** The checks: everything by default; `'header'` for files that you trust. */
   verify: true | 'header' = true;
-  /** Most bytes of memory that a file may take while it is parsed, see `limitBytes` of `ParseOptions`. */
+  /** The most bytes of memory that a file may take while it is parsed, see `limitBytes` of `ParseOptions`. */
   limitBytes = Infinity;
-  /** Ends the loads that begin while it is set, once it aborts. */
+  /** Loads that begin while it is set end once it aborts. */
   signal: AbortSignal | null = null;
-  /** What ends the loads that are under way. */
+  /** Functions that end the loads that are under way. */
   readonly #aborts = new Set<() => void>();
 
   /**
@@ -52,7 +53,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
     const abort = (): void => {
       fail(new DOMException(`the load of ${url} was aborted`, 'AbortError'));
       parsing.abort();
-      // Before 0.179 three goes on with the transfer.
+      // Before 0.179, three does not end the transfer.
       request.abort?.();
     };
     const fetchFile = (mayRetry: boolean): void => {
@@ -87,7 +88,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
         },
         (error) => {
           if (isOver) return;
-          // Three gives loads of one URL one request, which was aborted by another of them.
+          // Loads of one URL share one request in three, which another load has aborted.
           if (mayRetry && isAbort(error) && !ofManager?.aborted) fetchFile(false);
           else fail(isAbort(error) ? error : withUrl(error, url));
         },
@@ -105,7 +106,7 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
   }
 
   /**
-   * Parses the bytes of a file at once. It keeps nothing of the buffer.
+   * Parses the bytes of a file at once. It does not keep the buffer.
    *
    * @throws ShadowFileError if the bytes are not exactly one valid file.
    */
@@ -114,8 +115,8 @@ export class ShadowFileLoader extends Loader<BakedShadowFile> {
   }
 
   /**
-   * Parses the bytes of a file in slices of some ten milliseconds, so that the page goes on meanwhile. It keeps nothing of
-   * the buffer.
+   * Parses the bytes of a file in slices of about ten milliseconds, so that the page stays responsive. It
+   * does not keep the buffer.
    *
    * @throws ShadowFileError if the bytes are not exactly one valid file.
    * @throws the reason of `signal`, once it aborts.

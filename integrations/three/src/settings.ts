@@ -30,18 +30,22 @@ export interface FileSettings {
   readonly sceneIsZUp: boolean;
   /** The points at which the file is correct: all in space, or those on static surfaces. */
   readonly receivers: 'all' | 'static';
-  /** How far behind its first surface a column may switch, voxels; 0 anywhere that no look-up from a surface reads. */
+  /**
+   * How far behind its first surface a column may switch, voxels; 0 = anywhere that no look-up from a surface
+   * reads.
+   */
   readonly switchWithinVoxels: number;
   /**
-   * For marches to another sun: a ray that is hidden from both keys for so many voxels from its start on is taken to meet
-   * something. 0 = never.
+   * For marches to another sun: a ray that is hidden from both keys for this many voxels from its start on is
+   * taken to meet a surface. 0 = never.
    */
   readonly darkAfterVoxels: number;
   /** The box that was given for the bake, world space; `null` if none was. */
   readonly bounds: Bounds | null;
   /**
-   * The region of a world that the file is of: its numbers along x and y of the grid, and its texels a side; `null` if it is of
-   * a whole world. Positions are relative to the region's origin, which the world's manifest has.
+   * The region of a world that the file covers: its numbers along x and y of the grid, and its texels per
+   * side; `null` if the file covers a whole world. Positions are relative to the region's origin, which the
+   * world's manifest has.
    */
   readonly region: { readonly x: number; readonly y: number; readonly texels: number } | null;
   /** The bias that the file was baked for. */
@@ -64,7 +68,7 @@ export interface LookUpOptions {
   readonly filter: FilterWidth;
   /** The bias; that of the file by default. */
   readonly bias?: Bias | undefined;
-  /** Where the app has the file's world; where it was baked by default. */
+  /** Where the app has placed the file's world; by default where it was baked. */
   readonly placement?: WorldFromFile | undefined;
 }
 

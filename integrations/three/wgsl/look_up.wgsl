@@ -1,6 +1,7 @@
-// The visibility of one light from its files. surface.wgsl and `adumbra_look_up` come before this text, main.wgsl after it.
+// The visibility of one light from its files. surface.wgsl and `adumbra_look_up` come before this text,
+// main.wgsl after it.
 
-// A file whose grid holds a point at least this far inside is not better than another, texels.
+// A point at least this many texels inside a file's grid needs no better file.
 const ADUMBRA_FAR_INSIDE: i32 = 8;
 
 // Returns how far inside the selected file's grid a point is, texels; negative outside.
@@ -30,8 +31,8 @@ fn adumbra_select_best(count: u32, p_world: vec3f) {
     adumbra_select_file(best);
 }
 
-// Returns the visibility of a point, 1 if no file is in use. `normal` is the unit normal of the surface, or zero in the
-// air; `pixel` varies the noise of penumbrae.
+// Returns the visibility of a point, 1 if no file is in use. `normal` is the unit normal of the surface, or
+// zero in the air; `pixel` varies the noise of penumbrae.
 fn adumbra_visibility(p_world: vec3f, normal: vec3f, pixel: vec2f) -> f32 {
     let count = adumbra_file_count();
     if (count == 0u) {
@@ -43,7 +44,8 @@ fn adumbra_visibility(p_world: vec3f, normal: vec3f, pixel: vec2f) -> f32 {
         adumbra_select_best(count, p_world);
     }
     let s = adumbra_surface_at(p_world, normal, pixel);
-    // Where a page is not resident, a coarser level answers; while one comes or goes, a coarser level has a share.
+    // Where a page is not resident, a coarser level answers. While a page fades in or out, a coarser level
+    // has a share.
     var blend = vec2f(0.0, 1.0);
     loop {
         let v = adumbra_texture_params();

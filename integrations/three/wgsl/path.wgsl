@@ -1,9 +1,10 @@
-// The visibility for the sun of a moment, from two keys of a sun path (spec/sun-path.md). surface.wgsl comes before this
-// text, main.wgsl after it. Both keys and all that changes with the moment are in one texture:
+// The visibility for the sun of a moment, from two keys of a sun path (spec/sun-path.md). surface.wgsl comes
+// before this text, main.wgsl after it. Both keys, and all words that change with the moment, are in one
+// texture:
 //
 // | words of adumbra_words | content |
 // |---|---|
-// | 0 to 127, 128 to 255 | the header of the key that is asked first, and of the other one, which may be the same key |
+// | 0 to 127, 128 to 255 | the header of the key that is looked up first, and of the other one, which may be the same key |
 // | from a row of texels on | the words of a key; those of the other key begin at another row |
 //
 // Headers are those of the look-up texture (spec/look-up-texture.md), with more words:
@@ -12,7 +13,7 @@
 // |---|---|---|
 // | 104 | u32 | the key's first word in adumbra_words |
 // | 106 | u32 | of the first header: 1 at night, when every point is in shadow; else 0 |
-// | 107 | 2 × i32 | texels aside per voxel nearer to the sun, in 2^-16 |
+// | 107 | 2 × i32 | sideways texels per voxel towards the sun, in 2^-16 |
 // | 109 | u32 | of the first header: for how many voxels a ray must be hidden from both keys to be taken to meet something, 0 = never |
 //
 // Word 105 of adumbra_headers is 0 while the light does not shine from the sun of the moment.
@@ -30,7 +31,7 @@ const ADUMBRA_DARK_AFTER: u32 = 109u;
 var<private> adumbra_key_header: u32;
 // The selected key's first word.
 var<private> adumbra_first_word: u32;
-// Of each ray that the first key does not know, what its march has found.
+// For each ray without an answer in the first key: the result of its march.
 var<private> adumbra_unknown: array<u32, 9>;
 
 fn adumbra_word(index: u32) -> u32 {
@@ -51,8 +52,8 @@ fn adumbra_select_key(key: u32) {
     adumbra_first_word = adumbra_header_word(ADUMBRA_FIRST_WORD);
 }
 
-// Marches some rays of the filter, a bit each, through a key. Returns those that are dark, and those of which it is the first
-// one and does not know.
+// Marches some rays of the filter, one bit each, through a key. Returns the rays that are dark, and, for the
+// first key, the rays without an answer.
 fn adumbra_march_taps(key: u32, taps: u32, p_world: vec3f, normal: vec3f, pixel: vec2f) -> vec2u {
     let dark_after = adumbra_header_word(ADUMBRA_DARK_AFTER);
     adumbra_select_key(key);
@@ -81,8 +82,8 @@ fn adumbra_march_taps(key: u32, taps: u32, p_world: vec3f, normal: vec3f, pixel:
     return found;
 }
 
-// Returns the visibility of a point: of one ray, or the mean of 3 × 3 half a filter apart; 1 if no file is in use. `normal` is
-// the unit normal of the surface, or zero in the air.
+// Returns the visibility of a point: of one ray, or the mean of 3 × 3 rays half a filter apart; 1 if no file
+// is in use. `normal` is the unit normal of the surface, or zero in the air.
 fn adumbra_visibility(p_world: vec3f, normal: vec3f, pixel: vec2f) -> f32 {
     if (textureLoad(adumbra_headers, vec2u(ADUMBRA_FILE_COUNT, 0u), 0).x == 0u) {
         return 1.0;

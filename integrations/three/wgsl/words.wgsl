@@ -1,9 +1,9 @@
-// Words of the shadow files of one light, for web pages. They are those of the look-up texture (spec/look-up-texture.md)
-// in two textures, so that a change of filter or bias writes a few hundred bytes:
+// Words of the shadow files of one light, for web pages. They are those of the look-up texture
+// (spec/look-up-texture.md) in two textures, so that a change of filter or bias writes a few hundred bytes:
 //
 // | texture | texel |
 // |---|---|
-// | adumbra_words | a word of the files, one file behind the other, from the left to the right and row by row. The width is a power of two |
+// | adumbra_words | a word of the files, one file after the other, from left to right and row by row. The width is a power of two |
 // | adumbra_headers | column w of row f is word w of the header of file f |
 //
 // Headers have three more words:

@@ -1,4 +1,4 @@
-"""Checks of what users give as arrays."""
+"""Checks of arrays that users pass."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def triples(name: str, values: ArrayLike, *, double: bool = False) -> NDArray[Any]:
-    """Return ``values`` as a contiguous array of N x 3 floats: single precision stays as it is unless ``double``."""
+    """Return ``values`` as a contiguous array of N x 3 floats. Keep single precision unless ``double``."""
     array = np.asarray(values)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name}: real numbers are needed, not an array of {array.dtype}")
@@ -30,7 +30,7 @@ def numbers(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
 
 
 def same_length(points: NDArray[Any], normals: NDArray[Any] | None) -> None:
-    """Refuse normals of another number than that of the points."""
+    """Reject normals unless there is one for each point."""
     if normals is not None and len(normals) != len(points):
         raise ValueError(f"normals: {len(normals)} rows for {len(points)} points; give one for each point")
 

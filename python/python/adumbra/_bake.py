@@ -71,46 +71,48 @@ def bake(
     """Bake the sun's shadows of a scene.
 
     The same scene and options give the same bytes as ``adumbra bake``, on any number of threads. Other Python threads run
-    meanwhile. Ctrl-C stops the bake, and leaves an earlier output as it was.
+    meanwhile. Ctrl-C stops the bake, and leaves an earlier output unchanged.
 
     Args:
         scene: The path of a ``.glb``, ``.gltf``, ``.obj`` or ``.ply`` file, a :class:`Scene`, or vertices: positions in world
             space, shape (N, 3), of any real type.
         faces: The vertices of each triangle, shape (M, 3), of any integer type, if vertices are given.
-        sun: Direction towards the sun in world space, three numbers, of any length, with y above 0. Without it and
-            ``elevation``, that of the scene's first directional light that shines, or else (0.5, 0.8, 0.35).
+        sun: Direction towards the sun in world space, three numbers, of any length, with y above 0. If
+            neither it nor ``elevation`` is given, it is that of the scene's first directional light that
+            shines, or else (0.5, 0.8, 0.35).
         azimuth: Azimuth of the sun in degrees, clockwise from -Z as seen from above: 90 is +X. 0 unless it is given.
         elevation: Elevation of the sun in degrees above the horizon, above 0 and at most 90.
         resolution: Texels on the longest side of the scene as the sun sees it: a power of two, 8 to 262144.
         voxel_size: Edge of a voxel in world units, above 0, instead of a resolution.
-        thickness: How far below an open surface its shadow may begin, in world units along the light, at least 0. The bias at the
-            surface's slope applies if that is more. More gives smaller files.
-        switch_within: How far behind the first surface its shadow may begin, in voxels, up to 65535. 0 allows anywhere that no
-            filter around a surface reads.
+        thickness: How far below an open surface its shadow may begin, in world units along the light, at
+            least 0. The bias at the surface's slope applies if that is larger. Larger values give smaller
+            files.
+        switch_within: How far behind the first surface its shadow may begin, in voxels, up to 65535. 0 allows
+            any depth that no filter around a surface reads.
         levels: Number of levels of detail, 1 to 8, each with voxels four times as large as the one before. Levels of fewer
             than 256 texels are left out.
         assume_ground: Whether shadows below the last surface of a column are left out. ``None`` leaves them out if the scene
-            has a ground of its own. ``False`` keeps them, for a ground that only the app draws.
+            has its own ground. ``False`` keeps them, for a ground that only the app draws.
         closed_regions: Whether points inside closed solids may be lit or shadowed, whichever is smaller.
         receivers: ``"all"``: every point in space is answered. ``"static"``: only points on static surfaces, with normals,
             for filters up to 9.
         bounds: Cover this box instead of the scene: (x0, y0, z0, x1, y1, z1), or two corners. Casters outside it towards the
             sun still cast shadows into it.
         frame: ``"light"``: columns along the light, in a plane across it. ``"oblique"``: over level ground. ``"auto"``:
-            whichever file a forecast says is smaller, and light below 5 degrees of sun.
+            the frame that is predicted to give the smaller file, and light if the sun is below 5 degrees.
         yaw: Oblique frame: turn of the grid in degrees, -180 to 180, from +X to the grid's x axis, towards +Z. Without it,
             along most of the scene's edges.
         encoding: How ``output`` is stored, and how :meth:`ShadowFile.save` stores it by default. ``"coded"`` is about a third
             of the bytes of ``"raw"``.
-        output: The shadow file to write. An earlier file is replaced whole, once the bake has succeeded.
-        cache: Folder with what earlier bakes have made. It is created if it is not there. An edit of a scene bakes only the
-            parts that the edit touches.
-        max_memory: Largest number of bytes that the bake may hold. What does not fit is kept in temporary files, beside
-            ``output`` if that is given.
+        output: The shadow file to write. An earlier file is replaced as a whole, once the bake has succeeded.
+        cache: Folder with the results of earlier bakes. It is created if it does not exist. After an edit of
+            the scene, only the parts that the edit touches are baked.
+        max_memory: Largest number of bytes that the bake may hold. Data that does not fit is kept in
+            temporary files, beside ``output`` if that is given.
         threads: Number of threads, 1 to 1024. All cores unless it is given.
         progress: ``None``: a bar if ``tqdm`` is installed and stderr is a terminal. ``True``: a bar. ``False``: nothing. A
-            function is called with the number of finished root blocks and of all, on the calling thread; what it raises stops the
-            bake.
+            function is called on the calling thread with the number of finished root blocks and the total. An
+            exception that it raises stops the bake.
         **loading: Options for a scene that is given by its path, see :class:`LoadOptions`.
 
     Returns:

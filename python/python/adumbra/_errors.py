@@ -2,7 +2,7 @@
 
 
 class AdumbraError(Exception):
-    """Any error that Python has no exception of its own for, such as a bake that does not fit its memory limit."""
+    """Any error without a suitable built-in exception, such as a bake that does not fit its memory limit."""
 
 
 class FormatError(AdumbraError, ValueError):
@@ -18,7 +18,7 @@ class MissingPartsError(AdumbraError):
 
 
 class SceneWarning(UserWarning):
-    """A scene was loaded, but not all of it as it stands in its file."""
+    """A scene was loaded, but parts of its file were left out or changed."""
 
 
 for _class in (AdumbraError, FormatError, MemoryLimitError, MissingPartsError, SceneWarning):

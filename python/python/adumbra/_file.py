@@ -38,11 +38,11 @@ class ShadowFile:
 
         Args:
             path: The file, or an address that begins with ``http://`` or ``https://``.
-            timeout: Seconds after which a server that does not answer is given up.
+            timeout: Seconds to wait for an answer of the server.
 
         Raises:
             OSError: The file cannot be read; ``FileNotFoundError`` if there is none, ``urllib.error.URLError`` for an address.
-            FormatError: It is not a whole and valid shadow file.
+            FormatError: The data is not a complete and valid shadow file.
         """
         if isinstance(path, str) and path.lower().startswith(("http://", "https://")):
             with urlopen(Request(path, headers={"User-Agent": "adumbra"}), timeout=timeout) as answer:
@@ -54,7 +54,7 @@ class ShadowFile:
         """Decode the bytes of a shadow file.
 
         Raises:
-            FormatError: They are not exactly one valid shadow file.
+            FormatError: The bytes are not exactly one valid shadow file.
         """
         return cls(_native.File.from_bytes(bytes(data)))
 
@@ -63,16 +63,16 @@ class ShadowFile:
         return self._native.to_bytes(self.encoding if encoding is None else encoding)
 
     def save(self, path: str | os.PathLike[str], encoding: Stored | None = None) -> int:
-        """Write the file, and return its length in bytes. An earlier file is replaced whole.
+        """Write the file, and return its length in bytes. An earlier file is replaced as a whole.
 
         Args:
             path: The file.
-            encoding: ``"coded"``, which is about a third of the bytes, or ``"raw"``, as it is in memory. Without it, as the file
-                was baked or read.
+            encoding: ``"coded"``, which takes about a third of the bytes, or ``"raw"``, as in memory. By
+                default, the encoding in which the file was baked or read.
 
         Raises:
             OSError: The file cannot be written.
-            ValueError: There is no such way to store it.
+            ValueError: The encoding is unknown.
         """
         return self._native.write(os.fspath(path), self.encoding if encoding is None else encoding)
 
@@ -103,17 +103,21 @@ class ShadowFile:
         """Look up which points see the sun.
 
         Runs on all cores; other Python threads run meanwhile. Contiguous arrays of float32 or float64 are read in place, and
-        must not be changed meanwhile; others are copied first. Points in the order of their places take less time.
+        must not be changed meanwhile; others are copied first. Points that are sorted by position take less
+        time.
 
         Args:
             points: Positions in world space, shape (N, 3), of any real type. Far from the origin, float32 rounds them to whole
                 voxels. A point that is not finite is lit.
-            normals: Unit normals of the surfaces that the points are on, shape (N, 3). They serve the slope bias and the plane
-                that the filter follows. A normal that is not finite is ignored. Leave them out for points in free space.
+            normals: Unit normals of the surfaces that the points are on, shape (N, 3). They determine the
+                slope bias and the plane that the filter follows. A normal that is not finite is ignored.
+                Leave them out for points in free space.
             filter: Texels along the side of the square whose mean is returned: 1, 3, 5, 9 or 17.
-            bias_constant: Distance towards the sun by which points are moved first, 0 to 16 texels. The file's unless given.
-            bias_slope: Such a distance per unit of slope, 0 to 16 texels. The file's unless given.
-            bias_normal: Distance along the normal, 0 to 16 texels. The file's unless given.
+            bias_constant: Distance towards the sun by which points are moved first, 0 to 16 texels. By
+                default, the value of the file.
+            bias_slope: Distance towards the sun per unit of slope, 0 to 16 texels. By default, the value of
+                the file.
+            bias_normal: Distance along the normal, 0 to 16 texels. By default, the value of the file.
 
         Returns:
             Visibilities, shape (N,), float32: 1 sees the sun, 0 does not.
@@ -145,7 +149,7 @@ class ShadowFile:
     ) -> Verification:
         """Compare the file with rays at random points, as ``adumbra verify`` does.
 
-        Other Python threads run meanwhile. Ctrl-C takes effect at the end: 100,000 samples are a matter of seconds.
+        Other Python threads run meanwhile. Ctrl-C takes effect only at the end; 100,000 samples take seconds.
 
         Args:
             scene: The scene that the file was baked from, loaded with the same options.
@@ -165,7 +169,8 @@ class ShadowFile:
             SceneWarning: The scene does not have as many triangles as the file was baked from.
 
         Raises:
-            ValueError: A value is out of range, or ``volume`` is asked of a file that was baked with ground assumed.
+            ValueError: A value is out of range, or ``volume`` is given for a file that was baked with assumed
+                ground.
             OSError: The scene cannot be read.
             FormatError: The scene is broken.
         """
@@ -230,7 +235,7 @@ class ShadowFile:
 
     @property
     def frame(self) -> Literal["light", "oblique"]:
-        """How the grid lies in the world: across the light, or over level ground."""
+        """Orientation of the grid: across the light, or over level ground."""
         return self._native.frame
 
     @property
@@ -254,7 +259,7 @@ class ShadowFile:
 
     @property
     def triangles(self) -> int:
-        """Number of triangles that were baked, with those of every instance."""
+        """Number of triangles that were baked, counting every instance."""
         return self._native.triangles
 
     @property
@@ -277,7 +282,7 @@ class ShadowFile:
 
 
 def _with_bytes(data: bytes) -> ShadowFile:
-    """Make a file of its bytes again, when it is unpickled."""
+    """Rebuild a file from its bytes when it is unpickled."""
     return ShadowFile.from_bytes(data)
 
 

@@ -35,7 +35,7 @@ class SunPath:
         return cls(_native.Path.read(os.fspath(path)))
 
     def save(self, path: str | os.PathLike[str]) -> int:
-        """Write the file, and return its length in bytes. An earlier file is replaced whole."""
+        """Write the file, and return its length in bytes. An earlier file is replaced as a whole."""
         return self._native.write(os.fspath(path))
 
     @property
@@ -134,7 +134,7 @@ def bake_path(
         raise ValueError(f"lowest_sun: {lowest_sun} is out of range; it must be from 0.5 to below 90")
     day = day_of(lat, lon, date, from_, to, tz, step)
     loaded = scene_of(scene, None, dict(loading))
-    # The keys have suns of their own.
+    # Each key has its own sun, so this elevation has no effect.
     options = options_of(loaded, elevation=45.0, resolution=resolution)
     limits = float(path_error), float(lowest_sun)
     return SunPath(_native.Path.bake(loaded._native, day, options, limits, threads_of(threads)))

@@ -22,15 +22,15 @@ class Part(NamedTuple):
     """A part of a plan."""
 
     id: int
-    """Its number. The parts are numbered from the most costly one on."""
+    """Its number. Part 0 is the most costly one."""
     level: int
     """The level of detail that it belongs to; 0 is the finest."""
     cost: int
-    """An estimate of the work, in units that only the parts of one plan share."""
+    """An estimate of the work. Costs can be compared only within one plan."""
 
 
 class BakedPart(NamedTuple):
-    """What became of a part."""
+    """The result of baking a part."""
 
     id: int
     """The part."""
@@ -41,18 +41,19 @@ class BakedPart(NamedTuple):
 
 
 class Plan:
-    """A bake that is planned: its parts can be baked in any order, by any number of processes, and then be linked.
+    """A planned bake. Its parts can be baked in any order, by any number of processes, and are then linked.
 
-    Each part becomes an entry in a folder, the *cache*, which all processes share. Entries are there whole or not at all, so
-    every step can be ended at any moment, and run again: it does what is missing. :meth:`link` makes the file from the entries.
-    It has the bytes of :func:`bake`::
+    Each part becomes an entry in a folder, the *cache*, which all processes share. An entry is complete or
+    absent, so every step can be ended at any moment and run again: it then does only what is missing.
+    :meth:`link` makes the file from the entries. The file has the bytes of :func:`bake`::
 
         plan = adumbra.Plan("city.glb", azimuth=140, elevation=35)
         for share in range(4):
             plan.bake(plan.shard(share, 4), cache="city.cache")
         shadows = plan.link("city.cache", "city.adumbra")
 
-    A plan may be used from any number of threads, and can be pickled. Its file is that of ``adumbra plan``.
+    A plan may be used from any number of threads, and can be pickled. Its file equals that of ``adumbra
+    plan``.
     """
 
     def __init__(
@@ -92,12 +93,12 @@ class Plan:
 
         Raises:
             OSError: The file cannot be read.
-            FormatError: It is no plan, or was changed after it was written.
+            FormatError: The file is not a plan, or was changed after it was written.
         """
         return cls._of(_native.Plan.read(os.fspath(path)))
 
     def write(self, path: str | os.PathLike[str]) -> int:
-        """Write its file, and return the length in bytes. An earlier file is replaced whole.
+        """Write its file, and return the length in bytes. An earlier file is replaced as a whole.
 
         Raises:
             OSError: The file cannot be written.
@@ -144,16 +145,16 @@ class Plan:
         stops the bake, and the parts that are done stay in the cache.
 
         Args:
-            ids: The parts; all of them for ``None``.
-            cache: The folder of the cache. It is created if it is not there.
+            ids: The parts; ``None`` means all.
+            cache: The folder of the cache. It is created if it does not exist.
             scene: The scene that was planned, if it has another path here.
-            max_memory: Largest number of bytes that the bake may hold. What does not fit is kept in temporary files in
-                ``cache``.
+            max_memory: Largest number of bytes that the bake may hold. Data that does not fit is kept in
+                temporary files in ``cache``.
             threads: Number of threads, 1 to 1024. All cores unless it is given.
             progress: As for :func:`bake`.
 
         Returns:
-            What became of each part, in the order of ``ids``.
+            The result of each part, in the order of ``ids``.
 
         Raises:
             IndexError: The plan has no such part.
@@ -174,7 +175,7 @@ class Plan:
         return [BakedPart(*part) for part in done]
 
     def _baker_of(self, scene: str | None, spill: str, limits: tuple[int | None, int | None]) -> _native.Baker:
-        """Return what bakes parts: that of the last call, unless it was for another scene, folder or limit."""
+        """Return the baker of the last call, or a new one if the scene, the folder or a limit differs."""
         wanted = (scene, spill, limits[0])
         with self._lock:
             if self._baker is None or self._baker[0] != wanted:
@@ -196,7 +197,8 @@ class Plan:
 
         Args:
             cache: The folder of the cache.
-            output: The shadow file to write. An earlier file is replaced whole, once the link has succeeded.
+            output: The shadow file to write. An earlier file is replaced as a whole, once the link has
+                succeeded.
             sums: The BLAKE3 of the entries of parts, from :class:`BakedPart`. An entry with other bytes counts as missing.
             max_memory: Largest number of bytes that the link may hold.
             threads: Number of threads, 1 to 1024. All cores unless it is given.
@@ -236,7 +238,7 @@ def planned(
     threads: int | None,
     options: dict[str, Any],
 ) -> _native.Plan:
-    """Plan a bake. An output that could not be written, or is part of the scene, is refused first."""
+    """Plan a bake. First reject an output that cannot be written or is part of the scene."""
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError("scene: a plan needs the path of a file that every process can read")
     loading: Any = {name: options.pop(name) for name in LoadOptions.__annotations__ if name in options}

@@ -1,4 +1,4 @@
-"""Bars of progress."""
+"""Progress bars."""
 
 from __future__ import annotations
 
@@ -8,15 +8,15 @@ from contextlib import contextmanager
 from typing import Union
 
 Report = Callable[[int, int], object]
-"""Called with the number of finished root blocks, or with Dask of parts, and of all."""
+"""Called with the number of finished root blocks (with Dask, of parts) and the total."""
 
 Progress = Union[bool, Report, None]
-"""Whether to show progress, or what to tell it."""
+"""Whether to show progress, or a function to call with it."""
 
 
 @contextmanager
 def reporting(progress: Progress, unit: str = "root block") -> Iterator[Report | None]:
-    """Provide what is told of the progress: a bar of ``tqdm``, the caller's own function, or nothing."""
+    """Provide the function that reports progress: of a ``tqdm`` bar, the caller's function, or ``None``."""
     if callable(progress):
         yield progress
         return

@@ -61,11 +61,11 @@ class Rays:
         Args:
             points: Positions in world space, shape (N, 3), of any real type. A point that is not finite is lit.
             suns: Directions towards the suns, shape (K, 3), or of one sun, shape (3,), of any length. They may point below the
-                horizon. :func:`sun_direction` makes them of angles.
+                horizon. :func:`sun_direction` computes them from angles.
             normals: Unit normals of the surfaces that the points are on, shape (N, 3). Give them for points on surfaces: their
                 rays start ``lift`` above. Rays from points without normals start at the points.
-            lift: Distance along the normals, in world units, finite. A point on a surface that is nearer than that to another
-                surface above it is not shadowed by it.
+            lift: Distance along the normals, in world units, finite. A surface that is nearer than this above
+                a point does not shadow it.
 
         Returns:
             Visibilities, shape (N, K), or (N,) for one sun, float32: 1 sees the sun, 0 does not.
@@ -94,7 +94,7 @@ class Rays:
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Find the nearest surface from each point in one direction.
 
-        Rays down from above the scene find the points of a map, and their normals.
+        Rays straight down from above the scene find the points of a map and their normals.
 
         Args:
             points: Positions in world space, shape (N, 3), of any real type.

@@ -35,7 +35,7 @@ class LoadOptions(TypedDict, total=False):
     allow_outside: bool
     """Also read files outside the scene's folder. Only for scenes that you trust."""
     strict: bool
-    """Refuse a scene that holds anything the loader leaves out."""
+    """Reject a scene if the loader would leave anything out."""
 
 
 class Scene:
@@ -59,7 +59,7 @@ class Scene:
             The scene.
 
         Warns:
-            SceneWarning: Something was left out, or not read as it stands in the file.
+            SceneWarning: Parts of the file were left out or changed.
 
         Raises:
             OSError: A file cannot be read; ``FileNotFoundError`` if there is none.
@@ -114,12 +114,12 @@ class Scene:
 
     @property
     def triangles(self) -> int:
-        """The number of triangles, with those of every instance."""
+        """The number of triangles, counting every instance."""
         return self._native.triangles
 
     @property
     def sun(self) -> tuple[float, float, float]:
-        """The unit vector towards the sun that a bake takes unless another is given.
+        """The unit vector towards the sun that a bake uses by default.
 
         It is that of the scene's first directional light that shines and is above the horizon, or else of (0.5, 0.8, 0.35).
         """
@@ -143,7 +143,7 @@ SceneLike = Union[Scene, str, "os.PathLike[str]", "tuple[ArrayLike, ArrayLike]"]
 
 
 def scene_of(scene: Any, faces: ArrayLike | None, options: dict[str, Any]) -> Scene:
-    """Return a scene, loaded if it is given by its path, made if it is given by its triangles."""
+    """Return a scene: load it from its path, or make it from its triangles."""
     if isinstance(scene, (str, os.PathLike)):
         if faces is not None:
             raise TypeError("faces: they belong to vertices, but the scene is a path")
@@ -162,7 +162,7 @@ def scene_of(scene: Any, faces: ArrayLike | None, options: dict[str, Any]) -> Sc
 
 
 def as_baked(scene: Any, options: dict[str, Any], up: str) -> dict[str, Any]:
-    """Return options of loading with the up axis that a shadow file names, if the scene is a path of a format that has none."""
+    """Return loading options, with a shadow file's up axis if the scene is a path of a format without one."""
     is_open = options.get("up") is None and isinstance(scene, (str, os.PathLike))
     has_none = is_open and not os.fsdecode(scene).lower().endswith((".glb", ".gltf"))
     return {**options, "up": up} if has_none else options

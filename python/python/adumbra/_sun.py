@@ -16,7 +16,7 @@ def sun_direction(azimuth: ArrayLike, elevation: ArrayLike) -> NDArray[np.float6
     Args:
         azimuth: Degrees clockwise from -Z as seen from above, of any shape: 90 is +X. If -Z is north, that is the azimuth of
             almanacs and of libraries such as ``astral`` and ``pvlib``.
-        elevation: Degrees above the horizon, above 0 and at most 90, of a shape that fits.
+        elevation: Degrees above the horizon, above 0 and at most 90, of a compatible shape.
 
     Returns:
         An array of float64 with one more axis of length 3. Two numbers give an array of shape (3,).
@@ -36,7 +36,7 @@ def sun_direction(azimuth: ArrayLike, elevation: ArrayLike) -> NDArray[np.float6
 def choose_sun(
     scene: Scene, sun: ArrayLike | None, azimuth: float | None, elevation: float | None
 ) -> tuple[float, ...]:
-    """Return the direction towards the sun that was given, or else that of the scene."""
+    """Return the given direction towards the sun, or else that of the scene."""
     if sun is not None:
         if azimuth is not None or elevation is not None:
             raise ValueError("sun: give a direction or angles, not both")

@@ -78,7 +78,8 @@ def sun_positions(
 ) -> SunPositions:
     """Return where the sun is at a place.
 
-    NREL's Solar Position Algorithm, to about 0.001 degrees in the centuries around ours. It takes about 5 microseconds per time.
+    NREL's Solar Position Algorithm, to about 0.001 degrees in the centuries around the present. It takes
+    about 5 microseconds per time.
 
     Args:
         lat: Latitude in degrees, -90 to 90, positive in the north.
@@ -90,7 +91,7 @@ def sun_positions(
 
     Raises:
         ValueError: A value is out of range, a time is missing, or the years are not within 1 to 2999.
-        TypeError: The times are none.
+        TypeError: The values are not times.
     """
     place = (float(lat), float(lon), float(height))
     return SunPositions(*_native.sun_positions(place, seconds_of(times), bool(refraction)))
@@ -123,13 +124,13 @@ def sun_hours(
     Args:
         scene: The path of a scene, a :class:`Scene`, or vertices and faces. North is -Z, and east is +X.
         points: Positions in world space, shape (N, 3), of any real type.
-        normals: Unit normals of the surfaces that the points are on, shape (N, 3): such a point is dark from behind. Without
-            them, points are in space.
+        normals: Unit normals of the surfaces that the points are on, shape (N, 3): a point is dark if the sun
+            is behind its surface. Without normals, points are in space.
         lat: Latitude in degrees, -90 to 90, positive in the north.
         lon: Longitude in degrees, -180 to 180, positive in the east.
         date: The day on which the span begins: ``"2026-06-21"`` or a ``datetime.date``.
         from_: Start by the local clock, such as ``7`` or ``"07:30"``.
-        to: End by the local clock; 24 is the end of the day, and one before the start is on the next day.
+        to: End by the local clock; 24 is the end of the day. An end before the start is on the next day.
         tz: The clock's zone: an IANA name, or an offset such as ``"+01:00"``. Without it, the whole hour nearest to the
             longitude.
         step: Seconds between suns, 1 to 86,400.

@@ -51,7 +51,7 @@ class Verification:
     interior_agreement: float
     """Agreement of points whose neighbours all agree with them."""
     interior_share: float
-    """Share of the samples that are such points."""
+    """Share of the samples that are interior points."""
     acne: float
     """Share of the samples whose answer is darker than the rays' by more than half."""
     leak: float
@@ -59,7 +59,7 @@ class Verification:
     classes: tuple[ClassResult, ...]
     """The results of all classes."""
     checked: bool
-    """Whether there are enough points to judge the file."""
+    """Whether there are enough points to check the file."""
     holds: bool
     """Whether the file is checked, and every class keeps its promises."""
 

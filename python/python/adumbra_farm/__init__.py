@@ -1,6 +1,6 @@
 """Bakes on many processes or machines, with Dask.
 
-Dask distributes the tasks, repeats those that are lost, and knows which workers there are. What is here plans a bake, groups its
+Dask distributes the tasks, repeats lost ones, and tracks the workers. This package plans a bake, groups its
 parts into tasks, and links the file at the end::
 
     import adumbra_farm

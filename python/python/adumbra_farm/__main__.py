@@ -23,7 +23,7 @@ from distributed.comm.core import CommClosedError
 from ._farm import bake_plan, cluster_of, plan_of
 
 FINE, USAGE, BAD_INPUT, OUT_OF_ROOM, TRY_AGAIN, INTERRUPTED = 0, 2, 3, 4, 75, 130
-"""Exit codes, as those of the program ``adumbra``."""
+"""Exit codes, the same as those of the program ``adumbra``."""
 
 _NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.ENOMEM}
 _AWAY = {errno.ESTALE, errno.EBUSY, errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ENETDOWN}
@@ -41,7 +41,7 @@ def code_of(error: BaseException) -> int:
     if isinstance(error, OSError):
         if error.errno in _NO_ROOM:
             return OUT_OF_ROOM
-        # Dask has no number for a scheduler that does not answer.
+        # Dask sets no errno if the scheduler does not answer.
         return TRY_AGAIN if error.errno is None or error.errno in _AWAY else BAD_INPUT
     if isinstance(error, adumbra.AdumbraError):
         return BAD_INPUT
@@ -86,7 +86,7 @@ def _add_run(verb: argparse.ArgumentParser) -> None:
 
 
 def _assume_ground(text: str) -> bool | None:
-    """Return what ``auto``, ``yes`` or ``no`` stands for."""
+    """Return the value of ``auto``, ``yes`` or ``no``."""
     known = {"auto": None, "yes": True, "no": False}
     if text not in known:
         raise argparse.ArgumentTypeError(f"{text!r} must be auto, yes or no")
@@ -120,7 +120,7 @@ def _add_options(verb: argparse.ArgumentParser) -> None:
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return what reads the command line."""
+    """Return the parser of the command line."""
     reader = argparse.ArgumentParser(
         prog="adumbra-farm",
         allow_abbrev=False,
@@ -193,7 +193,7 @@ def _warn(
     file: TextIO | None = None,
     line: str | None = None,
 ) -> None:
-    """Print a warning as the program ``adumbra`` does, without the line of the sources that it came from."""
+    """Print a warning as the program ``adumbra`` does, without a source line."""
     print(f"warning: {message}", file=sys.stderr)
 
 

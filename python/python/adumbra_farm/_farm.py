@@ -24,26 +24,26 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 TASKS_PER_THREAD = 8
-"""More even out the workers' loads, and fewer cost less."""
+"""More tasks balance the workers' loads better; fewer tasks cost less."""
 
 RETRIES = 2
-"""How often Dask repeats a task that has failed. It repeats tasks of workers that are lost by itself."""
+"""How often Dask repeats a failed task. Dask repeats the tasks of lost workers in any case."""
 
 WORKER_SECONDS = 60
 """How long a bake waits for a cluster's first worker."""
 
 LOCAL_WORKERS = 4
-"""Worker processes on this machine, if nothing else is said and it has as many cores."""
+"""Default number of worker processes on this machine, if it has as many cores."""
 
 
 @dataclass(frozen=True)
 class Farmed:
-    """What became of a bake."""
+    """The result of a bake."""
 
     shadows: adumbra.ShadowFile
     """The file."""
     parts: tuple[adumbra.BakedPart, ...]
-    """What became of each part, in the order in which tasks ended."""
+    """The result of each part, in the order in which tasks ended."""
     tasks: int
     """Number of tasks."""
     workers: int
@@ -67,19 +67,21 @@ def bake(
 ) -> adumbra.ShadowFile:
     """Bake the sun's shadows of a scene on many processes.
 
-    The file has the bytes of :func:`adumbra.bake`. Whatever ends, the parts that are done stay in the cache: the same call again
-    bakes what is missing.
+    The file has the bytes of :func:`adumbra.bake`. If a process ends early, finished parts stay in the cache,
+    and the same call bakes only what is missing.
 
     Args:
         scene: The path of a scene.
-        output: The shadow file to write. An earlier file is replaced whole, once all has succeeded.
-        client: A client of the cluster to bake on. Without it, worker processes of this machine, which end with the bake.
+        output: The shadow file to write. An earlier file is replaced as a whole, once the bake has succeeded.
+        client: A client of the cluster to bake on. By default, worker processes on this machine that end with
+            the bake.
         workers: Number of these processes: 4 unless it is given, or as many as there are cores.
-        cache: Folder for what the parts become, which all machines share. By default that of ``output`` with the ending
-            ``.cache``. It is created if it is not there, and stays.
+        cache: Folder for the entries of the parts, which all machines share. By default, the path of
+            ``output`` with the extension ``.cache``. It is created if it does not exist, and is kept.
         threads: Number of threads of each of these processes; by default the cores are divided among them.
         progress: As for :func:`adumbra.bake`, but in parts.
-        **options: The options of :func:`adumbra.bake` and of the loader. ``max_memory`` holds for each process.
+        **options: The options of :func:`adumbra.bake` and of the loader. ``max_memory`` applies to each
+            process.
 
     Returns:
         The shadow file, in memory.
@@ -96,13 +98,13 @@ def bake(
 
 
 def plan_of(scene: str | os.PathLike[str], output: str | os.PathLike[str], options: dict[str, Any]) -> adumbra.Plan:
-    """Plan a bake, unless its output cannot be written."""
+    """Plan a bake. Raise an error if its output cannot be written."""
     return adumbra.Plan._of(planned(scene, output, None, options))
 
 
 @contextmanager
 def cluster_of(client: Client | None, workers: int | None, threads: int | None) -> Iterator[Client]:
-    """Provide the client that was given, or that of worker processes which end with it."""
+    """Provide the given client, or the client of new worker processes that end with it."""
     if client is not None:
         if workers is not None or threads is not None:
             raise TypeError("workers, threads: the client's cluster has its own; give them or a client")
@@ -116,7 +118,7 @@ def cluster_of(client: Client | None, workers: int | None, threads: int | None) 
             n_workers=count,
             threads_per_worker=each,
             processes=True,
-            # The bake has a limit of its own.
+            # The bake has its own memory limit.
             memory_limit=None,
             dashboard_address="127.0.0.1:0",
             preload=bake_parts.__module__,
@@ -147,7 +149,7 @@ def bake_plan(
         progress: As for :func:`adumbra.bake`, but in parts.
 
     Returns:
-        The file, and what became of each part.
+        The file, and the result of each part.
 
     Raises:
         The errors of :meth:`adumbra.Plan.bake` and :meth:`adumbra.Plan.link`, and ``distributed.KilledWorker`` if a task was lost
@@ -188,7 +190,7 @@ def groups_of(plan: adumbra.Plan, count: int) -> list[tuple[int, ...]]:
 def _baked(
     client: Client, groups: Sequence[tuple[int, ...]], settings: Settings, progress: Progress
 ) -> list[adumbra.BakedPart]:
-    """Have all tasks done. Whatever ends this early, those that have not ended are cancelled."""
+    """Run all tasks. If this ends early for any reason, cancel the unfinished ones."""
     name = f"adumbra-{settings.digest[:8]}-{uuid4().hex[:8]}"
     keys = [f"{name}-{number}" for number in range(len(groups))]
     futures = client.map(bake_parts, groups, settings=settings, key=keys, retries=RETRIES, pure=False)

@@ -1,4 +1,4 @@
-"""What a worker runs: parts of a plan, which it reads from the cache folder."""
+"""The tasks of a worker: they bake parts of a plan, which is read from the cache folder."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ import adumbra
 from distributed import Worker, get_worker
 
 KEPT = 2
-"""Plans that a worker process keeps, each with its scene."""
+"""Number of plans that a worker process keeps, each with its scene."""
 
 _lock = threading.Lock()
 _plans: OrderedDict[str, adumbra.Plan] = OrderedDict()
 
 
 class Settings(NamedTuple):
-    """What all tasks of a bake share."""
+    """The settings that all tasks of a bake share."""
 
     cache: str
-    """The folder of the cache, which has the plan too."""
+    """The folder of the cache, which also holds the plan."""
     digest: str
-    """That of the plan."""
+    """The digest of the plan."""
     threads: int
     """Number of threads of a task."""
     max_memory: int | None
@@ -34,17 +34,17 @@ class Settings(NamedTuple):
 
 
 def dask_setup(_worker: Worker) -> None:
-    """Leave Ctrl-C to the process that has started this worker. Dask calls this in worker processes of a bake's own."""
+    """Ignore Ctrl-C, which the parent process handles. Dask calls this in workers that a bake starts."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def plan_path(cache: str, digest: str) -> Path:
-    """Return where the plan is in the cache folder."""
+    """Return the path of the plan in the cache folder."""
     return Path(cache) / f"{digest}.plan.json"
 
 
 def bake_parts(ids: tuple[int, ...], settings: Settings) -> list[adumbra.BakedPart] | Exception:
-    """Bake parts. An error that every try would meet again is returned, so that Dask does not try again."""
+    """Bake parts. Return an error that every attempt would repeat, so that Dask does not retry."""
     try:
         plan = _plan(settings)
         try:
@@ -60,14 +60,14 @@ def bake_parts(ids: tuple[int, ...], settings: Settings) -> list[adumbra.BakedPa
         except adumbra.AdumbraError as error:
             raise type(error)(f"{plan.scene}, as {_here()} has it: {error}") from None
     except (OSError, adumbra.AdumbraError, ValueError) as error:
-        # A network or a disk may be back at the next try, but a file that is not there stays away.
+        # A network or a disk may work again at the next attempt, but a missing file stays missing.
         if isinstance(error, OSError) and not isinstance(error, (FileNotFoundError, PermissionError)):
             raise
         return error
 
 
 def _plan(settings: Settings) -> adumbra.Plan:
-    """Return the plan, with what earlier tasks have prepared."""
+    """Return the plan, with the scene that earlier tasks have prepared."""
     with _lock:
         if settings.digest in _plans:
             _plans.move_to_end(settings.digest)
@@ -85,7 +85,7 @@ def _plan(settings: Settings) -> adumbra.Plan:
 
 
 def _stop_if_cancelled() -> Any:
-    """Return what stops the task within a root block, once its result is not wanted any more."""
+    """Return a report function that stops the task within a root block once its result is not needed."""
     try:
         worker = get_worker()
     except ValueError:
@@ -101,7 +101,7 @@ def _stop_if_cancelled() -> Any:
 
 
 def _named(error: OSError) -> OSError:
-    """Return an error that says on which machine it was."""
+    """Return an error that names the machine on which it occurred."""
     hint = "; every machine needs the scene under this path" if isinstance(error, FileNotFoundError) else ""
     return type(error)(error.errno, f"{_here()} {error.strerror}{hint}", error.filename)
 

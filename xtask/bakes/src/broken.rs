@@ -1,4 +1,5 @@
-//! Broken files: each is a valid one with one fault and corrected checksums, and the error that it must cause.
+//! Broken files: each is a valid one with one fault and corrected checksums, and the error that it must
+//! cause.
 
 use std::fs;
 use std::io;
@@ -35,7 +36,8 @@ pub(crate) fn write(all: &[Broken], folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// A file that is being broken. Its header has `HEADER` bytes, and its table of three sections starts at byte `TABLE`.
+/// A file that is being broken. Its header has `HEADER` bytes, and its table of three sections starts at byte
+/// `TABLE`.
 #[derive(Clone)]
 pub(crate) struct Bytes<const TABLE: usize, const HEADER: usize>(pub(crate) Vec<u8>);
 

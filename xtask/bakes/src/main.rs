@@ -1,5 +1,5 @@
-//! The development tasks that bake: `vectors` and `count [--bless]`. `cargo xtask` runs them. They are a program of their
-//! own, so that `cargo xtask test` does not have to build what bakes before it begins.
+//! The development tasks that bake: `vectors` and `count [--bless]`. `cargo xtask` runs them. They are in a
+//! separate program, so that `cargo xtask test` need not build the crates that bake before it begins.
 
 mod broken;
 #[allow(

@@ -1,5 +1,5 @@
-//! The test vectors of the tree file. Valid ones are made from functions voxel -> lit, and their answers come from
-//! these functions, not from the tree. Broken ones have one fault each.
+//! The test vectors of the tree file. Valid ones are made from functions voxel -> lit, and their answers come
+//! from these functions, not from the tree. Broken ones have one fault each.
 
 use std::collections::HashMap;
 use std::error::Error;
@@ -17,8 +17,8 @@ use serde_json::{Map, Value, json};
 use crate::broken::{self, Broken};
 use crate::voxels::{Scatter, noise, point_in};
 
-/// Whether a cube, given by its lowest voxel and its level, is all lit or all shadowed; `None` if it is mixed. A single
-/// voxel is never mixed.
+/// Whether a cube, given by its lowest voxel and its level, is all lit or all shadowed; `None` if it is
+/// mixed. A single voxel is never mixed.
 type Cubes = dyn Fn([u32; 3], u32) -> Option<bool>;
 
 /// Writes all vectors below `folder`.
@@ -36,7 +36,8 @@ pub(crate) fn run(folder: &Path) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Writes the vectors without an attribute again, with a symmetric body of both kinds. Their answers are the same.
+/// Writes the vectors without an attribute again, with a symmetric body of both kinds. Their answers are the
+/// same.
 fn write_symmetric(vectors: &[Vector], folder: &Path) -> Result<(), Box<dyn Error>> {
     fs::create_dir_all(folder)?;
     for vector in vectors.iter().filter(|v| v.file.attribute_kind.is_none()) {
@@ -92,8 +93,8 @@ impl Vector {
         Ok(Self { name, what, file, cubes: Box::new(cubes), leaf_voxels, shown: Vec::new() })
     }
 
-    /// Returns the attribute's byte for a voxel, or null if it is not in a leaf of eight. `None` if there is no
-    /// attribute.
+    /// Returns the attribute's byte for a voxel, or null if it is not in a leaf of eight. `None` if there is
+    /// no attribute.
     fn attribute(&self, voxel: [u32; 3]) -> Option<Value> {
         self.file.attribute_kind?;
         let holds = |(at, level): &([u32; 3], u32)| (0..3).all(|a| voxel[a] >> level == at[a] >> level);
@@ -107,7 +108,7 @@ impl Vector {
         let mut rows = Vec::new();
         let mut add = |what: &str, at: [f64; 3], visibility: bool, attribute: Option<Value>| {
             let world = self.file.space.to_world(at);
-            // In alphabetical order, whether or not serde_json keeps it.
+            // List the keys alphabetically, whether or not serde_json preserves the order.
             let mut row = Map::new();
             row.extend(attribute.map(|value| ("attribute".to_owned(), value)));
             row.insert("visibility".to_owned(), u8::from(visibility).into());
@@ -147,7 +148,8 @@ fn voxels(lit: impl Fn(u32, u32, u32) -> bool) -> impl Fn([u32; 3], u32) -> Opti
     move |[x, y, z], level| (level == 0).then(|| lit(x, y, z))
 }
 
-/// Returns a function that is lit outside a ball in the middle of `side` voxels and its shadow straight below.
+/// Returns a function that is lit outside a ball in the middle of `side` voxels and its shadow straight
+/// below.
 fn ball(side: u32) -> impl Fn(u32, u32, u32) -> bool {
     move |x, y, z| {
         let [dx, dy, dz] = [x, y, z].map(|c| f64::from(c) - 0.5 * f64::from(side - 1));

@@ -1,4 +1,4 @@
-//! What the test vectors of all kinds of file share: a function of voxels without any pattern, and the voxels whose
+//! Code shared by the test vectors of all kinds of file: a noise function of voxels, and the voxels whose
 //! answers are given.
 
 /// Whether a voxel of the noise is lit.
@@ -23,7 +23,8 @@ impl Scatter {
     }
 }
 
-/// Returns a point in a voxel, far from every voxel's boundary whatever the rounding: a quarter off the centre.
+/// Returns a point in a voxel, at least a quarter of a voxel from its boundary, so that rounding does not
+/// matter.
 pub(crate) fn point_in([x, y, z]: [u32; 3]) -> [f64; 3] {
     [f64::from(x) + 0.25, f64::from(y) + 0.5, f64::from(z) + 0.75]
 }

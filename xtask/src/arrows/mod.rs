@@ -1,10 +1,10 @@
 //! Data flows one way: there is no cycle between the modules of a crate, and no crate depends on a later one.
 //!
-//! In Rust an arrow is any path in production code that leads from one module into another: in `use` declarations, types,
-//! expressions and the arguments of macros, through `crate`, `super` and re-exports of a parent. In TypeScript it is an
-//! import of another file, and folders are modules. Siblings are compared at every level of the module tree. A parent and
-//! its children may use each other: that is how a module is divided into files, not a cycle. Tests (`#[cfg(test)]`) are
-//! not production code.
+//! In Rust an arrow is any path in production code that leads from one module into another: in `use`
+//! declarations, types, expressions and the arguments of macros, through `crate`, `super` and re-exports of a
+//! parent. In TypeScript it is an import of another file, and folders are modules. Siblings are compared at
+//! every level of the module tree. A parent and its children may use each other: that is how a module is
+//! divided into files, not a cycle. Tests (`#[cfg(test)]`) are not production code.
 
 mod rust;
 mod typescript;
@@ -97,7 +97,8 @@ pub(crate) fn circles(root: &Path) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
-/// Returns every dependency on a later crate of [`ORDER`], and every crate that is missing from it, one line each.
+/// Returns every dependency on a later crate of [`ORDER`], and every crate that is missing from it, one line
+/// each.
 ///
 /// # Errors
 /// Returns a message if the folder of the crates cannot be read.
@@ -126,7 +127,8 @@ pub(crate) fn back_arrows(root: &Path) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
-/// Returns the cycles in a graph of siblings: the shortest path from each module back to itself, each cycle once.
+/// Returns the cycles in a graph of siblings: the shortest path from each module back to itself, each cycle
+/// once.
 fn circles_among(parent: &ModulePath, siblings: &BTreeMap<String, BTreeSet<String>>) -> Vec<String> {
     let mut found = BTreeSet::new();
     for start in siblings.keys() {
@@ -168,18 +170,18 @@ mod tests {
     }
 
     #[test]
-    fn arrows_between_modules_make_no_circle() {
+    fn modules_have_no_cyclic_dependencies() {
         let found = circles(root()).unwrap();
         assert!(found.is_empty(), "cycles between modules:\n{}", found.join("\n"));
     }
 
     #[test]
-    fn arrows_between_crates_point_to_earlier_ones() {
+    fn crates_depend_only_on_earlier_crates() {
         let found = back_arrows(root()).unwrap();
         assert!(found.is_empty(), "{}", found.join("\n"));
     }
 
-    /// Everything that a crate depends on, through others too.
+    /// Returns the direct and indirect dependencies of a crate.
     fn reached(arrows: &BTreeMap<String, BTreeSet<String>>, from: &str) -> BTreeSet<String> {
         let mut found = BTreeSet::new();
         let mut open = vec![from.to_owned()];
@@ -194,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn arrows_in_the_architecture_are_those_of_the_manifests() {
+    fn dependencies_in_architecture_match_manifests() {
         let own = |name: &str| ORDER.contains(&name);
         let mut stated = BTreeMap::new();
         for line in fs::read_to_string(root().join("ARCHITECTURE.md")).unwrap().lines() {
@@ -238,7 +240,7 @@ mod tests {
     }
 
     #[test]
-    fn arrows_of_a_deliberate_circle_are_found() {
+    fn finds_cycles_between_modules() {
         let two = modules(&[
             ("lib.rs", "mod a;\npub mod b;"),
             ("a.rs", "use crate::b::B;\npub struct A;"),
@@ -261,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn arrows_in_macros_and_inline_modules_count() {
+    fn finds_cycles_through_macros_and_inline_modules() {
         let found = modules(&[
             ("lib.rs", "mod a;\nmod b { pub fn f() -> u8 { crate::a::ONE } }"),
             ("a.rs", "pub const ONE: u8 = 1;\nfn g() { println!(\"{}\", [crate::b::f()].len()) }"),
@@ -270,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn arrows_between_folders_and_files_of_typescript_are_found() {
+    fn finds_cycles_between_typescript_files_and_folders() {
         let folder = tempfile::tempdir().unwrap();
         for (name, text) in [
             ("a.ts", "import { b } from \"./b.js\";"),

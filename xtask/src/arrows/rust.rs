@@ -102,7 +102,7 @@ impl Names<'_> {
         }
     }
 
-    /// Finds paths in the arguments of a macro, which are no syntax tree.
+    /// Finds paths in the arguments of a macro, which are tokens without a syntax tree.
     fn tokens(&mut self, tokens: TokenStream) {
         let mut path: Vec<String> = Vec::new();
         let mut colons = 0;
@@ -154,7 +154,7 @@ impl<'ast> Visit<'ast> for Names<'_> {
     }
 }
 
-/// Whether these are the attributes of what exists in tests alone.
+/// Whether these attributes mark an item as test-only.
 fn is_test(attributes: &[Attribute]) -> bool {
     let names_test = |list: &syn::MetaList| {
         let text = list.tokens.to_string();

@@ -5,8 +5,8 @@ use std::path::{Component, Path};
 
 use super::{Arrows, ModulePath};
 
-/// Adds the imports of the files in a folder of TypeScript, which is the module `path`. Its `index.ts` is the folder's
-/// own.
+/// Adds the imports of the files in a folder of TypeScript, which is the module `path`. Its `index.ts`
+/// belongs to the module of the folder itself.
 pub(super) fn add_imports(folder: &Path, path: &ModulePath, arrows: &mut Arrows) -> Result<(), String> {
     let entries = fs::read_dir(folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
     for entry in entries.filter_map(Result::ok) {

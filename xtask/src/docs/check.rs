@@ -1,4 +1,4 @@
-//! Checks of a block's commands, as the comment after the block asks for them.
+//! Checks of a block's commands, as specified in the comment after the block.
 //!
 //! `<!-- check: CLAUSE; CLAUSE; … -->`, where a clause is one of
 //!
@@ -18,8 +18,8 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
-/// Largest mean difference, of 255, of two pictures that are alike. It allows for another adapter, or another number of
-/// milliseconds on a sheet.
+/// Largest mean difference, of 255, of two pictures that are alike. It allows for another adapter, or another
+/// number of milliseconds on a sheet.
 const ALIKE: f64 = 3.0;
 
 /// The checks of a block.
@@ -69,7 +69,7 @@ impl Check {
         Ok(check)
     }
 
-    /// Returns everything that does not hold in `folder` after the commands have run.
+    /// Returns every expectation that fails in `folder` after the commands have run.
     pub(crate) fn faults(&self, folder: &Path, printed: &Printed) -> Vec<String> {
         self.expected.iter().filter_map(|e| e.hold(folder, printed).err()).collect()
     }
@@ -183,8 +183,8 @@ pub(crate) fn write_picture(path: &Path, [width, height]: [u32; 2], rgb: &[u8]) 
     encoder.write_header().unwrap().write_image_data(rgb).unwrap();
 }
 
-/// Returns the lines of a `text` block that the commands did not print. Every run of digits, points, hyphens and spaces
-/// matches any other, because times and sizes differ.
+/// Returns the lines of a `text` block that the commands did not print. Every run of digits, points, hyphens
+/// and spaces matches any other, because times and sizes differ.
 pub(crate) fn not_printed(shown: &[String], stdout: &str) -> Vec<String> {
     let printed: Vec<String> = stdout.lines().map(without_numbers).collect();
     let missing = |line: &&String| !line.trim().is_empty() && !printed.contains(&without_numbers(line));
@@ -209,7 +209,8 @@ fn without_numbers(line: &str) -> String {
     text.trim().to_owned()
 }
 
-/// Splits the text into clauses, and each clause into words. Quotes hold a word together, with \" and \\ inside.
+/// Splits the text into clauses, and each clause into words. Quotes hold a word together, with \" and \\
+/// inside.
 fn clauses(text: &str) -> Result<Vec<Vec<String>>, String> {
     let (mut all, mut words, mut word) = (Vec::new(), Vec::new(), None::<String>);
     let mut characters = text.chars();
@@ -265,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn check_finds_what_does_not_hold() {
+    fn check_reports_clauses_that_fail() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("five"), "five!").unwrap();
@@ -291,7 +292,7 @@ mod tests {
     }
 
     #[test]
-    fn check_of_what_is_shown_lets_numbers_differ() {
+    fn shown_output_matches_with_other_numbers() {
         let shown = ["a   12.5 s of 3".to_owned(), String::new(), "b ok".to_owned()];
         assert!(not_printed(&shown, "x\na 1 s of 44\nb ok\n").is_empty());
         assert_eq!(not_printed(&shown, "a 1 ms of 44\nb ok\n").len(), 1);

@@ -3,7 +3,7 @@
 use std::io::{self, BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
-/// An X server, which ends when this is dropped.
+/// An X server. Dropping the value ends the server.
 pub(crate) struct Display {
     server: Child,
     name: String,
@@ -15,7 +15,8 @@ impl Display {
         if !cfg!(target_os = "linux") {
             return Ok(None);
         }
-        // Without -noreset the server resets after each window closes, and drops a client that connects at that moment.
+        // Without -noreset the server resets after each window closes, and drops a client that connects at
+        // that moment.
         let mut server = Command::new("Xvfb")
             .args(["-displayfd", "1", "-noreset", "-screen", "0", "1920x1200x24", "-nolisten", "tcp"])
             .stdout(Stdio::piped())
@@ -62,7 +63,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn display_has_a_number() {
+    fn display_name_comes_from_server_output() {
         assert_eq!(name("99\n"), Some(":99".to_owned()));
         assert_eq!([name(""), name("\n"), name(":1")], [None, None, None]);
     }

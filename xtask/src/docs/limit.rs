@@ -13,8 +13,8 @@ use signal_hook::flag;
 
 const POLL: Duration = Duration::from_millis(10);
 
-/// Whether this program was interrupted. A terminal does not signal the commands that it runs, because they are in
-/// process groups of their own.
+/// Whether this program was interrupted. A terminal does not signal the commands that the program runs,
+/// because each is in a separate process group.
 pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 /// The time until which commands may run.
@@ -45,10 +45,11 @@ impl Interrupt {
 }
 
 impl Limit {
-    /// Runs a command without input. If it is not done in time, kills it with everything that it started and returns an
-    /// error.
+    /// Runs a command without input. If it is not done in time, kills it with everything that it started and
+    /// returns an error.
     pub(crate) fn output(&self, command: &mut Command) -> io::Result<Output> {
-        // Files instead of pipes: they need no reader meanwhile, and no wait for other processes that hold them open.
+        // Use files instead of pipes: a file needs no reader while the command runs, and no wait for other
+        // processes that hold it open.
         let [mut stdout, mut stderr] = [tempfile::tempfile()?, tempfile::tempfile()?];
         command.stdin(Stdio::null()).stdout(stdout.try_clone()?).stderr(stderr.try_clone()?);
         #[cfg(unix)]
@@ -120,7 +121,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn limit_gives_what_a_command_prints() {
+    fn limit_returns_output_and_exit_code() {
         let output = limit(Duration::from_secs(60)).output(&mut shell("echo a; echo b >&2; exit 3")).unwrap();
         assert_eq!(
             (output.status.code(), output.stdout, output.stderr),
@@ -130,7 +131,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn limit_kills_a_command_and_what_it_started() {
+    fn limit_kills_command_and_its_children() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("late");
         let line = format!("(sleep 2; echo late > '{}') & wait", file.display());
@@ -143,7 +144,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn limit_ends_with_an_interrupt() {
+    fn limit_ends_command_on_interrupt() {
         let interrupt = Interrupt(Arc::new(AtomicBool::new(true)));
         let error = interrupt.after(Duration::from_secs(600)).output(&mut shell("sleep 600")).unwrap_err();
         assert_eq!(error.kind(), io::ErrorKind::Interrupted);

@@ -1,5 +1,5 @@
-//! Links and pictures of the documents: every link has a target, and no picture is of a single colour or too large to
-//! load.
+//! Links and pictures of the documents: every link has a target, and no picture is of a single colour or too
+//! large to load.
 
 use std::collections::HashMap;
 use std::fs;
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn links_that_go_nowhere_are_found() {
+    fn broken_links_and_pictures_are_found() {
         let root = tempfile::tempdir().unwrap();
         fs::create_dir(root.path().join("docs")).unwrap();
         fs::write(root.path().join("a.md"), "# One two").unwrap();

@@ -1,5 +1,5 @@
-//! Parser of the parts of Markdown that the documents use: blocks of commands with their checks, code spans, links,
-//! headings.
+//! Parser of the parts of Markdown that the documents use: blocks of commands with their checks, code spans,
+//! links, headings.
 
 /// The contents of a document.
 #[derive(Debug, Default)]
@@ -59,7 +59,8 @@ impl MarkdownFile {
         document
     }
 
-    /// Reads the comment and the `text` block that follow a block ending before line `at`. Returns the line after them.
+    /// Reads the comment and the `text` block that follow a block ending before line `at`. Returns the line
+    /// after them.
     fn checked(&mut self, block: &mut Block, lines: &[&str], at: usize) -> usize {
         let Some(first) = lines.get(at).and_then(|l| l.trim().strip_prefix("<!-- check:")) else { return at };
         let (mut check, mut next) = (first.to_owned(), at + 1);
@@ -134,8 +135,8 @@ fn commands(lines: &[&str]) -> Vec<String> {
     all
 }
 
-/// Makes the anchor of a heading as code hosts do: lower case, spaces become hyphens, and only letters, digits, hyphens
-/// and underscores remain.
+/// Makes the anchor of a heading as code hosts do: lower case, spaces become hyphens, and only letters,
+/// digits, hyphens and underscores remain.
 fn anchor(heading: &str) -> String {
     let kept = heading.trim().chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.map(|c| if c == ' ' { '-' } else { c }).collect::<String>().to_lowercase()
@@ -150,7 +151,7 @@ mod tests {
         ```rust\n[no](link)\n```\n## B\n## B\n```sh\nthird\n```\n";
 
     #[test]
-    fn markdown_blocks_have_their_checks_and_what_they_show() {
+    fn markdown_blocks_include_checks_and_shown_output() {
         let document = MarkdownFile::read(TEXT);
         let [first, second] = &document.blocks[..] else { panic!("{document:?}") };
         assert_eq!(first.line, 5);
@@ -161,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn markdown_links_are_those_outside_of_code() {
+    fn markdown_links_in_code_are_ignored() {
         let document = MarkdownFile::read(TEXT);
         let links: Vec<(&str, bool)> =
             document.links.iter().map(|l| (l.target.as_str(), l.picture)).collect();
@@ -171,14 +172,14 @@ mod tests {
     }
 
     #[test]
-    fn markdown_anchors_are_a_code_hosts() {
+    fn markdown_anchors_match_code_hosts() {
         assert_eq!(MarkdownFile::read(TEXT).anchors, ["a-title-with-code", "b", "b-1"]);
         assert_eq!(anchor(" The paper's tree, section by section"), "the-papers-tree-section-by-section");
         assert_eq!(anchor("What `a_b` is (2)"), "what-a_b-is-2");
     }
 
     #[test]
-    fn markdown_that_is_not_closed_is_read_to_its_end() {
+    fn unclosed_markdown_is_read_to_end() {
         let document = MarkdownFile::read("a ` b [c](d)\n```sh\nx \\\n");
         assert_eq!((document.links.len(), document.spans.len()), (1, 0));
         assert_eq!(document.blocks[0].commands, ["x"]);

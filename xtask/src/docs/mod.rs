@@ -1,9 +1,10 @@
 //! `cargo xtask docs`: runs the commands of the documents and checks what the documents say about them.
 //!
-//! The `sh` blocks of the README, of `docs/` and of `docs/guides/` run in order in a copy of the repository, one copy
-//! per document. The comment after each block says how it is checked ([`check`]). A block without such a comment is an
-//! error, and so is one that takes longer than its [`Depth`] allows. The task also follows every link, looks up every verb
-//! and option that the text names in its program's help, and runs the examples.
+//! The `sh` blocks of the README, of `docs/` and of `docs/guides/` run in order in a copy of the repository,
+//! one copy per document. The comment after each block states its checks ([`check`]). A block without such a
+//! comment is an error, and so is a block that takes longer than its [`Depth`] allows. The task also follows
+//! every link, looks up every verb and option that the text names in its program's help, and runs the
+//! examples.
 
 mod check;
 mod display;
@@ -28,7 +29,7 @@ use crate::steps::{Cargo, PROFILE, target_folder};
 
 /// Folders whose documents are read.
 const FOLDERS: [&str; 6] = ["", "docs", "docs/guides", "docs/bench", "spec", "fuzz"];
-/// Folders whose documents' commands are run. Those of the fuzzer need another compiler.
+/// Folders whose documents' commands are run. The commands of the fuzzer need another compiler.
 const RUN: [&str; 3] = ["", "docs", "docs/guides"];
 /// Examples that are run in addition to the documents.
 const EXAMPLES: [&str; 3] = ["bake_and_query", "engine", "compare_two"];
@@ -40,18 +41,18 @@ const RUN_LABORATORY: &str = "cargo run --release -p adumbra-lab -- ";
 /// Option of both programs that ends them once their arguments are parsed.
 const PARSE_ONLY: &str = "--check-arguments";
 
-/// The document that is run however little is.
+/// The document whose commands are run at every [`Depth`].
 const README: &str = "README.md";
 
 /// How much of the documents is run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Depth {
-    /// Every command as it stands, in 20 minutes a block.
+    /// Every command unchanged, with 20 minutes per block.
     Full,
-    /// What is already built, with smaller numbers where a check gives them; of blocks marked `long` only the arguments are
-    /// parsed. 5 minutes a block.
+    /// Existing builds, with smaller numbers where a check gives them. For blocks marked `long`, only the
+    /// arguments are parsed. 5 minutes per block.
     Quick,
-    /// As `Quick`, but of all documents but the README only the arguments are parsed.
+    /// Like `Quick`, but for all documents except the README, only the arguments are parsed.
     Parse,
 }
 
@@ -124,11 +125,11 @@ fn read(root: &Path, named: &[&str]) -> Result<HashMap<PathBuf, MarkdownFile>, B
     paths.into_iter().map(document).collect()
 }
 
-/// Arguments of cargo that build the programs, the examples and all tests. To build the programs alone would build most of the
-/// workspace once more, without the features that only tests ask for.
+/// Arguments of cargo that build the programs, the examples and all tests. Building the programs alone would
+/// build most of the workspace a second time, without the features that only tests request.
 pub(crate) const BUILD: [&str; 6] = ["test", "--no-run", "--quiet", "--profile", PROFILE, "--workspace"];
 
-/// Runs a document's blocks and returns everything that does not hold.
+/// Runs a document's blocks and returns all faults.
 fn run_document(
     root: &Path,
     path: &Path,
@@ -232,8 +233,8 @@ struct Program {
 }
 
 impl Program {
-    /// Returns the verbs and options that the documents name but the program does not have. If `all` documents were
-    /// read, also the verbs that the README does not list.
+    /// Returns the verbs and options that the documents name but the program does not have. If `all`
+    /// documents were read, also the verbs that the README does not list.
     fn faults(mut self, documents: &HashMap<PathBuf, MarkdownFile>, all: bool) -> Vec<String> {
         let mut faults = BTreeSet::new();
         for (path, document) in documents {

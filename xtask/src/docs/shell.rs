@@ -14,7 +14,7 @@ use super::display::Display;
 use super::limit::Limit;
 use crate::steps::target_folder;
 
-/// A copy of what git would clone, with the programs of the checkout that it is made from in `target/release`.
+/// A copy of the files that git would clone, with the programs of the original checkout in `target/release`.
 pub(crate) struct Clone {
     /// The checkout.
     root: PathBuf,
@@ -32,7 +32,7 @@ pub(crate) enum Run {
     Shell(String),
     /// Nothing to run: the file that the command makes or names must already exist.
     Built(String),
-    /// Nothing to run: a task of `cargo xtask`, as this check is itself.
+    /// Nothing to run: a task of `cargo xtask`, like this check itself.
     Task,
 }
 
@@ -70,7 +70,8 @@ impl Clone {
         self.folder.path()
     }
 
-    /// Runs a command. A file that should have been built but was not is an error, and so is exceeding the time limit.
+    /// Runs a command. A file that should have been built but was not is an error, and so is exceeding the
+    /// time limit.
     pub(crate) fn run(&self, command: &str, limit: &Limit) -> Result<Output, String> {
         let done = Output { status: Default::default(), stdout: Vec::new(), stderr: Vec::new() };
         match Run::of(command, &self.root, self.depth != Depth::Full) {
@@ -112,8 +113,8 @@ impl Run {
             ["cargo", "run", "--release", "-p", "adumbra-lab", "--", rest @ ..] if quick => {
                 Self::Shell(format!("adumbra-lab {}", rest.join(" ")))
             }
-            // Builds in the checkout, whose programs are linked here. The copy's sources would be built again and
-            // left behind there.
+            // Build in the checkout, whose programs are linked here. Building the sources of the copy would
+            // repeat the work and leave the results behind.
             ["cargo", verb @ ("build" | "run"), rest @ ..] => {
                 let manifest = root.join("Cargo.toml");
                 Self::Shell(format!(
@@ -142,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shell_runs_what_is_built_where_it_is_quick() {
+    fn quick_runs_use_existing_builds() {
         let root = Path::new("/a checkout");
         let quick = |command: &str| Run::of(command, root, true);
         assert_eq!(quick("cargo xtask test"), Run::Task);

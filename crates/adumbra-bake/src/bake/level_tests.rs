@@ -1,5 +1,5 @@
-//! Levels of detail: each is what a bake of its voxel size gives, and files that are written while they are baked are
-//! those of a bake in memory.
+//! Levels of detail: each is what a bake of its voxel size gives, and files that are written while they are
+//! baked are those of a bake in memory.
 
 use std::io::{Cursor, Seek, SeekFrom, Write};
 
@@ -8,15 +8,15 @@ use adumbra::{Bounds, Encoding, Filter, ShadowFile, Sun};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
-use super::{Bake, BakeSummary, bake, bake_to};
+use super::{Bake, BakeSummary, Choice};
 use crate::error::Error;
 use crate::options::{BakeOptions, FrameChoice, Size};
-use crate::progress::Watch;
+use crate::progress::NEVER;
 
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
 fn baked(scene: &Scene, options: &BakeOptions) -> ShadowFile {
-    bake(scene, options, Watch::none()).expect("a good bake").file
+    Bake::with_options(scene, options).in_memory().expect("a good bake")
 }
 
 /// Options for a sun in the south-east, and voxels of this size.
@@ -28,8 +28,8 @@ fn options(voxel_size: f64, levels: u32) -> BakeOptions {
 #[test]
 fn level_whose_grid_is_that_of_its_own_bake_has_the_same_bytes() {
     let scene = generate(GeneratedKind::City, 1);
-    // 1024 voxels across, and 256 at the second level: in both, the grid ends at multiples of every page. Along the
-    // light there is a margin of one voxel of the second level.
+    // 1024 voxels across, and 256 at the second level: in both, the grid ends at multiples of every page.
+    // Along the light there is a margin of one voxel of the second level.
     let half = [64.0, 63.5, 64.0];
     let bounds = Some(Bounds { min: half.map(|c| -c), max: half });
     let sun = Sun::from_angles(0.0, 90.0).unwrap();
@@ -90,7 +90,7 @@ fn levels_of_too_few_texels_are_left_out() {
         assert!(file.level(expected).is_none());
     }
     for levels in [0, 9] {
-        let refused = bake(&scene, &options(1.0, levels), Watch::none());
+        let refused = Bake::with_options(&scene, &options(1.0, levels)).in_memory();
         assert!(matches!(refused, Err(Error::Range(_))), "{levels}");
     }
 }
@@ -109,7 +109,7 @@ fn written(scene: &Scene, options: &BakeOptions, threads: usize) -> (BakeSummary
     let before = b"other bytes";
     let mut out = Cursor::new(Vec::new());
     out.write_all(before).unwrap();
-    let written = on_threads(threads, || bake_to(scene, options, Watch::none(), &mut out)).unwrap();
+    let written = on_threads(threads, || Bake::with_options(scene, options).write_to(&mut out)).unwrap();
     assert_eq!(out.position(), before.len() as u64 + written.bytes);
     let bytes = out.into_inner();
     assert_eq!(&bytes[..before.len()], before);
@@ -120,16 +120,16 @@ fn written(scene: &Scene, options: &BakeOptions, threads: usize) -> (BakeSummary
 fn limit_that_spills(scene: &Scene, options: &BakeOptions) -> u64 {
     let bake = |max_memory_bytes| {
         let options = BakeOptions { max_memory_bytes, ..options.clone() };
-        on_threads(1, || bake(scene, &options, Watch::none())).unwrap()
+        on_threads(1, || Bake::with_options(scene, &options).in_memory_with_report()).unwrap()
     };
-    let Bake { file, report } = bake(None);
+    let (file, report) = bake(None);
     let step = file.tree.code().len() as u64;
     let mut limits = (1..).map(|steps| report.accounted_bytes - steps * step);
-    limits.find(|&limit| bake(Some(limit)).report.spilled_bytes > 0).unwrap()
+    limits.find(|&limit| bake(Some(limit)).1.spilled_bytes > 0).unwrap()
 }
 
 #[test]
-fn bake_to_writes_the_bytes_of_a_bake_in_memory() {
+fn streamed_bake_writes_the_bytes_of_a_bake_in_memory() {
     let scene = generate(GeneratedKind::Landscape, 3);
     // A strip of pages, each a root block of its own, so that many are done before the last.
     let bounds = Some(Bounds { min: [-4.0, -64.0, -64.0], max: [4.0, 64.0, 64.0] });
@@ -188,7 +188,7 @@ fn output_that_is_full_is_an_error() {
     let bytes = baked(&scene, &options).to_bytes(options.encoding).unwrap().len();
     for (room, fits) in [(0, false), (300, false), (bytes / 2, false), (bytes - 1, false), (bytes, true)] {
         let mut out = Full(Cursor::new(Vec::new()), room);
-        match bake_to(&scene, &options, Watch::none(), &mut out) {
+        match Bake::with_options(&scene, &options).write_to(&mut out) {
             Ok(written) => assert!(fits && written.bytes == bytes as u64, "{room}"),
             Err(Error::Output(error)) => {
                 assert!(!fits && error.kind() == std::io::ErrorKind::StorageFull, "{room}: {error}");
@@ -196,6 +196,16 @@ fn output_that_is_full_is_an_error() {
             Err(error) => panic!("{error}"),
         }
     }
+}
+
+#[test]
+fn settings_differ_between_levels_only_in_the_resolution() {
+    let scene = generate(GeneratedKind::City, 1);
+    let options = BakeOptions { size: Size::Resolution(4096), ..options(1.0, 3) };
+    let choice = Choice::new(&scene, &options, &NEVER).unwrap();
+    let all = [0, 1, 2].map(|level| choice.settings(&choice.plan(&scene, level).unwrap()));
+    assert!(choice.levels.len() == 3 && all.iter().all(|settings| *settings == all[0]), "{all:?}");
+    assert_eq!(all[0], choice.plan(&scene, 0).unwrap().settings);
 }
 
 #[test]
@@ -208,8 +218,9 @@ fn progress_counts_the_blocks_of_all_levels() {
     let seen = Mutex::new(Vec::new());
     let cancel = AtomicBool::new(false);
     let progress = |p: crate::Progress| seen.lock().unwrap().push((p.done, p.total));
-    let Bake { report, .. } =
-        on_threads(1, || bake(&scene, &options, Watch::new(&progress, &cancel))).unwrap();
+    let bake = Bake::with_options(&scene, &options).on_progress(progress).cancel(&cancel);
+    let (_, report) = on_threads(1, || bake.in_memory_with_report()).unwrap();
+    drop(bake);
     let seen = seen.into_inner().unwrap();
     let expected: Vec<(usize, usize)> =
         (1..=report.root_blocks).map(|done| (done, report.root_blocks)).collect();

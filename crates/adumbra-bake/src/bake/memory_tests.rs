@@ -1,5 +1,5 @@
-//! Bakes within a memory limit: they give the same bytes as without one, whatever goes to disk, or an error that says
-//! why not.
+//! Bakes within a memory limit: they give the same bytes as without one, whatever goes to disk, or an error
+//! that says why not.
 
 use std::sync::Arc;
 
@@ -25,8 +25,8 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
 }
 
-/// Bisects the smallest memory limit that a bake fits into, in so many steps, on these numbers of threads in turn. Returns the
-/// most bytes spilled to disk on the way.
+/// Bisects the smallest memory limit that a bake fits into, in so many steps, on these numbers of threads in
+/// turn. Returns the most bytes spilled to disk on the way.
 fn squeeze(
     options: &BakeOptions,
     threads: &[usize],
@@ -78,7 +78,8 @@ fn limited_bake_gives_the_depths_of_a_free_one() {
 fn limited_bake_of_few_pages_gives_the_depths_of_a_free_one() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let cases = [(ColumnBuilder::Fast, 1024, true), (ColumnBuilder::Plain, 128, true)];
-    // In so many steps the last limits are apart by less than a page. Another thread would take more than all pages.
+    // In so many steps the last limits are apart by less than a page. Another thread would take more than all
+    // pages.
     limited_bakes_give_the_depths_of_free_ones(&scene, &cases, &[1], 10);
 }
 

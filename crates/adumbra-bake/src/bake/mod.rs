@@ -1,45 +1,79 @@
-//! The bake.
+//! One bake: scene, options, cache, progress and cancellation in; a shadow file out, in memory or streamed to
+//! disk.
+//!
+//! | file | contents |
+//! |---|---|
+//! | `output.rs` | writes the levels of a file, and files that replace others when they are complete |
+//! | `structure.rs` | builds the quadtree, or another structure, from the columns of a plan |
+//! | `run.rs` | distributes root blocks over all threads |
 
 #[cfg(test)]
 mod level_tests;
 #[cfg(test)]
 mod memory_tests;
+mod output;
 pub(crate) mod run;
+pub(crate) mod structure;
 
-use std::io::{self, ErrorKind, Seek, Write};
+use std::fmt;
+use std::io::{Seek, Write};
+use std::path::Path;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Instant;
+use std::sync::atomic::AtomicBool;
 
-use adumbra::file::{CommonSection, FileWriter, LEVEL_STEP, StoredBundle};
-use adumbra::layout::depths::SharedRanges;
-use adumbra::layout::depths::page::{BUNDLE_PAGES, Page, page_dims};
-use adumbra::{Encoding, FileSettings, FormatError, LightGrid, Region, ShadowFile};
+use adumbra::{FileSettings, LightGrid, ShadowFile, Sun};
+use adumbra_files::StagedFile;
 use adumbra_scene::Scene;
 
 use crate::cache::{BakeCache, PartCache, PartGrid};
-use crate::choose::{self, Choice};
+use crate::choose::Choice;
 use crate::error::{Error, Result};
+use crate::estimate::{Estimate, estimate};
 use crate::inputs::SceneHashes;
-use crate::options::BakeOptions;
+use crate::options::{BakeOptions, Preset, Size};
 use crate::pages::Pages;
 use crate::plan::{Placement, Plan};
-use crate::progress::{Progress, Report, Watch};
-use crate::sink::Structure;
+use crate::progress::{NEVER, Progress, Report, Watch};
 use crate::sink::depths::DepthsSink;
-use crate::tally::Tally;
-use run::Run;
+pub use output::stage;
+pub(crate) use output::{file_writer, stored_grid, write_level};
+use structure::{BuiltStructure, build_planned};
 
-/// A finished bake.
-#[derive(Debug)]
-pub struct Bake {
-    /// The file that an engine loads.
-    pub file: ShadowFile,
-    /// Statistics of the bake.
-    pub report: Report,
+/// A bake of a scene: set what it needs, then run it with [`save`](Bake::save), [`write_to`](Bake::write_to)
+/// or [`in_memory`](Bake::in_memory). A bake can run more than once.
+///
+/// It runs on the current rayon pool. Time and memory grow with the scene and with the length of the
+/// silhouettes in texels. The same scene and options give the same bytes, whatever the machine, the number of
+/// threads, the memory limit or the cache.
+///
+/// ```no_run
+/// use std::sync::atomic::AtomicBool;
+///
+/// use adumbra::Sun;
+/// use adumbra_bake::{Bake, DiskCache};
+///
+/// let scene = adumbra_scene::load("city.glb".as_ref(), &Default::default())?;
+/// let stop = AtomicBool::new(false);
+/// let summary = Bake::new(&scene, Sun::from_direction([0.5, 0.8, 0.35])?)
+///     .resolution(16_384)
+///     .with(|options| options.thickness_world = 0.1)
+///     .cache(DiskCache::create("city.cache")?)
+///     .on_progress(|progress| eprintln!("{} of {}", progress.done, progress.total))
+///     .cancel(&stop)
+///     .save("city.adumbra")?;
+/// println!("{} bytes, {} levels of detail", summary.bytes, summary.levels);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[must_use = "a bake does nothing until it is run"]
+pub struct Bake<'a> {
+    scene: &'a Scene,
+    options: BakeOptions,
+    cache: Option<Arc<dyn BakeCache>>,
+    progress: Box<dyn Fn(Progress) + Send + Sync + 'a>,
+    cancel: &'a AtomicBool,
 }
 
-/// A finished bake whose file has been written.
+/// What a bake has written.
 #[derive(Clone, Debug)]
 pub struct BakeSummary {
     /// Placement of the finest level's voxels in the world.
@@ -54,254 +88,216 @@ pub struct BakeSummary {
     pub report: Report,
 }
 
-/// Bakes `scene` into a file in memory.
-///
-/// Progress is reported from worker threads after each root block, and the cancel flag is read before each. Runs on the
-/// current rayon pool. Time and memory grow with the scene and with the length of the silhouettes in texels.
-///
-/// # Errors
-/// Returns an error if an option is out of range, or if a scene, tables or a result do not fit `max_memory_bytes`.
-/// Returns [`Error::Spill`] if data that does not fit into memory cannot be written to disk, and
-/// [`Error::Interrupted`] if the caller cancels.
-pub fn bake(scene: &Scene, options: &BakeOptions, watch: Watch<'_>) -> Result<Bake> {
-    bake_in_memory(scene, options, None, watch)
-}
-
-/// Bakes `scene` into a file in memory as [`bake`] does, with what `cache` has of earlier bakes. See
-/// [`bake_with_cache`].
-///
-/// # Errors
-/// Returns the errors of [`bake`], and [`Error::Io`] with those of `cache`.
-pub fn bake_again(
-    scene: &Scene,
-    options: &BakeOptions,
-    cache: &Arc<dyn BakeCache>,
-    watch: Watch<'_>,
-) -> Result<Bake> {
-    bake_in_memory(scene, options, Some(cache), watch)
-}
-
-fn bake_in_memory(
-    scene: &Scene,
-    options: &BakeOptions,
-    cache: Option<&Arc<dyn BakeCache>>,
-    watch: Watch<'_>,
-) -> Result<Bake> {
-    let hashes = cache.map(|_| SceneHashes::new(scene));
-    let cache = cache.zip(hashes.as_ref());
-    let choice = Choice::new(scene, options, watch.cancel)?;
-    let mut levels = Vec::with_capacity(choice.levels.len());
-    let mut report = Report::default();
-    let mut settings = None;
-    for level in (0..choice.levels.len()).rev() {
-        let plan = choice.plan(scene, level)?;
-        let built = build_level(&plan, options, &choice, level, cache, watch)?;
-        report = report.with(&built.report);
-        settings = Some(built.settings);
-        levels.push((stored_grid(built.grid, options.region, level), built.made.tree()?));
+impl<'a> Bake<'a> {
+    /// Creates a bake with default options, at the resolution of [`Preset::Medium`].
+    pub fn new(scene: &'a Scene, sun: Sun) -> Self {
+        Self::with_options(
+            scene,
+            &BakeOptions::new(sun, Size::Resolution(Preset::Medium.resolution().into())),
+        )
     }
-    match (levels.pop(), settings) {
-        (Some((grid, tree)), Some(settings)) => {
-            let file = ShadowFile::new(grid, settings, tree).with_coarser(levels.into_iter().rev());
-            Ok(Bake { file, report })
+
+    /// Creates a bake with these options.
+    pub fn with_options(scene: &'a Scene, options: &BakeOptions) -> Self {
+        Self { scene, options: options.clone(), cache: None, progress: Box::new(|_| {}), cancel: &NEVER }
+    }
+
+    /// Sets the number of texels on the longest side of the scene as the sun sees it: a power of two from
+    /// [`MIN_RESOLUTION`](crate::MIN_RESOLUTION) to [`MAX_RESOLUTION`](crate::MAX_RESOLUTION).
+    pub fn resolution(self, texels: u64) -> Self {
+        self.with(|options| options.size = Size::Resolution(texels))
+    }
+
+    /// Sets the edge length of a voxel in world units instead of the resolution.
+    pub fn voxel_size(self, edge_world: f64) -> Self {
+        self.with(|options| options.size = Size::VoxelSize(edge_world))
+    }
+
+    /// Changes any option.
+    pub fn with(mut self, change: impl FnOnce(&mut BakeOptions)) -> Self {
+        change(&mut self.options);
+        self
+    }
+
+    /// Reuses what earlier bakes have put into `cache`, and puts there what this bake makes. After an edit of
+    /// the scene, only the root blocks are baked that the edit touches. The bytes of the file are the same
+    /// with and without a cache.
+    ///
+    /// To share a cache between bakes, pass an `Arc` of it. A cache that fails ends the bake; wrap it in a
+    /// [`BestEffortCache`](crate::BestEffortCache) to continue without it. Entries stay until they are
+    /// removed, see [`DiskCache::prune`](crate::DiskCache::prune) and
+    /// [`MemoryCache::remove_unused`](crate::MemoryCache::remove_unused).
+    pub fn cache(mut self, cache: impl BakeCache + 'static) -> Self {
+        self.cache = Some(Arc::new(cache));
+        self
+    }
+
+    /// Calls `report` after each root block, in place of an earlier function. Root blocks of all levels
+    /// count, those of the coarsest level first. Calls come from several threads at the same time, so `done`
+    /// may arrive out of order.
+    pub fn on_progress(mut self, report: impl Fn(Progress) + Send + Sync + 'a) -> Self {
+        self.progress = Box::new(report);
+        self
+    }
+
+    /// Ends the bake with [`Error::Interrupted`] soon after `flag` becomes true. The flag is read before each
+    /// root block and before each bundle that is written.
+    pub fn cancel(mut self, flag: &'a AtomicBool) -> Self {
+        self.cancel = flag;
+        self
+    }
+
+    /// Sets progress and cancellation from a [`Watch`].
+    pub fn watch(self, watch: Watch<'a>) -> Self {
+        self.on_progress(watch.progress).cancel(watch.cancel)
+    }
+
+    /// Bakes into a file at `path`. The file is streamed to a temporary file beside `path`, which replaces an
+    /// existing file when it is complete. What exceeds a memory limit goes to the folder of `path`, unless
+    /// the options name another one.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Bake::in_memory`], and [`Error::Io`] with the path of the file if it cannot be
+    /// written. An existing file is unchanged then.
+    pub fn save(&self, path: impl AsRef<Path>) -> Result<BakeSummary> {
+        let (staged, summary) = self.stage(path.as_ref())?;
+        StagedFile::place([staged])?;
+        Ok(summary)
+    }
+
+    /// Bakes into a file that replaces the one at `path` when it is placed, so that a caller can still refuse
+    /// the result.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Bake::save`].
+    #[doc(hidden)]
+    pub fn stage(&self, path: &Path) -> Result<(StagedFile, BakeSummary)> {
+        let options = self.options.spilling_beside(path);
+        stage(path, |out| self.write_with(&options, out))
+    }
+
+    /// Bakes into `out`, from its position on. The file is never whole in memory. What exceeds a memory limit
+    /// goes to the system's folder for temporary files, unless the options name another one.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Bake::in_memory`], and [`Error::Output`] with those of `out`. `out` holds a
+    /// part of the file then.
+    pub fn write_to(&self, out: impl Write + Seek) -> Result<BakeSummary> {
+        self.write_with(&self.options, out)
+    }
+
+    /// Bakes a file in memory.
+    ///
+    /// # Errors
+    /// - [`Error::Range`] or [`Error::Resolution`]: an option is out of range, or the grid would be too
+    ///   large.
+    /// - [`Error::MemoryLimit`]: scene, tables or the result do not fit the memory limit.
+    /// - [`Error::TooManyWords`]: the result is larger than its addresses can reach.
+    /// - [`Error::Spill`]: what exceeds the memory limit cannot be written to disk.
+    /// - [`Error::Io`]: the cache failed.
+    /// - [`Error::Interrupted`]: the caller cancelled.
+    pub fn in_memory(&self) -> Result<ShadowFile> {
+        self.in_memory_with_report().map(|(file, _)| file)
+    }
+
+    /// Bakes a file in memory, and returns the statistics of the bake as well. See [`Bake::in_memory`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`Bake::in_memory`].
+    pub fn in_memory_with_report(&self) -> Result<(ShadowFile, Report)> {
+        let choice = Choice::new(self.scene, &self.options, self.cancel)?;
+        let coarsest = choice.coarsest(self.scene)?;
+        let settings = choice.settings(&coarsest);
+        let mut levels = Vec::with_capacity(choice.levels.len());
+        let report = self.each_level(&self.options, &choice, coarsest, |level, pages| {
+            levels.push((stored_grid(choice.levels[level].grid, self.options.region, level), pages.tree()?));
+            Ok(())
+        })?;
+        let Some((grid, tree)) = levels.pop() else { unreachable!("there is at least one level") };
+        Ok((ShadowFile::new(grid, settings, tree).with_coarser(levels.into_iter().rev()), report))
+    }
+
+    /// Forecasts time, memory and file size from a few root blocks. The forecast reports no progress and uses
+    /// no cache.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Bake::in_memory`] but for those of the cache. The memory limit applies to the
+    /// forecast itself, not to the bake that it predicts.
+    pub fn estimate(&self) -> Result<Estimate> {
+        estimate(self.scene, &self.options, self.cancel)
+    }
+
+    fn write_with(&self, options: &BakeOptions, out: impl Write + Seek) -> Result<BakeSummary> {
+        let choice = Choice::new(self.scene, options, self.cancel)?;
+        let coarsest = choice.coarsest(self.scene)?;
+        let settings = choice.settings(&coarsest);
+        let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
+        let mut writer = file_writer(out, settings, &grids, options.encoding)?;
+        let report = self.each_level(options, &choice, coarsest, |level, pages| {
+            write_level(&mut writer, pages, grids[level].size, options.encoding, self.cancel)
+        })?;
+        let bytes = writer.finish().map_err(Error::Output)?;
+        Ok(BakeSummary { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
+    }
+
+    /// Bakes the pages of each level, the coarsest first, whose plan is there already, and passes them to
+    /// `take`.
+    fn each_level<'s>(
+        &'s self,
+        options: &BakeOptions,
+        choice: &Choice,
+        coarsest: Plan<'s>,
+        mut take: impl FnMut(usize, Pages) -> Result<()>,
+    ) -> Result<Report> {
+        let hashes = self.cache.as_ref().map(|_| SceneHashes::new(self.scene));
+        let cache = self.cache.as_ref().zip(hashes.as_ref());
+        let mut report = Report::default();
+        let mut coarsest = Some(coarsest);
+        for level in (0..choice.levels.len()).rev() {
+            let plan = coarsest.take().map_or_else(|| choice.plan(self.scene, level), Ok)?;
+            let built = self.level(&plan, options, choice, level, cache)?;
+            // Linking needs no triangles.
+            drop(plan);
+            report = report.with(&built.report);
+            take(level, built.made)?;
         }
-        _ => unreachable!("there is at least one level"),
+        Ok(report)
     }
-}
 
-/// Bakes `scene` into `out`, from its position on. The file is never whole in memory. See [`bake`].
-///
-/// # Errors
-/// Returns the errors of [`bake`], and [`Error::Output`] with those of `out`.
-pub fn bake_to(
-    scene: &Scene,
-    options: &BakeOptions,
-    watch: Watch<'_>,
-    out: impl Write + Seek,
-) -> Result<BakeSummary> {
-    bake_file(scene, options, None, watch, out)
-}
-
-/// Bakes `scene` into `out` as [`bake_to`] does, to the same bytes, but takes from `cache` what an earlier bake has
-/// made of the same surfaces in the same place, and keeps there what it makes. An edit of a scene bakes the root blocks
-/// that the edit touches, before it and after it.
-///
-/// # Errors
-/// Returns the errors of [`bake_to`], and [`Error::Io`] with those of `cache`.
-pub fn bake_with_cache(
-    scene: &Scene,
-    options: &BakeOptions,
-    cache: &Arc<dyn BakeCache>,
-    watch: Watch<'_>,
-    out: impl Write + Seek,
-) -> Result<BakeSummary> {
-    bake_file(scene, options, Some(cache), watch, out)
-}
-
-fn bake_file(
-    scene: &Scene,
-    options: &BakeOptions,
-    cache: Option<&Arc<dyn BakeCache>>,
-    watch: Watch<'_>,
-    out: impl Write + Seek,
-) -> Result<BakeSummary> {
-    let choice = Choice::new(scene, options, watch.cancel)?;
-    let plan_of = |level: usize| choice.plan(scene, level);
-    let plan = plan_of(choice.levels.len() - 1)?;
-    // Only the resolution differs from level to level.
-    let settings = FileSettings { resolution: choice.levels[0].resolution, ..plan.settings };
-    let grids: Vec<LightGrid> = choice.levels.iter().map(|level| level.grid).collect();
-    let mut writer = file_writer(out, settings, &grids, options.encoding)?;
-    let mut report = Report::default();
-    let mut coarsest = Some(plan);
-    let hashes = cache.map(|_| SceneHashes::new(scene));
-    let cache = cache.zip(hashes.as_ref());
-    for level in (0..grids.len()).rev() {
-        let plan = coarsest.take().map_or_else(|| plan_of(level), Ok)?;
-        let built = build_level(&plan, options, &choice, level, cache, watch)?;
-        // Linking needs no triangles.
-        drop(plan);
-        report = report.with(&built.report);
-        write_level(&mut writer, built.made, grids[level].size, options.encoding, watch.cancel)?;
-    }
-    let bytes = writer.finish().map_err(Error::Output)?;
-    Ok(BakeSummary { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
-}
-
-/// Returns a level's grid as the file has it: that of a region is relative to the region's origin.
-pub(crate) fn stored_grid(grid: LightGrid, region: Option<Region>, level: usize) -> LightGrid {
-    region.map_or(grid, |region| region.relative(grid, LEVEL_STEP.pow(level as u32)))
-}
-
-/// Begins a file with grids that lie in the world, the finest first.
-pub(crate) fn file_writer<W: Write + Seek>(
-    out: W,
-    settings: FileSettings,
-    grids: &[LightGrid],
-    encoding: Encoding,
-) -> Result<FileWriter<W>> {
-    let stored = |(level, grid): (usize, &LightGrid)| stored_grid(*grid, settings.region, level);
-    let stored: Vec<LightGrid> = grids.iter().enumerate().map(stored).collect();
-    FileWriter::new(out, settings, &stored, encoding).map_err(Error::Output)
-}
-
-/// Links the pages of a level, and writes them.
-pub(crate) fn write_level(
-    writer: &mut FileWriter<impl Write + Seek>,
-    pages: Pages,
-    size: [u32; 3],
-    encoding: Encoding,
-    cancel: &AtomicBool,
-) -> Result<()> {
-    let mut linked = pages.link()?;
-    let (words, shapes) = linked.take_common();
-    let common = CommonSection::new(words, || shapes, encoding).map_err(invalid)?;
-    writer.common(&common).map_err(Error::Output)?;
-    let dims = page_dims(size);
-    let ranges = SharedRanges::new(common.words());
-    let stored = |at, pages: &[Page<'_>; BUNDLE_PAGES]| {
-        ranges.with(|ranges| StoredBundle::new(at, dims, pages, ranges, &common))
-    };
-    linked.for_each_bundle(stored, |_, bundle| {
-        if cancel.load(Ordering::Relaxed) {
-            return Err(Error::Interrupted);
+    /// Bakes the pages of a level.
+    fn level(
+        &self,
+        plan: &Plan<'_>,
+        options: &BakeOptions,
+        choice: &Choice,
+        level: usize,
+        cache: Option<(&Arc<dyn BakeCache>, &SceneHashes)>,
+    ) -> Result<BuiltStructure<Pages>> {
+        let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
+        let before: usize = choice.levels[level + 1..].iter().map(blocks).sum();
+        let total: usize = choice.levels.iter().map(blocks).sum();
+        let progress = |p: Progress| (self.progress)(Progress { done: before + p.done, total, ..p });
+        let (size, root_level) = (plan.root_blocks.grid.size, plan.root_blocks.root_level);
+        let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
+        if let Some((cache, hashes)) = cache {
+            let parts = PartGrid::new(size, root_level);
+            let numbers: Vec<usize> = (0..parts.count()).collect();
+            let keys = hashes.keys(plan, options.builder, &parts, &numbers);
+            let part_cache = PartCache::new(cache, parts, numbers.into_iter().zip(keys));
+            sink = sink.with_cache(part_cache.within(plan.room_for_entries()));
         }
-        writer.bundle(&bundle.map_err(invalid)?).map_err(Error::Output)
-    })
-}
-
-/// Returns the error for pages that cannot be written.
-fn invalid(fault: FormatError) -> Error {
-    Error::Output(io::Error::new(ErrorKind::InvalidData, fault))
-}
-
-/// Bakes the pages of a level. Progress counts the root blocks of all levels, the coarsest first.
-fn build_level(
-    plan: &Plan<'_>,
-    options: &BakeOptions,
-    choice: &Choice,
-    level: usize,
-    cache: Option<(&Arc<dyn BakeCache>, &SceneHashes)>,
-    watch: Watch<'_>,
-) -> Result<BuiltStructure<Pages>> {
-    let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
-    let before: usize = choice.levels[level + 1..].iter().map(blocks).sum();
-    let total: usize = choice.levels.iter().map(blocks).sum();
-    let progress = |p: Progress| {
-        (watch.progress)(Progress { done: before + p.done, total, ..p });
-    };
-    let (size, root_level) = (plan.root_blocks.grid.size, plan.root_blocks.root_level);
-    let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
-    if let Some((cache, hashes)) = cache {
-        let parts = PartGrid::new(size, root_level);
-        let numbers: Vec<usize> = (0..parts.count()).collect();
-        let keys = hashes.keys(plan, options.builder, &parts, &numbers);
-        let part_cache = PartCache::new(cache, parts, numbers.into_iter().zip(keys));
-        sink = sink.with_cache(part_cache.within(plan.room_for_entries()));
+        let reused_root_blocks = sink.found_root_blocks();
+        let mut built = build_planned(plan, options, Watch::new(&progress, self.cancel), |_| sink)?;
+        built.report.reused_root_blocks = reused_root_blocks;
+        Ok(built)
     }
-    let reused_root_blocks = sink.found_root_blocks();
-    let mut built = build_planned(plan, options, Watch::new(&progress, watch.cancel), |_| sink)?;
-    built.report.reused_root_blocks = reused_root_blocks;
-    Ok(built)
 }
 
-/// What was built from a scene.
-#[derive(Debug)]
-pub struct BuiltStructure<T> {
-    /// Placement of the voxels in the world.
-    pub grid: LightGrid,
-    /// Settings of the bake.
-    pub settings: FileSettings,
-    /// What the structure made of its blocks.
-    pub made: T,
-    /// Statistics of the bake.
-    pub report: Report,
-}
-
-/// Builds a structure from the columns of `scene`, as [`bake`] builds a file. `sink` creates it for a grid of this many
-/// voxels along x, y, z, and root blocks of this level. The structure is in memory: nothing of it goes to disk.
-///
-/// # Errors
-/// Returns the errors of [`bake`].
-pub fn build<S: Structure>(
-    scene: &Scene,
-    options: &BakeOptions,
-    watch: Watch<'_>,
-    sink: impl FnOnce([u32; 3], u32) -> S,
-) -> Result<BuiltStructure<S::Output>> {
-    let plan = choose::plan(scene, options)?;
-    build_planned(&plan, options, watch, |plan| sink(plan.root_blocks.grid.size, plan.root_blocks.root_level))
-}
-
-/// Builds the structure that `sink` creates for a plan. See [`build`].
-pub(crate) fn build_planned<S: Structure>(
-    plan: &Plan<'_>,
-    options: &BakeOptions,
-    watch: Watch<'_>,
-    sink: impl FnOnce(&Plan<'_>) -> S,
-) -> Result<BuiltStructure<S::Output>> {
-    let start = Instant::now();
-    let root_blocks: Vec<usize> = (0..plan.root_blocks.count()).collect();
-    let tally = Tally::new(plan, root_blocks.len(), start, watch.progress);
-    let sink = sink(plan);
-    let finished_root_block = || {
-        sink.check_room()?;
-        plan.limit_pages_while_building(sink.memory_bytes(), sink.finish_bytes());
-        sink.make_room();
-        tally.finished_root_block(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
-    };
-    let run = Run {
-        plan,
-        root_blocks: &root_blocks,
-        cancel: watch.cancel,
-        finished_root_block: &finished_root_block,
-    };
-    let blocks = run.each_block(options.builder, &sink, &tally)?;
-    let held_bytes = sink.memory_bytes() + sink.finish_bytes();
-    plan.limit_pages(plan.scene_bytes + held_bytes);
-    sink.make_room();
-    tally.check_end(S::FINISHING, held_bytes)?;
-    let made = sink.finish(blocks);
-    plan.paged_bytes()?;
-    Ok(BuiltStructure { grid: plan.root_blocks.grid, settings: plan.settings, made, report: tally.report() })
+impl fmt::Debug for Bake<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Bake")
+            .field("options", &self.options)
+            .field("cache", &self.cache)
+            .finish_non_exhaustive()
+    }
 }

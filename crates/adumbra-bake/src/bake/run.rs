@@ -35,7 +35,7 @@ impl Run<'_, '_> {
             ColumnBuilder::Fast => {
                 let sink = LimitSink { limit, sink };
                 self.each_root_block(|worker: &mut DescentBuffers, root_block| {
-                    if let Some(known) = sink.sink.known(root_block) {
+                    if let Some(known) = sink.known(root_block) {
                         return Ok(known);
                     }
                     worker.drawn_texels = 0;

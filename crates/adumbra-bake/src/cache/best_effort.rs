@@ -1,21 +1,22 @@
-//! A cache that a bake can do without: what a cache cannot give is baked again, and what it cannot take is not kept.
+//! A cache that a bake can do without: parts that it cannot return are baked again, and parts that it cannot
+//! store are not kept.
 
 use std::fmt;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use adumbra::IoError;
 
 use super::{BakeCache, CacheKey, Fetched, MemoryCache};
 
-/// After so many failures without a success between them, no more is read from a cache, or written to it: a server that
-/// is away takes minutes to say so.
+/// After this many consecutive failures, reading from the cache stops, or writing to it: each access to an
+/// unreachable server may take minutes to fail.
 const MOST_FAILURES: u32 = 3;
 
-/// A cache whose failures are no errors of the bake.
+/// A cache whose failures do not fail the bake.
 pub struct BestEffortCache {
-    cache: Arc<dyn BakeCache>,
-    /// Has what could not be put, or could not be read again, for users that read what they have put.
+    cache: Box<dyn BakeCache>,
+    /// Keeps entries that the cache could not store or can no longer read, for users that read back their own
+    /// entries.
     memory: Option<MemoryCache>,
     on_failure: Box<dyn Fn(&IoError) + Send + Sync>,
     has_failed: AtomicBool,
@@ -25,9 +26,12 @@ pub struct BestEffortCache {
 
 impl BestEffortCache {
     /// Wraps a cache for a bake. The first failure is passed to `on_failure`.
-    pub fn new(cache: Arc<dyn BakeCache>, on_failure: impl Fn(&IoError) + Send + Sync + 'static) -> Self {
+    pub fn new(
+        cache: impl BakeCache + 'static,
+        on_failure: impl Fn(&IoError) + Send + Sync + 'static,
+    ) -> Self {
         Self {
-            cache,
+            cache: Box::new(cache),
             memory: None,
             on_failure: Box::new(on_failure),
             has_failed: AtomicBool::new(false),
@@ -36,14 +40,14 @@ impl BestEffortCache {
         }
     }
 
-    /// Keeps in memory what cannot be put, and what is put while nothing can be read. A [`Baker`](crate::Baker) links
-    /// what it has put.
+    /// Keeps entries in memory that the cache cannot store, and all entries once reading has stopped. A
+    /// [`Baker`](crate::Baker) reads back its own entries to link them.
     #[must_use]
     pub fn with_memory(self) -> Self {
         Self { memory: Some(MemoryCache::default()), ..self }
     }
 
-    /// Passes on what `attempt` returns. `None` if it fails, or is not tried.
+    /// Returns the result of `attempt`, or `None` if it fails or is skipped.
     fn attempt<T>(
         &self,
         failures: &Failures,
@@ -113,7 +117,7 @@ impl Failures {
     }
 
     fn reset(&self) {
-        // Other threads may have failed for good meanwhile.
+        // Keep a count that other threads have raised to the limit meanwhile.
         let _ =
             self.0.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |n| (n < MOST_FAILURES).then_some(0));
     }

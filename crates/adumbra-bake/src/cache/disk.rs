@@ -1,4 +1,5 @@
-//! A cache in a folder: `ab/cdef….entry` for the key `abcdef…`, and `new/` for entries that are being written.
+//! A cache in a folder: `ab/cdef….entry` for the key `abcdef…`, and `new/` for entries that are being
+//! written.
 
 use std::fs::{self, File, Metadata};
 use std::io::{ErrorKind, Read, Write};
@@ -13,12 +14,12 @@ use super::{BakeCache, CacheKey, Fetched};
 
 const EXTENSION: &str = "entry";
 const NEW: &str = "new";
-/// Entries are written in less than a second. Other machines may share the folder, and their locks may not be seen
-/// here.
+/// Entries are written in less than a second. Other machines may share the folder, and their locks may not be
+/// seen here.
 const ABANDONED_AFTER: Duration = Duration::from_hours(24);
 
-/// A cache in a folder, which bakes on one machine or many may share. Other files in the folder are left alone, and
-/// symbolic links are not followed.
+/// A cache in a folder, which bakes on one machine or many may share. Other files in the folder are left
+/// alone, and symbolic links are not followed.
 #[derive(Clone, Debug)]
 pub struct DiskCache {
     folder: PathBuf,
@@ -37,18 +38,18 @@ pub struct CacheUsage {
     pub abandoned_bytes: u64,
 }
 
-/// What counting or pruning found or removed, with the failures on the way.
+/// The entries that counting found or pruning removed, and the failures.
 #[derive(Debug, Default)]
 pub struct CacheReport {
-    /// What was found or removed.
+    /// The entries and temporary files that were found or removed.
     pub contents: CacheUsage,
-    /// What could not be read or removed.
+    /// The failures to read or remove files.
     pub failures: Vec<IoError>,
 }
 
 impl DiskCache {
-    /// Uses a folder, and creates it if it is not there. Removes temporary files that programs left more than a day
-    /// ago.
+    /// Uses a folder, and creates it if it does not exist. Removes temporary files that programs left more
+    /// than a day ago.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be created.
@@ -60,7 +61,7 @@ impl DiskCache {
         Ok(cache)
     }
 
-    /// Uses a folder that is there.
+    /// Uses an existing folder.
     ///
     /// # Errors
     /// Returns [`IoError`] if there is no folder.
@@ -82,8 +83,9 @@ impl DiskCache {
         Ok(CacheReport { contents, failures })
     }
 
-    /// Removes temporary files that were left more than a day ago, then entries until the others have at most
-    /// `most_bytes`; those that were used longest ago go first. Returns what was removed. What cannot be removed stays.
+    /// Removes temporary files that were left more than a day ago, then the least recently used entries until
+    /// the others have at most `most_bytes`. Returns what was removed. Files that cannot be removed stay, and
+    /// are listed as failures.
     ///
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be read.
@@ -104,7 +106,7 @@ impl DiskCache {
                 break;
             }
             match fs::remove_file(&path) {
-                // Another program was faster.
+                // Another program has removed the entry.
                 Err(error) if error.kind() == ErrorKind::NotFound => left -= bytes,
                 Err(error) => failures.push(IoError::at("remove", path)(error)),
                 Ok(()) => {
@@ -122,7 +124,7 @@ impl DiskCache {
         all.into_iter().flatten()
     }
 
-    /// Returns the entries, and what could not be read.
+    /// Returns the entries, and the errors of folders and files that could not be read.
     fn list(&self) -> Result<(Vec<Found>, Vec<IoError>), IoError> {
         let (mut list, mut failures) = (Vec::new(), Vec::new());
         for (first, folder) in entries(&self.folder)? {
@@ -179,25 +181,25 @@ struct Found {
     used: SystemTime,
 }
 
-/// Returns the names and paths of what is in a folder. Names that are no text belong to no entry.
+/// Lists the names and paths in a folder. Skips names that are not UTF-8, because no entry has such a name.
 fn entries(folder: &Path) -> Result<Vec<(String, PathBuf)>, IoError> {
     let named = |entry: fs::DirEntry| Some((entry.file_name().into_string().ok()?, entry.path()));
     let all = fs::read_dir(folder).and_then(Iterator::collect::<Result<Vec<_>, _>>);
     Ok(all.map_err(IoError::at("read", folder))?.into_iter().filter_map(named).collect())
 }
 
-/// Whether there is a folder, and no link to one.
+/// Whether the path is a folder, not a link to one.
 fn is_folder(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.is_dir())
 }
 
-/// Whether a name has so many lower-case hexadecimal digits, and nothing else.
+/// Whether a name consists of exactly this many lower-case hexadecimal digits.
 fn is_name(name: &str, digits: usize) -> bool {
     name.len() == digits && name.bytes().all(|c| matches!(c, b'0'..=b'9' | b'a'..=b'f'))
 }
 
-/// Returns the metadata of the entry at a path, or `None` if the file is not an entry. An entry that a power failure
-/// has truncated or filled with zeros counts.
+/// Returns the metadata of the entry at a path, or `None` if the file is not an entry. An entry that a power
+/// failure has truncated or filled with zeros counts.
 fn metadata_of_entry(path: &Path) -> std::io::Result<Option<Metadata>> {
     let found = fs::symlink_metadata(path)?;
     if !found.is_file() {
@@ -221,9 +223,9 @@ impl BakeCache for DiskCache {
                 return Ok(Fetched::TooLong(found.len()));
             }
             let mut bytes = Vec::with_capacity(found.len() as usize);
-            // It may become longer while it is read.
+            // The file may grow while it is read.
             File::open(&path)?.take(most_bytes).read_to_end(&mut bytes)?;
-            // The time of use, for pruning. A folder that cannot be written has none.
+            // Records the time of use for pruning. Ignores the failure in a read-only folder.
             let _ = File::options().append(true).open(&path).and_then(|f| f.set_modified(SystemTime::now()));
             Ok(Fetched::Whole(bytes))
         };
@@ -243,7 +245,7 @@ impl BakeCache for DiskCache {
                 return Err(IoError::at("write to", folder)(linked));
             }
         }
-        // Not synced: what a power failure damages does not have its checksum, and is made again.
+        // Not synced: an entry that a power failure damages fails its checksum, and its part is baked again.
         replace_unsynced(&path, &new, |file| file.write_all(bytes))
     }
 }

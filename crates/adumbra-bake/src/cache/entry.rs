@@ -7,8 +7,9 @@
 //! | 40 | 12 n | root, base and number of words of each of the part's n pages, x fastest |
 //! | 40 + 12 n | | the words of the pages, in this order |
 //!
-//! All numbers are little-endian words of 32 bits. A page has the number of words 0 and the root `UNIFORM`, 0xffffffff,
-//! if it has no shapes. The entry of one uniform page with the base 7 ends in `ffffffff 07000000 00000000`.
+//! All numbers are little-endian words of 32 bits. A page has the number of words 0 and the root `UNIFORM`,
+//! 0xffffffff, if it has no shapes. The entry of one uniform page with the base 7 ends in `ffffffff 07000000
+//! 00000000`.
 
 use adumbra::layout::depths::page::{BUNDLE_PAGES, BUNDLE_SIDE, IN_PAGE, PAGE_LEVEL, Page};
 use adumbra::layout::depths::{TreeBuilder, UNIFORM};
@@ -20,8 +21,8 @@ use super::CacheKey;
 pub const ENTRY_MAGIC: &[u8; 8] = b"ADUMENT1";
 const HEAD: usize = 40;
 const PAGE_HEAD: usize = 12;
-/// The most half-words of a page: 64 × 64 leaves, each with a head, a gradient, 63 differences of 32 bits and six
-/// planes of 64 bits, and 16 × 16 + 4 × 4 + 1 nodes, each with three half-words and 16 fields of two.
+/// The most half-words of a page: 64 × 64 leaves, each with a head, a gradient, 63 differences of 32 bits and
+/// six planes of 64 bits, and 16 × 16 + 4 × 4 + 1 nodes, each with three half-words and 16 fields of two.
 const MOST_PAGE_HALVES: u64 = 4096 * (2 + 126 + 24) + 273 * (3 + 32);
 
 /// A page of an entry, before it is linked.
@@ -55,8 +56,8 @@ pub(super) fn most_bytes(dims: [u32; 2]) -> u64 {
     HEAD as u64 + pages * (PAGE_HEAD as u64 + 4 * MOST_PAGE_HALVES.div_ceil(2))
 }
 
-/// Returns the pages of an entry with `dims` pages along x and y. `None` if the bytes are not what a bake wrote under
-/// this key.
+/// Returns the pages of an entry with `dims` pages along x and y. `None` if no bake has written these bytes
+/// under this key.
 pub(super) fn from_bytes(key: &CacheKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<CachedPage>> {
     let found = bytes.get(8..HEAD)?;
     if &bytes[..8] != ENTRY_MAGIC || checksum(key, bytes) != *found {
@@ -88,7 +89,7 @@ fn checksum(key: &CacheKey, bytes: &[u8]) -> [u8; 32] {
     *Hasher::new().update(key.as_bytes()).update(&bytes[HEAD..]).finalize().as_bytes()
 }
 
-/// Whether pages can be read. A checksum is no proof: anyone can write one.
+/// Whether the pages are valid. A correct checksum does not prove it, because anyone can compute one.
 fn is_valid(pages: &[CachedPage], dims: [u32; 2]) -> bool {
     let size = dims.map(|n| n << PAGE_LEVEL);
     let mut tree = TreeBuilder::new([size[0], size[1], 1], Vec::new());

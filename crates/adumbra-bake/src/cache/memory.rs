@@ -26,7 +26,8 @@ struct Entry {
 }
 
 impl MemoryCache {
-    /// Removes the entries that were neither read nor written since the last call, and returns the bytes of the others.
+    /// Removes the entries that were neither read nor written since the last call, and returns the bytes of
+    /// the others.
     pub fn remove_unused(&self) -> u64 {
         let mut held = self.held();
         let round = held.round;

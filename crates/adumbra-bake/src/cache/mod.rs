@@ -1,9 +1,9 @@
-//! The cache of bakes: entries, each of which is what a bake has made of a part of its grid, under a key of all that it
-//! was made from.
+//! The cache of bakes: entries, each of which is what a bake has made of a part of its grid, under a key of
+//! all that it was made from.
 //!
-//! A part is a root block, or a page where root blocks are smaller. Its entry has its pages before they are linked, so
-//! it can be used with any other entries of the same grid. Linking always runs over all pages, so a bake that uses
-//! entries writes the same bytes as one that does not.
+//! A part is a root block, or a page where root blocks are smaller. Its entry has its pages before they are
+//! linked, so it can be used with any other entries of the same grid. Linking always runs over all pages, so
+//! a bake that uses entries writes the same bytes as one that does not.
 //!
 //! | file | contents |
 //! |---|---|
@@ -28,6 +28,7 @@ mod part_grid;
 mod tests;
 
 use std::fmt;
+use std::sync::Arc;
 
 use adumbra::IoError;
 
@@ -51,8 +52,8 @@ pub enum Fetched {
     Nothing,
 }
 
-/// A store of bake results: entries under their keys. Several bakes may use one at the same time, on one machine or
-/// many, since all of them write the same bytes under the same key.
+/// A store of bake results: entries under their keys. Several bakes may use one at the same time, on one
+/// machine or many, since all of them write the same bytes under the same key.
 pub trait BakeCache: fmt::Debug + Send + Sync {
     /// Reads an entry of at most `most_bytes`.
     ///
@@ -66,12 +67,32 @@ pub trait BakeCache: fmt::Debug + Send + Sync {
     /// Returns [`IoError`] if it cannot be written.
     fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError>;
 
-    /// Drops entries that were neither read nor written since the last call, if the cache holds them in memory. Called
-    /// once a bake has read everything that it needs.
+    /// Drops entries that were neither read nor written since the last call, if the cache holds them in
+    /// memory. [`Baker`](crate::Baker) calls it after it has linked a file, when it has read every entry that
+    /// it needs.
     fn tidy(&self) {}
 
     /// Whether this process wrote every entry, so that entries need no validation.
     fn is_trusted(&self) -> bool {
         false
+    }
+}
+
+/// A shared cache. Every method forwards to it, those with a default too.
+impl<C: BakeCache + ?Sized> BakeCache for Arc<C> {
+    fn get(&self, key: &CacheKey, most_bytes: u64) -> Result<Fetched, IoError> {
+        (**self).get(key, most_bytes)
+    }
+
+    fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError> {
+        (**self).put(key, bytes)
+    }
+
+    fn tidy(&self) {
+        (**self).tidy();
+    }
+
+    fn is_trusted(&self) -> bool {
+        (**self).is_trusted()
     }
 }

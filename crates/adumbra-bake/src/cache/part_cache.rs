@@ -9,7 +9,8 @@ use super::entry::{self, CachedPage};
 use super::{BakeCache, CacheKey, Fetched, PartGrid};
 use crate::error::{Error, Result};
 
-/// Copies of an entry's bytes while it is read: the bytes, the words of its pages, and those that are checked and kept.
+/// Copies of an entry in memory while it is read: its bytes, the words of its pages, and the words that are
+/// checked and that are kept.
 const COPIES: u64 = 4;
 
 /// The entries of a bake.
@@ -19,11 +20,11 @@ pub(crate) struct PartCache {
     pub(crate) parts: PartGrid,
     /// The key of each part; `None` for parts that the bake leaves out.
     keys: Vec<Option<CacheKey>>,
-    /// Whether the entry of a part was there.
+    /// Whether the entry of a part was found.
     found: Vec<AtomicBool>,
     /// Memory for entries while they are read, if it is limited.
     room_bytes: Option<u64>,
-    /// Held by whoever reads an entry that takes more than its thread's share of the room.
+    /// Locked by a thread while it reads an entry that exceeds the thread's share of the room.
     large: Mutex<()>,
     /// Number of entries that do not fit the room, and bytes of the longest.
     left_out: AtomicUsize,
@@ -32,7 +33,7 @@ pub(crate) struct PartCache {
 }
 
 impl PartCache {
-    /// `keys` are those of some parts, each with its number.
+    /// `keys` are pairs of a part's number and its key. Parts without a key are neither read nor written.
     pub(crate) fn new(
         cache: &Arc<dyn BakeCache>,
         parts: PartGrid,
@@ -59,7 +60,8 @@ impl PartCache {
         Self { room_bytes, ..self }
     }
 
-    /// Reads all entries that are there, on all threads, and passes the pages of each to `take`, x fastest.
+    /// Reads all entries that the cache has, on all threads, and passes the pages of each to `take`, x
+    /// fastest.
     pub(crate) fn find(&self, take: impl Fn(usize, Vec<CachedPage>) + Sync) {
         (0..self.keys.len()).into_par_iter().for_each(|part| {
             let Some(key) = &self.keys[part] else { return };
@@ -87,8 +89,8 @@ impl PartCache {
         });
     }
 
-    /// Returns the number of entries that did not fit the room, and the room that the longest of them would have
-    /// needed.
+    /// Returns the number of entries that did not fit the room, and the room that the longest of them would
+    /// have needed.
     pub(crate) fn left_out(&self) -> (usize, u64) {
         let bytes = 2 * COPIES * self.left_out_bytes.load(Ordering::Relaxed);
         (self.left_out.load(Ordering::Relaxed), bytes)
@@ -125,17 +127,17 @@ impl PartCache {
         None
     }
 
-    /// Whether the entry of a root block's part was there.
+    /// Whether the entry of a root block's part was found.
     pub(crate) fn has_root_block(&self, root_block: usize) -> bool {
         self.has(self.parts.of_root_block(root_block))
     }
 
-    /// Whether the entry of a part was there.
+    /// Whether the entry of a part was found.
     pub(crate) fn has(&self, part: usize) -> bool {
         self.found[part].load(Ordering::Relaxed)
     }
 
-    /// Returns the number of root blocks whose entries were there.
+    /// Returns the number of root blocks whose entries were found.
     pub(crate) fn found_root_blocks(&self) -> usize {
         let found = (0..self.parts.count()).filter(|&part| self.has(part));
         found.map(|part| self.parts.root_blocks(part).count()).sum()

@@ -2,7 +2,7 @@
 
 use adumbra::layout::depths::page::{PAGE_LEVEL, page_dims};
 
-/// How a grid is cut into parts: a part has a root block, or all root blocks of a page.
+/// How a grid is cut into parts: a part is one root block, or all root blocks of a page.
 #[derive(Clone, Debug)]
 pub(crate) struct PartGrid {
     /// Number of voxels of the grid along x and y.

@@ -61,7 +61,7 @@ fn entries_are_read_as_written_and_only_under_their_own_key() {
     }
 }
 
-/// Anyone can write a checksum: what has one must still be pages.
+/// Anyone can compute a checksum, so bytes with a correct one may still be invalid pages.
 #[test]
 fn forged_entries_are_rejected_or_readable() {
     let pages = pages();

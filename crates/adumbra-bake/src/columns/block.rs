@@ -47,7 +47,7 @@ pub struct BlockColumns {
 }
 
 impl BlockColumns {
-    /// Returns columns that may be anything.
+    /// Returns unconstrained columns.
     pub fn free() -> Self {
         Self { e: [0; BLOCK_SIDE * BLOCK_SIDE], x: [BESIDE_GRID; BLOCK_SIDE * BLOCK_SIDE] }
     }

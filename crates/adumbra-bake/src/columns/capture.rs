@@ -1,9 +1,10 @@
-//! Computes the columns of a rectangle of texels: first surface, end of the first solid, and the nearest receiver that
-//! may be behind.
+//! Computes the columns of a rectangle of texels: first surface, end of the first solid, and the nearest
+//! receiver that may be behind.
 //!
-//! Two passes over the rectangle's triangles. The first samples texel centres. The second tests, for every triangle
-//! near a texel's footprint, whether it is a receiver behind the column's caster. Only crossings of solids are kept as
-//! lists, to count their winding. The rules are those of §3 of the specification, implemented in `columns/rules.rs`.
+//! Two passes over the rectangle's triangles. The first samples texel centres. The second tests, for every
+//! triangle near a texel's footprint, whether it is a receiver behind the column's caster. Only crossings of
+//! solids are kept as lists, to count their winding. The rules are those of §3 of the specification,
+//! implemented in `columns/rules.rs`.
 
 use crate::columns::Columns;
 use crate::columns::crossings::{crossing_key, solid_end};
@@ -14,7 +15,7 @@ use crate::triangles::project::{FixedDepth, SEAM_MARGIN};
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
 
-/// Solid crossings that a rectangle may hold at once. One with more is captured in bands of rows.
+/// Solid crossings that a rectangle may hold at once. A rectangle with more is captured in bands of rows.
 const MAX_CROSSINGS: usize = 1 << 20;
 
 /// A rectangle of texels.
@@ -107,8 +108,8 @@ pub(crate) fn capture_layers(
     });
 }
 
-/// Covers all rows of `rect` in bands, from the first on. `capture(band, its first texel in rect)` returns whether the
-/// band's crossings fit. If they do not, the band is split in half. A single row must fit.
+/// Covers all rows of `rect` in bands, from the first on. `capture(band, its first texel in rect)` returns
+/// whether the band's crossings fit. If they do not, the band is split in half. A single row must fit.
 fn for_each_band(rect: TexelRect, mut capture: impl FnMut(TexelRect, usize) -> bool) {
     let mut bands = vec![(rect.y, rect.height)];
     while let Some((y, height)) = bands.pop() {
@@ -121,8 +122,8 @@ fn for_each_band(rect: TexelRect, mut capture: impl FnMut(TexelRect, usize) -> b
     }
 }
 
-/// First pass: fills `first` and `base` of a band of rows. Returns false if there are too many crossings to hold and
-/// the band has more than one row.
+/// First pass: fills `first` and `base` of a band of rows. Returns false if there are too many crossings to
+/// hold and the band has more than one row.
 fn capture_surfaces(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
@@ -168,7 +169,8 @@ fn sample_band(
     fits
 }
 
-/// Second pass: fills `next`, the nearest depth at which a receiver of any of `kinds` needs a column's shadow.
+/// Second pass: fills `next`, the nearest depth at which a receiver of any of `kinds` needs a column's
+/// shadow.
 fn find_receivers(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
@@ -241,8 +243,8 @@ fn sample_centers(
     true
 }
 
-/// Walks the sorted crossings of every texel whose first surface bounds a solid. Writes to `base` the depth behind
-/// which other receivers matter: the solid's end, or the first surface itself.
+/// Walks the sorted crossings of every texel whose first surface bounds a solid. Writes to `base` the depth
+/// behind which other receivers matter: the solid's end, or the first surface itself.
 fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
     b.base.clear();
     b.base.extend(b.first.iter().map(|f| f.depth()));
@@ -320,7 +322,8 @@ fn find_next(
     }
 }
 
-/// Bounds the columns of a band, which begins at texel `start` of `out`, where filters around the surface read.
+/// Bounds the columns of a band, which begins at texel `start` of `out`, where filters around the surface
+/// read.
 fn bound(surface: &Surface, rules: &ColumnRules, rect: TexelRect, start: usize, out: &mut Columns) {
     let Some(receiver) = rules.receiver(surface) else { return };
     let triangle = &surface.shape;

@@ -5,16 +5,17 @@ use crate::triangles::project::FixedDepth;
 /// Offset in depth steps that makes a depth an unsigned key.
 const KEY_OFFSET: i64 = 1 << 28;
 
-/// Encodes a solid's crossing as a sortable word: depth plus 2^28 in bits 31..1; bit 0 = 1 if the ray leaves the solid.
+/// Encodes a solid's crossing as a sortable word: depth plus 2^28 in bits 31..1; bit 0 = 1 if the ray leaves
+/// the solid.
 pub(crate) fn crossing_key(depth: FixedDepth, exit_bit: u32) -> u32 {
     ((i64::from(depth) + KEY_OFFSET) as u32) << 1 | exit_bit
 }
 
-/// Returns the depth of the first of the sorted crossings at which all solids that were entered have been left. Returns
-/// `None` if there is no such crossing; then the column is open.
+/// Returns the depth of the first of the sorted crossings at which all solids that were entered have been
+/// left. Returns `None` if there is no such crossing; then the column is open.
 ///
-/// A self-intersecting hull may be left before it is entered. Its column ends right there, so a column always ends
-/// where a solid is left.
+/// A self-intersecting hull may be left before it is entered. Its column ends right there, so a column always
+/// ends where a solid is left.
 pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
     let mut inside = 0_u32;
     for &key in sorted {
@@ -30,9 +31,9 @@ pub(crate) fn solid_end(sorted: &[u32]) -> Option<FixedDepth> {
     None
 }
 
-/// Calls `visit(from, to)` for every interval of positive winding in sorted crossings; `to` is where the winding is
-/// back at 0. Visits nothing if the count becomes negative; then the column is open. A solid that is entered but never
-/// left has no interval.
+/// Calls `visit(from, to)` for every interval of positive winding in sorted crossings; `to` is where the
+/// winding is back at 0. Visits nothing if the count becomes negative; then the column is open. A solid that
+/// is entered but never left has no interval.
 pub(crate) fn for_each_inside(sorted: &[u32], mut visit: impl FnMut(FixedDepth, FixedDepth)) {
     let depth = |key: u32| (i64::from(key >> 1) - KEY_OFFSET) as FixedDepth;
     let step = |key: u32| if key & 1 == 0 { 1 } else { -1 };
@@ -69,7 +70,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_lie_inside_solids_from_entering_to_leaving() {
+    fn columns_are_inside_solids_from_entry_to_exit() {
         let (enters, leaves) = (|d| (d, false), |d| (d, true));
         assert_eq!(insides(&[]), []);
         assert_eq!(insides(&[enters(-5), leaves(9)]), [(-5, 9)]);

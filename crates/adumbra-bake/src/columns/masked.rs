@@ -1,8 +1,9 @@
 //! Surfaces with holes: where a column meets one.
 //!
-//! A masked surface covers a texel where it is opaque at the texel's centre, as in the specification. So it lets as much
-//! light through as the same shape would as geometry, however fine the holes are. Most of a texel's area would be a quieter
-//! answer where holes are finer than a texel, but darkens or clears what is mostly or hardly covered.
+//! A masked surface covers a texel where it is opaque at the texel's centre, as in the specification. So it
+//! lets as much light through as the same shape would as geometry, however fine the holes are. A majority
+//! over the texel's area would be less noisy where holes are finer than a texel. But it would make mostly
+//! covered surfaces opaque, and sparsely covered surfaces clear.
 
 use crate::triangles::opacity::{OpacityTable, OpacityTables};
 use crate::triangles::project::{Plane, Projected};
@@ -50,7 +51,8 @@ impl TriangleMask {
         })
     }
 
-    /// Returns the table of the texture, or `None` if it has none or is not all that decides opacity.
+    /// Returns the opacity table of the texture, or `None` if there is none, or if vertex alpha also decides
+    /// opacity.
     pub(crate) fn table<'t>(&self, tables: &'t OpacityTables) -> Option<&'t OpacityTable> {
         if self.vertex_alpha.is_some() { None } else { tables.of(self.material) }
     }
@@ -75,8 +77,9 @@ impl TriangleMask {
         scene.is_opaque(self.material, uv, vertex_alpha)
     }
 
-    /// Rounds a texture coordinate, and keeps it between those of the corners: snapping may have moved a point beyond an edge,
-    /// where there are other parts of the texture; on a triangle that is almost edge-on, any.
+    /// Rounds a texture coordinate, and clamps it to the range of the corners. Snapping may have moved a
+    /// point beyond an edge, to another part of the texture; on a triangle that is almost edge-on, to any
+    /// part.
     #[inline(always)]
     fn within_corners(&self, axis: usize, coordinate: f64) -> f32 {
         (coordinate as f32).max(self.low[axis]).min(self.high[axis])
@@ -89,7 +92,7 @@ mod tests {
     use adumbra_scene::{AlphaMode, Material, Pixels, Texture, Wrap};
     use proptest::prelude::*;
 
-    /// A texture with random texels, as the one of a scene's only material.
+    /// Scenes with one material, whose texture has random texels.
     fn textures() -> impl Strategy<Value = Scene> {
         let wrap = || prop_oneof![Just(Wrap::Repeat), Just(Wrap::Mirror), Just(Wrap::Clamp)];
         let alpha = prop_oneof![3 => Just(0_u8), 3 => Just(255), 1 => any::<u8>()];
@@ -111,9 +114,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(4000))]
 
-        /// The tables answer as samples one by one do, on the triangle and beyond it.
+        /// Compares table look-ups with single samples, on the triangle and beyond it.
         #[test]
-        fn rows_are_opaque_where_their_points_are(
+        fn opacity_of_rows_equals_opacity_of_points(
             scene in textures(), corners in prop::array::uniform3(prop::array::uniform2(-4.0_f64..12.0)),
             uv in prop::array::uniform3(prop::array::uniform2(-2.0_f32..2.0)),
         ) {
@@ -147,7 +150,7 @@ mod tests {
             ..Material::opaque("cut", [1.0; 4])
         };
         let scene = Scene { materials: vec![cut], textures: vec![texture], ..Scene::default() };
-        // Almost edge-on: a thousandth of a texel holds all of the card's half.
+        // Almost edge-on: half of the texture is squeezed into a thousandth of a texel.
         let corners = [[4.0, 0.0, 0.0], [4.001, 0.0, 9.0], [4.0, 8.0, 0.0]];
         let mask = TriangleMask::on(&corners, [[0.01, 0.0], [0.49, 0.0], [0.01, 1.0]], [1.0; 3], 0).unwrap();
         let tables = OpacityTables::new(&scene, u64::MAX);

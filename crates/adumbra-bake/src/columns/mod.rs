@@ -1,4 +1,4 @@
-//! What each column allows: its first surface, and the interval in which it may switch from lit to shadowed.
+//! Columns: the first surface of each, and the interval in which it may switch from lit to shadowed.
 
 mod block;
 pub(crate) mod capture;

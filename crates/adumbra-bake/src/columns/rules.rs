@@ -1,9 +1,9 @@
-//! What a column allows: §3 of the specification, one rule per function.
+//! The rules for where a column may switch: §3 of the specification, one rule per function.
 //!
-//! A column has an *entry* (the first surface from the light) and an *exit*. It may switch from lit to shadowed
-//! anywhere between them. Voxel k is defined lit if k < e, defined shadowed if k >= x, and free otherwise, with
-//! `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column without a surface has e = the grid's depth. An
-//! x at or beyond the grid's end is [`FREE_TO_END`].
+//! A column has an *entry* (the first surface from the light) and an *exit*. It may switch from lit to
+//! shadowed anywhere between them. Voxel k is defined lit if k < e, defined shadowed if k >= x, and free
+//! otherwise, with `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column without a surface has
+//! e = the grid's depth. An x at or beyond the grid's end is [`FREE_TO_END`].
 
 use crate::triangles::project::{
     FixedDepth, Plane, Projected, SUBTEXEL, SUBTEXEL_BITS, fixed_depth, floor_fixed_depth,
@@ -13,7 +13,8 @@ use adumbra::grid::vec3::dot;
 use adumbra::query::receiver;
 use adumbra::{Bias, LightGrid, MAX_PLANE_SLOPE, Receivers};
 
-/// The nearest surface of a column, ordered by depth; then solids before open surfaces; then by increasing bias.
+/// The nearest surface of a column, ordered by depth; then solids before open surfaces; then by increasing
+/// bias.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(crate) struct FirstSurface {
     depth: FixedDepth,
@@ -75,11 +76,11 @@ impl FirstSurface {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ColumnRules {
     pub(crate) bias: Bias,
-    /// How far below an open surface a shadow may begin, 1/256 voxel. The bias at the surface's slope applies instead if
-    /// it is larger.
+    /// How far below an open surface a shadow may begin, 1/256 voxel. The bias at the surface's slope applies
+    /// instead if it is larger.
     pub(crate) thickness: FixedDepth,
-    /// How far before level ground its look-ups sample, 1/256 voxel, if points below the last surface of a column are to be
-    /// answered. `None` if nothing is there.
+    /// How far before level ground look-ups from it sample, 1/256 voxel. `None` if points below the last
+    /// surface of a column need no answer.
     pub(crate) level_lift: Option<FixedDepth>,
     pub(crate) receivers: Receivers,
     /// Voxels along the light.
@@ -107,18 +108,20 @@ impl NormalOffset {
         Self {
             texels,
             axes: grid.axes,
-            // That of a normal along the light: all planes that contain the light are spanned by x and y.
+            // Axes x and y are perpendicular to the light, so all normals have this component along it. A
+            // normal along the light has no other component.
             least_lift_voxels: texels * dot(z, grid.sun.towards()).abs(),
             across_texels: texels * longest,
         }
     }
 
-    /// Returns the distance along the light from a plane of this gradient to the parallel plane at the offset, voxels.
+    /// Returns the distance along the light from a plane of this gradient to the parallel plane at the
+    /// offset, voxels.
     fn lift_voxels(&self, [gx, gy]: [f64; 2]) -> f64 {
         if self.texels == 0.0 {
             return 0.0;
         }
-        // The plane's normal in the world, for which one voxel along the light is a product of 1.
+        // The plane's normal in the world, scaled to a dot product of 1 with one voxel along the light.
         let [x, y, z] = self.axes;
         let normal: [f64; 3] = std::array::from_fn(|a| gx * x[a] + gy * y[a] - z[a]);
         self.texels * dot(normal, normal).sqrt()
@@ -134,11 +137,12 @@ pub const BESIDE_GRID: u32 = u32::MAX;
 const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
 /// Distance in texels at which a filter around a receiver may read: the reach of a 9 × 9 filter.
 const FILTER_REACH: f64 = 4.0;
-/// How far rounding of the gradient to 1/256 may move the depth of such a tap, voxels: half of that along both axes.
+/// How far rounding of the gradient to 1/256 may move the depth of such a tap, voxels: by half a rounding
+/// step along each axis.
 const FILTER_ROUNDING: f64 = (FILTER_REACH + 0.5) / 256.0;
-/// Filters around a receiver read columns at most this far from it, texels, and find shadow there this many voxels
-/// behind the first voxel that may be in shadow, or deeper. What is nearer to a column's surface is free, and the freer
-/// the farther the column is, because fewer taps read it.
+/// Filters around a receiver read columns at most this far from it, texels, and find shadow there this many
+/// voxels behind the first voxel that may be in shadow, or deeper. Voxels nearer to the column's surface are
+/// free. More of them are free in farther columns, because fewer taps read those.
 const CONTACTS: [(f64, u32); CONTACT_RINGS] = [(0.5, 2), (2.0, 6), (FILTER_REACH, 24)];
 /// Number of distances in [`CONTACTS`].
 pub(crate) const CONTACT_RINGS: usize = 3;
@@ -154,15 +158,15 @@ pub(crate) enum ReceiverKind {
     Filtered,
 }
 
-/// What look-ups from one surface have in common, whichever column they sample.
+/// The parameters that look-ups from one surface share, whichever column they sample.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ReceiverPlane {
     /// The plane on which they sample columns.
     pub(crate) plane: Plane,
     /// How far before the plane they sample, from the surface's own bias, voxels.
     pub(crate) lift_voxels: f64,
-    /// How far fixed-point rounding may move the sampled depth, voxels: the gradient's rounding over half a texel, plus
-    /// the position's rounding times the gradient.
+    /// How far fixed-point rounding may move the sampled depth, voxels: the gradient's rounding over half a
+    /// texel, plus the position's rounding times the gradient.
     pub(crate) rounding_voxels: f64,
 }
 
@@ -194,7 +198,8 @@ impl ReceiverPlane {
 }
 
 impl ColumnRules {
-    /// Half the side of the square around a texel's centre from which surfaces of this kind sample the texel, texels.
+    /// Half the side of the square around a texel's centre from which surfaces of this kind sample the texel,
+    /// texels.
     pub(crate) fn footprint_half_texels(&self, kind: ReceiverKind) -> f64 {
         // A normal offset also moves the point across the light's plane.
         let half = FOOTPRINT_HALF + self.normal_offset.across_texels;
@@ -204,7 +209,8 @@ impl ColumnRules {
         }
     }
 
-    /// How far outside its outline a triangle may decide a column's first surface, or what is behind it, texels.
+    /// How far outside its outline a triangle may decide a column's first surface, or what is behind it,
+    /// texels.
     pub(crate) fn reach_texels(&self) -> f64 {
         self.footprint_half_texels(match self.receivers {
             Receivers::All => ReceiverKind::Footprint,
@@ -227,8 +233,8 @@ impl ColumnRules {
         (voxels * SUBTEXEL as f64).min(1e9) as FixedDepth
     }
 
-    /// Returns the surface as a receiver. Returns `None` if it receives no sunlight because it is the far side of a
-    /// solid, or if it is steeper than look-ups support.
+    /// Returns the surface as a receiver. Returns `None` if it receives no sunlight because it is the far
+    /// side of a solid, or if it is steeper than look-ups support.
     pub(crate) fn receiver(&self, surface: &Surface) -> Option<ReceiverPlane> {
         if surface.casts && surface.solid && !surface.shape.faces_sun {
             return None;
@@ -237,7 +243,7 @@ impl ColumnRules {
         (plane.slope() <= MAX_PLANE_SLOPE).then(|| self.receiver_on(plane))
     }
 
-    /// Returns what look-ups from a surface on this plane have in common.
+    /// Returns the parameters of look-ups from a surface on this plane.
     pub(crate) fn receiver_on(&self, plane: Plane) -> ReceiverPlane {
         ReceiverPlane {
             lift_voxels: self.bias.along_light(plane.slope())
@@ -247,19 +253,19 @@ impl ColumnRules {
         }
     }
 
-    /// Returns the depth before which the shadow of column (i, j) must have begun for a receiver that touches the
-    /// column's footprint, or [`FixedDepth::MAX`] if the receiver requires none.
+    /// Returns the depth before which the shadow of column (i, j) must have begun for a receiver that touches
+    /// the column's footprint, or [`FixedDepth::MAX`] if the receiver requires none.
     ///
-    /// A look-up from a receiver tests whether anything is before its lifted point. So if that point is behind the
-    /// column's first surface, the column must be shadowed there. There are two exceptions. If the receiver's plane is
-    /// before the base, the receiver is the first surface itself, or runs through the solid that begins there. If the
-    /// first surface is between the plane and the lifted point, it is nearer to the receiver than the bias, and no
-    /// look-up from the receiver can see it.
+    /// A look-up from a receiver tests whether anything is before its lifted point. So if that point is
+    /// behind the column's first surface, the column must be shadowed there. There are two exceptions. If the
+    /// receiver's plane is before the base, the receiver is the first surface itself, or runs through the
+    /// solid that begins there. If the first surface is between the plane and the lifted point, it is nearer
+    /// to the receiver than the bias, and no look-up from the receiver can see it.
     ///
-    /// A receiver that misses the texel's centre is sampled where its plane continues. It counts only if its own part
-    /// within the footprint is behind the base too; otherwise a wall's foot would require shadow under the ground on
-    /// which it stands. Within a footprint, the neighbours of an open first surface may be deeper by up to its bias
-    /// without counting as behind it.
+    /// A receiver that misses the texel's centre is sampled where its plane continues. It counts only if its
+    /// own part within the footprint is behind the base too; otherwise a wall's foot would require shadow
+    /// under the ground on which it stands. Within a footprint, the neighbours of an open first surface may
+    /// be deeper by up to its bias without counting as behind it.
     pub(crate) fn receiver_behind(
         &self,
         kind: ReceiverKind,
@@ -282,8 +288,8 @@ impl ColumnRules {
         if triangle.covers(i, j) || part_is_behind() { sampled.lifted } else { FixedDepth::MAX }
     }
 
-    /// Returns rules that assume a ground, or that answer the points below the last surface of a column. Those are not on
-    /// static surfaces, so rules for static receivers alone do not answer them.
+    /// Returns rules that assume a ground, or that answer the points below the last surface of a column.
+    /// These points are not on static surfaces, so rules for static receivers do not answer them.
     pub(crate) fn with_ground(self, is_assumed: bool, grid: &LightGrid) -> Self {
         let answers_below = !is_assumed && self.receivers == Receivers::All;
         let level = || {
@@ -295,8 +301,8 @@ impl ColumnRules {
         Self { level_lift: answers_below.then(level), ..self }
     }
 
-    /// Returns the largest x if only static receivers must be answered, from the nearest depth at which one requires
-    /// shadow.
+    /// Returns the largest x if only static receivers must be answered. `next` is the nearest depth at which
+    /// one of them requires shadow.
     pub(crate) fn static_end(&self, first: FirstSurface, next: FixedDepth) -> u32 {
         if first.is_none() || next == FixedDepth::MAX {
             return FREE_TO_END;
@@ -304,7 +310,7 @@ impl ColumnRules {
         self.sampled_voxel(next)
     }
 
-    /// Returns the voxel that answers a look-up at this depth. Behind the grid it is the last one.
+    /// Returns the voxel that answers a look-up at this depth. Behind the grid, the last voxel answers.
     #[inline(always)]
     pub(crate) fn sampled_voxel(&self, depth: FixedDepth) -> u32 {
         self.voxel(depth).min(self.depth_voxels - 1)
@@ -318,10 +324,11 @@ impl ColumnRules {
 
     /// Returns the column's `[e, x]`: voxel k is defined lit if k < e and defined shadowed if k >= x.
     ///
-    /// Points in space, whose look-ups have no slope, get the switch nearest to the first surface, and no later than
-    /// its exit. A receiver behind, at whose lifted point `next` shadow must have begun, takes precedence: e is reduced
-    /// for it. But e is not reduced below what points before the first surface need, whose look-ups sample at least the
-    /// constant bias before it. Where no ground is assumed, [`Self::below`] is such a receiver.
+    /// Points in space, whose look-ups have no slope, get the switch nearest to the first surface, and no
+    /// later than its exit. A receiver behind, at whose lifted point `next` shadow must have begun, takes
+    /// precedence: e is reduced for it. But e is not reduced below what points before the first surface need,
+    /// whose look-ups sample at least the constant bias before it. Where no ground is assumed,
+    /// [`Self::below`] is such a receiver.
     #[inline(always)]
     pub(crate) fn column(&self, first: FirstSurface, base: FixedDepth, next: FixedDepth) -> [u32; 2] {
         // The grid's depth if there is no surface.
@@ -347,17 +354,19 @@ impl ColumnRules {
         CONTACTS.map(|(reach, _)| ((reach + footprint) * SUBTEXEL as f64).ceil() as i64)
     }
 
-    /// Returns the voxel in which a filter around a receiver reads a column in which its plane is at this depth, voxels.
+    /// Returns the voxel in which a filter around a receiver reads a column in which its plane is at this
+    /// depth, voxels.
     #[inline(always)]
     pub(crate) fn contact_at(&self, receiver: &ReceiverPlane, plane_voxels: f64) -> u32 {
         self.sampled_voxel(receiver.sampled_at(ReceiverKind::Filtered, plane_voxels).lifted)
     }
 
-    /// Returns the x of a column `[e, x]` in which a filter around a receiver within `ring` reads voxel `contact`.
+    /// Returns the x of a column `[e, x]` in which a filter around a receiver within
+    /// `ring` reads voxel `contact`.
     ///
-    /// The other rules ask what look-ups from a column's own receivers find. But in the columns of a wall, at the depth
-    /// of its foot, filters of the ground beside it find the inside of the wall. If that were lit, the contact shadow
-    /// would pale.
+    /// The other rules ask what look-ups from a column's own receivers find. But in the columns of a wall, at
+    /// the depth of its foot, filters of the ground beside it find the inside of the wall. If that were lit,
+    /// the contact shadow would pale.
     #[inline(always)]
     pub(crate) fn bounded([e, x]: [u32; 2], ring: usize, contact: u32) -> u32 {
         if contact >= e.saturating_add(CONTACTS[ring].1) { x.min(contact) } else { x }
@@ -369,28 +378,29 @@ impl ColumnRules {
         e.saturating_add(LEAST_CONTACT_VOXELS)
     }
 
-    /// Whether a first surface at this depth, with nothing behind it, is assumed to be the ground. One before the grid is
-    /// not: bounds hide what is behind it.
+    /// Whether a first surface at this depth, with nothing behind it, is assumed to be the ground. A surface
+    /// before the grid is not: the bounds hide the surfaces behind it.
     #[inline(always)]
     pub(crate) fn is_last(&self, depth: FixedDepth) -> bool {
         self.level_lift.is_none() & (depth >= 0)
     }
 
-    /// Returns where the shadow must have begun for points in space: at the solid's end, or an open surface's thickness
-    /// below it.
+    /// Returns where the shadow must have begun for points in space: at the solid's end, or an open surface's
+    /// thickness below it.
     #[inline(always)]
     pub(crate) fn exit(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
         let open_exit = first.depth().saturating_add(self.open_thickness(first));
         if first.is_solid() { base } else { open_exit }
     }
 
-    /// Returns the nearest depth at which look-ups from below a column's exit sample it; [`FixedDepth::MAX`] if nothing is
-    /// there.
+    /// Returns the nearest depth at which look-ups from below a column's exit sample it, or
+    /// [`FixedDepth::MAX`] if they need no answer.
     ///
-    /// Those from level ground right behind the end of a solid sample before the end: where the ground that an app draws meets
-    /// the foot of a wall. Below an open surface, only those that sample behind the exit are answered: the shadow would begin
-    /// at the surface everywhere otherwise, at up to three times the bytes. Look-ups that sample less than a voxel behind the
-    /// first surface count as before it. So e stays, and what is below something thin gets no acne.
+    /// Where the ground that an app draws meets the foot of a wall, look-ups from level ground right behind
+    /// the solid's end sample before that end. Below an open surface, only look-ups that sample behind the
+    /// exit are answered. Otherwise the shadow would begin at the surface everywhere, at up to three times
+    /// the bytes. Look-ups that sample less than a voxel behind the first surface count as before it. So e
+    /// stays, and surfaces below something thin get no acne.
     #[inline(always)]
     pub(crate) fn below(&self, first: FirstSurface, base: FixedDepth) -> FixedDepth {
         self.below_exit(self.exit(first, base), first.depth(), first.is_solid())

@@ -1,6 +1,7 @@
 //! Seams between solids that touch.
 //!
-//! Rays find no gap there. A column's samples may: snapping moves the corners of one solid off the edge of its neighbour.
+//! Rays find no gap there. A column's samples may: snapping moves the corners of one solid off the edge of
+//! its neighbour.
 
 use crate::columns::rules::FirstSurface;
 use crate::triangles::project::FixedDepth;
@@ -41,8 +42,8 @@ pub(crate) fn keep_meeting_seams(hits: &mut Vec<SeamHit>) -> bool {
     kept > 0
 }
 
-/// Removes the hits of a solid at texels that `surface`, another part of the solid's sunward side, covers itself. They
-/// are beside an edge within that side, where there is no seam.
+/// Removes the hits of a solid at texels that `surface`, another part of the solid's sunward side, covers
+/// itself. They are beside an edge within that side, where there is no seam.
 pub(crate) fn drop_covered_seams(hits: &mut Vec<SeamHit>, surface: &Surface, covers: impl Fn(usize) -> bool) {
     if surface.casts && surface.solid && !surface.masked && surface.shape.faces_sun {
         let body = [surface.instance, surface.component];
@@ -50,9 +51,9 @@ pub(crate) fn drop_covered_seams(hits: &mut Vec<SeamHit>, surface: &Surface, cov
     }
 }
 
-/// Closes the seams between solids that touch. A centre that is within the seam width of two solids is covered from the
-/// depth at which both are. The inside is unknown there, so the covering surface is open. Calls `close(texel, surface)`
-/// at most once per texel.
+/// Closes the seams between solids that touch. A centre that is within the seam width of two solids is
+/// covered from the depth at which both are. The inside is unknown there, so the covering surface is open.
+/// Calls `close(texel, surface)` at most once per texel.
 pub(crate) fn close_seams(hits: &[SeamHit], mut close: impl FnMut(usize, FirstSurface)) {
     for texel in hits.chunk_by(|a, b| a.texel == b.texel) {
         if let Some(second) = texel.iter().find(|hit| hit.body != texel[0].body) {

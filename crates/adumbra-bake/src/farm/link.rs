@@ -17,12 +17,13 @@ use crate::progress::{Progress, Report, Watch};
 use crate::sink::Structure;
 use crate::sink::depths::DepthsSink;
 
-/// Links the entries of a plan's parts to a file in `out`, from its position on. The bytes are those of a bake on one
-/// machine. The scene is not needed. Of `limits`, the memory limit and the folder for temporary files count.
+/// Links the entries of a plan's parts to a file in `out`, from its position on. The bytes are those of a
+/// bake on one machine. The scene is not needed. Of `limits`, the memory limit and the folder for temporary
+/// files count.
 ///
 /// # Errors
-/// Returns [`Error::MissingParts`] if entries are missing or damaged, [`Error::Io`] with the errors of `cache`,
-/// [`Error::Output`] with those of `out`, and the errors of the memory limit.
+/// Returns [`Error::MissingParts`] if entries are missing or damaged, [`Error::Io`] with the errors of
+/// `cache`, [`Error::Output`] with those of `out`, and the errors of the memory limit.
 pub fn link(
     plan: &BakePlan,
     cache: &Arc<dyn BakeCache>,

@@ -1,4 +1,5 @@
-//! A bake in steps that many machines can share: a plan, its parts in any order, and the file that is linked from them.
+//! A bake in steps that many machines can share: a plan, its parts in any order, and the file that is linked
+//! from them.
 //!
 //! | file | contents |
 //! |---|---|
@@ -7,8 +8,8 @@
 //! | `parts.rs` | bakes parts, and keeps their entries |
 //! | `link.rs` | makes the file from entries |
 //!
-//! Each step can be repeated, and ended at any moment: it does again what is missing. The file has the bytes of a bake
-//! on one machine. Who bakes which part, and when, is left to a scheduler.
+//! Each step can be repeated, and ended at any moment: it does again what is missing. The file has the bytes
+//! of a bake on one machine. Who bakes which part, and when, is left to a scheduler.
 
 mod link;
 mod parts;

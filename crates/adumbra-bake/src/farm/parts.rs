@@ -52,8 +52,8 @@ pub struct BakedParts {
 }
 
 impl<'s> PartBaker<'s> {
-    /// Prepares to bake parts of `plan`, which must be a plan of `scene`. Of `limits`, the memory limit and the folder
-    /// for temporary files count; everything else is in the plan.
+    /// Prepares to bake parts of `plan`, which must be a plan of `scene`. Of `limits`, the memory limit and
+    /// the folder for temporary files count; everything else is in the plan.
     ///
     /// # Errors
     /// Returns [`Error::SceneChanged`] if the scene is not the one that was planned.
@@ -90,14 +90,14 @@ impl<'s> PartBaker<'s> {
         self
     }
 
-    /// Bakes the parts with these ids whose entries are not in `cache` yet, and puts each there as soon as it is done.
-    /// What is damaged is made again. Parts of coarser levels come first, and of each level they come in the order of
-    /// `ids`.
+    /// Bakes the parts with these ids whose entries are not in `cache` yet, and puts each there as soon as it
+    /// is done. What is damaged is made again. Parts of coarser levels come first, and of each level they
+    /// come in the order of `ids`.
     ///
     /// # Errors
-    /// Returns [`Error::NoPart`] for an id that the plan does not have, [`Error::SceneChanged`] if the parts of this
-    /// program have other keys, and the errors of [`bake_with_cache`](crate::bake_with_cache). What was done before is
-    /// in `cache`.
+    /// Returns [`Error::NoPart`] for an id that the plan does not have, [`Error::SceneChanged`] if the parts
+    /// of this program have other keys, and the errors of [`Bake::in_memory`](crate::Bake::in_memory). What
+    /// was done before is in `cache`.
     pub fn bake(&self, ids: &[usize], cache: &Arc<dyn BakeCache>, watch: Watch<'_>) -> Result<BakedParts> {
         let mut by_level: Vec<Vec<_>> = vec![Vec::new(); self.levels.len()];
         let mut seen = HashSet::new();

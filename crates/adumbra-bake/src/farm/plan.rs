@@ -85,8 +85,8 @@ impl PlannedLevel {
 }
 
 impl BakePlan {
-    /// Plans the bake of `scene`. Cost: that of finding the triangles in reach of each root block, and, unless the
-    /// options have a frame, a forecast.
+    /// Plans the bake of `scene`. Cost: that of finding the triangles in reach of each root block, and,
+    /// unless the options have a frame, a forecast.
     ///
     /// # Errors
     /// Returns an error if an option is out of range, or if the scene does not fit `max_memory_bytes`.

@@ -1,4 +1,5 @@
-//! A plan as data, for `serde`: what it is made of, a format and a digest. A plan that was changed is refused.
+//! A plan as data, for `serde`: what it is made of, a format and a digest. A plan that was changed is
+//! refused.
 
 use std::collections::HashSet;
 

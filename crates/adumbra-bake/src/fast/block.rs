@@ -1,14 +1,14 @@
 //! Blocks of columns, and exact tests of which triangles near them touch, cross and cover them.
 //!
-//! All tests use the snapped coordinates that decide which texel centres a triangle covers, so they cannot disagree
-//! with the sampling. A test may err only towards "touches" and "crosses".
+//! All tests use the snapped coordinates that decide which texel centres a triangle covers, so they cannot
+//! disagree with the sampling. A test may err only towards "touches" and "crosses".
 
 use crate::columns::rules::{ColumnRules, ReceiverKind, ReceiverPlane};
 use crate::triangles::project::{FixedDepth, Plane, Projected, SUBTEXEL, fixed_depth};
 use crate::triangles::surface::Surface;
 
-/// Distance in 1/256 texel outside the footprints of a block's texels at which an edge still counts as crossing the
-/// block: snapping moves corners by half a step.
+/// Distance in 1/256 texel outside the footprints of a block's texels at which an edge still counts as
+/// crossing the block: snapping moves corners by half a step.
 const CROSSING_MARGIN: i64 = 3;
 
 /// Slack for depths that are computed over a block and sampled at its texels, 1/256 voxel.
@@ -29,13 +29,13 @@ pub(crate) struct BlockSurface {
     pub(crate) surface: Surface,
     /// The surface as a receiver, if it is one.
     pub(crate) receiver: Option<ReceiverPlane>,
-    /// Which edges, in the order of [`Projected::snapped`], have no adjacent triangle that is drawn and faces the same
-    /// way. Only there can the number of layers change.
+    /// Which edges, in the order of [`Projected::snapped`], have no adjacent triangle that is drawn and faces
+    /// the same way. Only there can the number of layers change.
     pub(crate) contour: [bool; 3],
     /// Surfaces with equal `group` are connected and face the same way.
     pub(crate) group: u32,
-    /// Surfaces with equal `body` belong to the same connected component. The groups of a component have consecutive
-    /// numbers.
+    /// Surfaces with equal `body` belong to the same connected component. The groups of a component have
+    /// consecutive numbers.
     pub(crate) body: u32,
 }
 
@@ -77,8 +77,8 @@ impl Block {
         SnappedRect { low, high: low.map(|c| c + side) }
     }
 
-    /// Returns the rectangle in which edges count as crossing. It reaches as far as receivers that sample the block's
-    /// columns; otherwise a layer that ends beside the block would be taken for one that continues.
+    /// Returns the rectangle in which edges count as crossing. It reaches as far as receivers that sample the
+    /// block's columns; otherwise a layer that ends beside the block would be taken for one that continues.
     pub(crate) fn crossing_rect(&self, rules: &ColumnRules) -> SnappedRect {
         let outside = rules.footprint_half_texels(ReceiverKind::Footprint) - 0.5;
         self.snapped((outside * SUBTEXEL as f64).ceil() as i64 + CROSSING_MARGIN)
@@ -101,12 +101,13 @@ impl SnappedRect {
     /// [`Self::touches`] for a triangle whose box the rectangle meets.
     pub(crate) fn touches_within_box(&self, triangle: &Projected) -> bool {
         let c = &triangle.snapped;
-        // Separation by an edge: corners are anticlockwise, so the inside is where the edge function is positive. A
-        // degenerate triangle has both sides.
+        // Separation by an edge: corners are anticlockwise, so the inside is where the edge function is
+        // positive. A degenerate triangle has both sides.
         (0..3).all(|e| self.reaches_left_of(c[e], c[(e + 1) % 3]))
     }
 
-    /// Whether the box of these corners, texels, is beside the rectangle. Cheaper than projecting the triangle.
+    /// Whether the box of these corners, texels, is beside the rectangle. Cheaper than projecting the
+    /// triangle.
     pub(crate) fn misses_box_of(&self, corners_grid: &[[f64; 3]; 3]) -> bool {
         (0..2).any(|a| {
             let [p, q, r] = corners_grid.map(|c| c[a] * SUBTEXEL as f64);
@@ -122,8 +123,8 @@ impl SnappedRect {
             && self.reaches_left_of(b, a)
     }
 
-    /// Whether a corner of the rectangle is on the line from `a` to `b` or to its left: `dx·(y - a.y) - dy·(x - a.x)`
-    /// is not negative there.
+    /// Whether a corner of the rectangle is on the line from `a` to `b` or to its left:
+    /// `dx·(y - a.y) - dy·(x - a.x)` is not negative there.
     fn reaches_left_of(&self, a: [i64; 2], b: [i64; 2]) -> bool {
         let (dx, dy) = (b[0] - a[0], b[1] - a[1]);
         let y = if dx >= 0 { self.high[1] } else { self.low[1] } - a[1];
@@ -138,8 +139,8 @@ impl SnappedRect {
 /// Depth bounds of a surface over a block, 1/256 voxel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfaceRange {
-    /// Bounds of the depths over the block's texels and their footprints. What is sampled there is strictly within
-    /// them.
+    /// Bounds of the depths over the block's texels and their footprints. Depths that are sampled there are
+    /// strictly within the bounds.
     pub(crate) low: FixedDepth,
     pub(crate) high: FixedDepth,
     /// Bounds of where look-ups from the surface sample the block's columns; `None` if it receives no light.
@@ -147,20 +148,21 @@ pub(crate) struct SurfaceRange {
 }
 
 impl SurfaceRange {
-    /// Whether the surface is so far behind a resolved depth that neither what it covers nor what it receives decides a
-    /// column.
+    /// Whether the surface is so far behind a resolved depth that neither what it covers nor what it receives
+    /// decides a column.
     pub(crate) fn is_behind(&self, resolved: FixedDepth) -> bool {
         self.low > resolved && self.sampled.is_none_or(|s| is_sampled_behind(s.lifted_low, resolved))
     }
 
-    /// Returns the nearest depth that look-ups from the surface sample, or [`FixedDepth::MAX`] if it receives no light.
+    /// Returns the nearest depth that look-ups from the surface sample, or [`FixedDepth::MAX`] if it receives
+    /// no light.
     pub(crate) fn lifted(&self) -> FixedDepth {
         self.sampled.map_or(FixedDepth::MAX, |s| s.lifted_low)
     }
 }
 
-/// Whether look-ups that sample at `lifted` or deeper find the shadow of every column that ends at `resolved` or
-/// before.
+/// Whether look-ups that sample at `lifted` or deeper find the shadow of every column that ends at `resolved`
+/// or before.
 pub(crate) fn is_sampled_behind(lifted: FixedDepth, resolved: FixedDepth) -> bool {
     lifted > resolved.saturating_add(SUBTEXEL as FixedDepth)
 }
@@ -205,8 +207,8 @@ impl BlockSurface {
         let sampled = self.receiver.map(|ReceiverPlane { plane, lift_voxels, rounding_voxels }| {
             // Points of the surface are at most this far from the centres at which its plane is evaluated.
             let rise = footprint * plane.gradient_sum();
-            // A centre that only the snapped corners cover is up to half a step outside the triangle, where its plane
-            // continues.
+            // A centre that only the snapped corners cover is up to half a step outside the triangle, where
+            // its plane continues.
             let snapping = plane.gradient_sum() / (2 * SUBTEXEL) as f64;
             SampledRange {
                 deepest: fixed_depth(high + snapping) + DEPTH_SLACK,
@@ -217,8 +219,9 @@ impl BlockSurface {
         SurfaceRange { low: fixed_depth(low) - DEPTH_SLACK, high: fixed_depth(high) + DEPTH_SLACK, sampled }
     }
 
-    /// Returns the first and the last voxel in which filters around the surface may read the block's columns, or `None`
-    /// if it receives no light or they read none. With `front`, those count as none that it leaves free.
+    /// Returns the first and the last voxel in which filters around the surface may read the block's columns,
+    /// or `None` if the surface receives no light or its filters read none of the columns. With `front`,
+    /// reads of voxels that it leaves free do not count.
     pub(crate) fn contacts_over(
         &self,
         block: &Block,
@@ -228,7 +231,7 @@ impl BlockSurface {
         let receiver = self.receiver.as_ref()?;
         let shape = &self.surface.shape;
         let plane = &receiver.plane;
-        // The block's centres within reach of the triangle's box, one more for rounding.
+        // The block's centres within reach of the triangle's box, plus one texel for rounding.
         let reach = rules.contact_reach_texels() + 1.0;
         let corner = [block.x, block.y].map(f64::from);
         let side = f64::from(1_u32 << block.level);

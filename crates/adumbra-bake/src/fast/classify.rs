@@ -1,11 +1,11 @@
 //! Classifies a whole block of columns from the triangles near it, without sampling every column.
 //!
-//! The bounds are those of the block descent: E, at least the largest e of the block's columns, and X, at most their
-//! smallest x. The block is *resolved* if X >= E. The bounds rest on one fact. Surfaces that are connected and face the
-//! same way cover every texel centre of a block equally often, unless an edge at which that side ends (a contour of a
-//! solid, the border of an open surface) crosses the block. So one sample decides whether such a group covers the
-//! block, and if it does, its depth range there bounds the first surface. All other bounds are conservative: one that
-//! is too weak costs time but never changes an answer.
+//! The bounds are those of the block descent: E, at least the largest e of the block's columns, and X, at
+//! most their smallest x. The block is *resolved* if X >= E. The bounds rest on one fact. Surfaces that are
+//! connected and face the same way cover every texel centre of a block equally often, unless an edge at which
+//! that side ends (a contour of a solid, the border of an open surface) crosses the block. So one sample
+//! decides whether such a group covers the block, and if it does, its depth range there bounds the first
+//! surface. All other bounds are conservative: one that is too weak costs time but never changes an answer.
 
 use crate::columns::rules::{ColumnRules, FREE_TO_END, ReceiverKind};
 use crate::fast::block::{
@@ -21,9 +21,9 @@ const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;
 pub(crate) enum Classification {
     /// Every column may switch anywhere in `[e, x]`.
     Resolved([u32; 2]),
-    /// The block must be subdivided or drawn. No first surface is deeper than `resolved`, no solid that is hit first
-    /// ends deeper, and every column has a receiver behind it, so surfaces behind `resolved` no longer matter.
-    /// [`FixedDepth::MAX`] if nothing is known.
+    /// The block must be subdivided or drawn. No first surface is deeper than `resolved`, no solid that is
+    /// hit first ends deeper, and every column has a receiver behind it, so surfaces behind `resolved` no
+    /// longer matter. [`FixedDepth::MAX`] if nothing is known.
     Unresolved { resolved: FixedDepth },
 }
 
@@ -75,10 +75,11 @@ enum Kind {
     Masked,
 }
 
-/// Classifies `block` by the surfaces near it. `list` has ascending indices into `surfaces`: all surfaces within reach
-/// of the columns' footprints that are no deeper than what is known to be resolved. `known_behind` is the nearest depth
-/// at which the deeper ones are sampled, or [`FixedDepth::MAX`] if there are none. `beside` has receivers farther away,
-/// whose filters may read the block's columns.
+/// Classifies `block` by the surfaces near it. `list` has ascending indices into `surfaces`: all surfaces
+/// within reach of the columns' footprints that are no deeper than what is known to be resolved.
+/// `known_behind` is the nearest depth at which the deeper ones are sampled, or
+/// [`FixedDepth::MAX`] if there are none. `beside` has receivers farther away, whose filters may read the
+/// block's columns.
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn classify(
     block: &Block,
@@ -98,7 +99,8 @@ pub(crate) fn classify(
             .filter(|&&s| surfaces[s as usize].surface.shape.covers(i, j))
             .count()
     };
-    // A group without a contour here covers all columns or none. One that covers none is no column's first surface.
+    // A group without a contour here covers all columns or none. A group that covers none is the first
+    // surface of no column.
     let mut covering: Option<Cover> = None;
     for (n, g) in groups.iter_mut().enumerate() {
         if g.contour || g.kind == Kind::Receiver || g.kind == Kind::Masked {
@@ -133,8 +135,9 @@ pub(crate) fn classify(
     }
 }
 
-/// Returns the nearest depth, not before `e`, that no solid extends across: every solid that was entered has been left
-/// there. Returns [`FixedDepth::MAX`] if some column may have no surface behind it, or if a first surface may be open.
+/// Returns the nearest depth, not before `e`, that no solid extends across: every solid that was entered has
+/// been left there. Returns [`FixedDepth::MAX`] if some column may have no surface behind it, or if a first
+/// surface may be open.
 fn resolved_depth(
     groups: &[Group],
     known_behind: FixedDepth,
@@ -236,8 +239,8 @@ fn earliest_end(groups: &[Group], known_behind: FixedDepth, cover: &Cover, rules
     if end == FREE_TO_END && rules.is_last(first_low) { end } else { end.min(rules.latest_switch(exit)) }
 }
 
-/// Returns `x`, or a lower bound on the voxels in which filters read the block's columns behind their first surfaces, if
-/// that is less.
+/// Returns `x`, or a lower bound on the voxels in which filters read the block's columns behind their first
+/// surfaces, if that is less.
 fn earliest_contact(
     block: &Block,
     surfaces: &[BlockSurface],
@@ -265,8 +268,8 @@ fn earliest_contact(
     contacts.filter(|[_, high]| *high >= from).map(|[low, _]| low.max(from)).fold(x, u32::min)
 }
 
-/// Whether outlines of two solids cross the block, so that [`crate::columns::seams::close_seams`] may find both at one
-/// texel.
+/// Whether outlines of two solids cross the block, so that [`crate::columns::seams::close_seams`] may find
+/// both at one texel.
 fn seams_may_be_closed<'a>(solids: impl Iterator<Item = &'a Group>) -> bool {
     let mut bodies = solids.filter(|g| g.contour && g.kind == Kind::SolidFront).map(|g| g.body);
     let one = bodies.next();
@@ -274,28 +277,31 @@ fn seams_may_be_closed<'a>(solids: impl Iterator<Item = &'a Group>) -> bool {
 }
 
 impl Group {
-    /// Returns how much deeper than the surface at a texel's centre the plane of a neighbour in the same smooth layer
-    /// may be there, 1/256 voxel.
+    /// Returns how much deeper than the surface at a texel's centre the plane of a neighbour in the same
+    /// smooth layer may be there, 1/256 voxel.
     fn rise_of_neighbours(&self, rules: &ColumnRules) -> f64 {
         let bend: f64 = (0..2).map(|a| self.gradient_high[a] - self.gradient_low[a]).sum();
         let half = rules.footprint_half_texels(ReceiverKind::Footprint) + FOOTPRINT_SLACK;
         half * bend * SUBTEXEL as f64
     }
 
-    /// Whether filters around this layer find no shadow in it: over their reach it bends by less than what is free.
+    /// Whether filters around this layer find no shadow in it: over their reach, the layer bends by less than
+    /// the free distance.
     fn bends_within(&self, rules: &ColumnRules) -> bool {
         let bend: f64 = (0..2).map(|a| self.gradient_high[a] - self.gradient_low[a]).sum();
         (rules.contact_reach_texels() + 1.0) * bend < free_voxels() + rules.least_lift_voxels()
     }
 }
 
-/// How far behind a first surface filters may read before a column must be shadowed for them, less slack, voxels.
+/// How far behind a first surface filters may read before a column must be shadowed for them, less slack,
+/// voxels.
 fn free_voxels() -> f64 {
     // A first voxel that may be in shadow begins up to half a voxel before its surface.
     f64::from(ColumnRules::contact_from(0)) - 1.0
 }
 
-/// Returns the plane of one of these surfaces, moved before all others over the block. `None` if one has no plane.
+/// Returns the plane of one of these surfaces, moved before all others over the block. `None` if one has no
+/// plane.
 fn front<'a>(block: &Block, mut surfaces: impl Iterator<Item = &'a BlockSurface>) -> Option<Front> {
     let half_side = f64::from(1_u32 << block.level) / 2.0;
     let [x, y] = [block.x, block.y].map(|c| f64::from(c) + half_side);

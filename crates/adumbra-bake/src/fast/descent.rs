@@ -1,8 +1,9 @@
-//! The block descent: a quadtree of blocks over the light's plane, each with the list of surfaces near it. Blocks that
-//! classification resolves are never sampled. Only blocks that contours cross are subdivided down to texels.
+//! The block descent: a quadtree of blocks over the light's plane, each with the list of surfaces near it.
+//! Blocks that classification resolves are never sampled. Only blocks that contours cross are subdivided down
+//! to texels.
 //!
-//! Cost: each surface is visited once per block that it is near, unless an ancestor of the block was resolved. The
-//! number of texels drawn is about the contours' length in texels.
+//! Cost: each surface is visited once per block that it is near, unless an ancestor of the block was
+//! resolved. The number of texels drawn is about the contours' length in texels.
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,9 +43,9 @@ pub(crate) struct DescentBuffers {
 }
 
 impl DescentBuffers {
-    /// Removes the surfaces behind `resolved`, and their ranges, from the list that was classified last. Those whose
-    /// filters still read before it are moved to the list of farther receivers. Returns the nearest depth that look-ups
-    /// from removed surfaces sample.
+    /// Removes the surfaces behind `resolved`, and their ranges, from the list that was classified last.
+    /// Those whose filters still read before it are moved to the list of farther receivers. Returns the
+    /// nearest depth that look-ups from removed surfaces sample.
     fn forget_behind(
         &mut self,
         block: &Block,
@@ -75,7 +76,8 @@ impl DescentBuffers {
     }
 }
 
-/// Returns the bytes that a worker holds: the surfaces of the fullest root block, and their lists at every level.
+/// Returns the bytes that a worker holds: the surfaces of the fullest root block, and their lists at every
+/// level.
 pub(crate) fn working_bytes(casters: &Casters<'_>, root_blocks: [u32; 3]) -> u64 {
     let fullest = (0..(root_blocks[0] * root_blocks[1]) as usize)
         .map(|root_block| {
@@ -83,7 +85,8 @@ pub(crate) fn working_bytes(casters: &Casters<'_>, root_blocks: [u32; 3]) -> u64
         })
         .max()
         .unwrap_or_default();
-    // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far shorter.
+    // Gathering holds the surfaces at most twice. A list is at most as long as its parent's, and most are far
+    // shorter.
     let any_masked = casters.scene.materials.iter().any(|m| m.alpha != AlphaMode::Opaque);
     let mask = if any_masked { size_of::<LazyMask>() + size_of::<TriangleMask>() } else { 0 };
     fullest * ((2 * size_of::<BlockSurface>() + size_of::<SnappedBox>() + mask) as u64 + 48)
@@ -138,8 +141,8 @@ pub(crate) fn build_root<S: BlockSink>(
     descent.build(block, [0, 0], FixedDepth::MAX, buffers)
 }
 
-/// Returns how far outside a block a surface may matter to its columns, 1/256 texel, from how far it may be from their
-/// centres, texels.
+/// Returns how far outside a block a surface may matter to its columns, 1/256 texel, from how far it may be
+/// from their centres, texels.
 fn reach_outside(texels: f64) -> i64 {
     // A centre is half a texel inside the border. Snapping moves corners.
     ((texels - 0.5) * SUBTEXEL as f64).ceil() as i64 + 2
@@ -147,7 +150,8 @@ fn reach_outside(texels: f64) -> i64 {
 
 struct Descent<'a, S> {
     setting: Setting<'a>,
-    /// The box of each surface, apart so that those beside a block cost one read of memory.
+    /// The box of each surface, stored separately so that skipping a surface beside a block takes one memory
+    /// read.
     boxes: Vec<SnappedBox>,
     /// How far outside a block a surface may matter, and how far its filters may read, 1/256 texel.
     reach: i64,
@@ -158,8 +162,8 @@ struct Descent<'a, S> {
 
 impl<S: BlockSink> Descent<'_, S> {
     /// Builds a block whose surfaces are `buffers.lists[from..]`; receivers farther away are
-    /// `buffers.beside[from_beside..]`. Some surface behind everything resolved is sampled at `known_behind`. Recursion
-    /// depth: the number of levels.
+    /// `buffers.beside[from_beside..]`. `known_behind` is the nearest depth at which removed surfaces, which
+    /// are behind all resolved depths, are sampled. Recursion depth: the number of levels.
     fn build(
         &self,
         block: Block,
@@ -182,7 +186,7 @@ impl<S: BlockSink> Descent<'_, S> {
         let found = classify(&block, surfaces, list, beside, known_behind, rules, &mut buffers.classify);
         let resolved = match found {
             Classification::Resolved(interval) => return Ok(self.sink.uniform(block.level, interval)),
-            // What static receivers require depends on all surfaces.
+            // Keep all surfaces: the requirements of static receivers depend on all of them.
             Classification::Unresolved { .. } if rules.receivers == Receivers::Static => FixedDepth::MAX,
             Classification::Unresolved { resolved } => resolved,
         };

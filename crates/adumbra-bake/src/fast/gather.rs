@@ -1,4 +1,5 @@
-//! Gathers the surfaces of a root block: projected once, grouped by connectivity and facing, with their contours.
+//! Gathers the surfaces of a root block: projected once, grouped by connectivity and facing, with their
+//! contours.
 
 use crate::columns::rules::ColumnRules;
 use crate::fast::block::{BlockSurface, SnappedRect};
@@ -8,8 +9,8 @@ use crate::triangles::project::Projected;
 use crate::triangles::surface::{Surface, surface_of};
 use adumbra::grid::LightGrid;
 
-/// Gathers the surfaces of root block `root_block` that touch `near`, sorted by group, and within a group in the order
-/// of the clusters.
+/// Gathers the surfaces of root block `root_block` that touch `near`, sorted by group, and within a group in
+/// the order of the clusters.
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn gather(
     casters: &Casters<'_>,
@@ -89,7 +90,7 @@ impl VertexCache {
     }
 }
 
-/// Returns what the surfaces of a group have in common: instance, component, and how they are drawn.
+/// Returns the properties that the surfaces of a group share: instance, component, and how they are drawn.
 fn group_key(s: &Surface, component: u32) -> GroupKey {
     let bits = [s.shape.plane.is_some(), s.shape.faces_sun, s.casts, s.solid, s.masked];
     let drawn = bits.iter().fold(0, |word, &bit| word << 1 | u32::from(bit));

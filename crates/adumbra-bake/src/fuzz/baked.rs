@@ -1,13 +1,13 @@
-//! Compares builders with each other: the same scene must have the same columns, whichever builder finds them, and
-//! whatever the order of its triangles.
+//! Compares builders with each other: the same scene must have the same columns, whichever builder finds
+//! them, and whatever the order of its triangles.
 
+use crate::Bake;
 use crate::fuzz::dice::Dice;
 use crate::fuzz::totals::Totals;
 use crate::options::{BakeOptions, ColumnBuilder};
 use crate::plain::agreement::{BothBuffers, Column, for_each_column};
 use crate::plan::Plan;
 use crate::test_bakes::bake_depths;
-use crate::{Watch, bake};
 use adumbra::ShadowFile;
 use adumbra::layout::depths::DepthTree;
 use adumbra::layout::depths::code::ColumnNode;
@@ -36,13 +36,13 @@ fn shuffled(scene: &Scene, dice: &mut Dice) -> Scene {
 }
 
 impl BakedPair {
-    /// Bakes both. A finished quadtree is valid.
+    /// Bakes both files. Checks that neither the order of triangles nor merging shapes changes the depths.
     pub(crate) fn new(seed: u64, scene: &Scene, options: &BakeOptions) -> Result<Self, String> {
         let text = |e: crate::Error| e.to_string();
         let [fast, plain] = [options.builder, ColumnBuilder::Plain]
             .map(|builder| BakeOptions { builder, levels: 1, ..options.clone() })
-            .map(|options| bake(scene, &options, Watch::none()));
-        let (fast, plain) = (fast.map_err(text)?.file, plain.map_err(text)?.file);
+            .map(|options| Bake::with_options(scene, &options).in_memory());
+        let (fast, plain) = (fast.map_err(text)?, plain.map_err(text)?);
         let unmerged = bake_depths(scene, options, false).map_err(text)?.0;
         let shuffled = bake_depths(&shuffled(scene, &mut Dice::new(seed, 2)), options, true).map_err(text)?.0;
         if shuffled != *fast.tree {
@@ -57,7 +57,7 @@ impl BakedPair {
         Ok(Self { fast, plain })
     }
 
-    /// Returns each of them with its name.
+    /// Returns each file with the name of its builder.
     pub(crate) fn each(&self) -> [(&'static str, &ShadowFile); 2] {
         [("fast builder", &self.fast), ("plain builder", &self.plain)]
     }

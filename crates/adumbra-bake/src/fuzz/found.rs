@@ -1,5 +1,5 @@
-//! Regression tests for fuzzer findings, reduced to the smallest scenes that show them. The sun is overhead and a voxel
-//! is 1 m, so grid point (x, y, z) is world point (x, -z, y).
+//! Regression tests for fuzzer findings, reduced to the smallest scenes that show them. The sun is overhead
+//! and a voxel is 1 m, so grid point (x, y, z) is world point (x, -z, y).
 
 use crate::choose;
 use crate::options::{AssumeGround, BakeOptions, Size};
@@ -43,7 +43,7 @@ fn assert_builders_agree(scene: &Scene, bias: Bias) {
 
 /// A normal offset makes look-ups sample columns more than half a texel away, even across a crease.
 #[test]
-fn creases_count_as_far_as_a_normal_offset_reaches() {
+fn builders_agree_on_a_crease_within_the_normal_offset() {
     let crease = [[54.3, 64.0, 26.6], [0.0, 0.0, 39.4]];
     let triangles = [[crease[0], [0.0, 38.4, 1.0], crease[1]], [crease[0], crease[1], [54.3, 0.0, 39.4]]];
     assert_builders_agree(&scene(&triangles, 1), Bias { normal_offset_texels: 0.66, ..Bias::default() });
@@ -51,7 +51,7 @@ fn creases_count_as_far_as_a_normal_offset_reaches() {
 
 /// Two copies of one solid: the ridge is an edge between two sunward sides, not a seam between solids.
 #[test]
-fn ridges_of_solids_that_coincide_are_no_seams() {
+fn ridges_of_coincident_solids_are_not_seams() {
     // Just beside the texels' centres, on either side: after snapping, the ridge passes through them.
     for ridge in [31.5 - 0.0015, 31.5 + 0.0015] {
         let [a, b] = [[0.0, ridge, 1.0], [64.0, ridge, 40.0]];
@@ -73,10 +73,10 @@ fn ridges_of_solids_that_coincide_are_no_seams() {
     }
 }
 
-/// Two ramps as one surface, one twice as steep, with a wall between them that does not face the sun. The first ends
-/// beside a block, where the offset look-ups of the second reach into it.
+/// Two ramps as one surface, one twice as steep, with a wall between them that does not face the sun. The
+/// first ends beside a block, where the offset look-ups of the second reach into it.
 #[test]
-fn a_layer_that_ends_beside_a_block_is_not_smooth_over_it() {
+fn layer_ending_beside_a_block_is_not_smooth_over_it() {
     let ramp = |[y0, y1]: [f32; 2], steepness: f32| {
         let at = |x: f32, y: f32| [x, y, 1.0 + steepness * (x - 40.0)];
         [[at(40.0, y0), at(90.0, y0), at(90.0, y1)], [at(40.0, y0), at(90.0, y1), at(40.0, y1)]]

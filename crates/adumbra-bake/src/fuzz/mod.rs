@@ -1,7 +1,8 @@
-//! Fuzzes random scenes under every option: both builders are compared with each other, and look-ups with rays.
+//! Fuzzes random scenes under every option: both builders are compared with each other, and look-ups with
+//! rays.
 //!
-//! A case depends on its seed alone. `ADUMBRA_FUZZ_SEEDS=100..200` runs those seeds instead of the default ones.
-//! `ADUMBRA_FUZZ_SECONDS=600` runs from the first seed on for that many seconds. See CONTRIBUTING.md.
+//! A case depends on its seed alone. `ADUMBRA_FUZZ_SEEDS=100..200` runs those seeds instead of the default
+//! ones. `ADUMBRA_FUZZ_SECONDS=600` runs from the first seed on for that many seconds. See CONTRIBUTING.md.
 
 mod baked;
 mod dice;
@@ -78,7 +79,8 @@ fn check_caught(seed: u64) -> Result<Totals, String> {
     })
 }
 
-/// Checks seeds on all cores until the seeds or the time run out. Returns the totals, and the failures by seed.
+/// Checks seeds on all cores until the seeds or the time run out. Returns the totals, and the failures by
+/// seed.
 fn run(seeds: Range<u64>, time: Option<Duration>) -> (Totals, Vec<(u64, String)>) {
     let start = Instant::now();
     let next = AtomicU64::new(seeds.start);
@@ -107,8 +109,8 @@ fn run(seeds: Range<u64>, time: Option<Duration>) -> (Totals, Vec<(u64, String)>
     thread::scope(|scope| {
         for _ in 0..workers {
             scope.spawn(|| {
-                // One pool per worker: in a shared one, a bake that waits for its workers would start the next seed on
-                // its stack.
+                // One pool per worker: in a shared one, a bake that waits for its workers would start the
+                // next seed on its stack.
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("one thread");
                 pool.install(work);
             });

@@ -9,7 +9,8 @@ use adumbra_testing::toothed_bar;
 
 type Point = [f64; 3];
 
-/// Corners of a hexahedron's faces, anticlockwise from outside. Bit a of a corner's number is its side along axis a.
+/// Corners of a hexahedron's faces, anticlockwise from outside. Bit a of a corner's number is its side along
+/// axis a.
 const FACES: [[usize; 4]; 6] =
     [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
 
@@ -172,8 +173,8 @@ impl Modeller<'_> {
         }
     }
 
-    /// Adds triangles with few vertices, which share edges in every way: open, closed, folded, more than two at an
-    /// edge.
+    /// Adds triangles with few vertices, which share edges in every way: open, closed, folded, more than two
+    /// at an edge.
     fn woven(&mut self, center: Point) {
         let vertices: Vec<Point> = (0..self.dice.count(5..9)).map(|_| self.dice.near(center, 3.0)).collect();
         for _ in 0..self.dice.below(20) {
@@ -245,7 +246,8 @@ impl Modeller<'_> {
         }
     }
 
-    /// Adds parallel layers, open or solid, with gaps of 0.2 to 12 voxels along the light, at any slope to the light.
+    /// Adds parallel layers, open or solid, with gaps of 0.2 to 12 voxels along the light, at any slope to
+    /// the light.
     fn layers(&mut self, center: Point) {
         let grain = std::mem::replace(&mut self.grain, 0.0);
         let slope = if self.dice.chance(0.3) { 0.0 } else { self.dice.scale(0.1..15.0) };

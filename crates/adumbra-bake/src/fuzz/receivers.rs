@@ -1,10 +1,10 @@
 //! Compares look-ups at receivers with rays.
 //!
-//! The guarantee: a look-up samples the column of a texel at the depth of the receiver's plane at the texel's centre,
-//! less the receiver's bias, and it finds what a ray from that point to the sun finds. `truth.rs` defines where nothing
-//! is guaranteed. `Receivers::Static` guarantees as much, because its columns hold for every static surface and only
-//! surfaces are looked up here. So do `assume_ground`, which frees only columns that no surface samples, and
-//! `closed_regions = false`, which makes solids open.
+//! The guarantee: a look-up samples the column of a texel at the depth of the receiver's plane at the texel's
+//! centre, less the receiver's bias, and it finds what a ray from that point to the sun finds. `truth.rs`
+//! defines where nothing is guaranteed. `Receivers::Static` guarantees as much, because its columns hold for
+//! every static surface and only surfaces are looked up here. So do `assume_ground`, which frees only columns
+//! that no surface samples, and `closed_regions = false`, which makes solids open.
 
 use crate::fuzz::baked::BakedPair;
 use crate::fuzz::dice::Dice;
@@ -62,8 +62,8 @@ impl Checker<'_> {
         Some(dice.below(self.truth.triangles.len()))
     }
 
-    /// Picks one of the triangles over the centre of a random texel, so that triangles are chosen in proportion to
-    /// their area.
+    /// Picks one of the triangles over the centre of a random texel, so that triangles are chosen in
+    /// proportion to their area.
     fn triangle_at_a_texel(&self, dice: &mut Dice) -> Option<usize> {
         let size = self.truth.grid.size;
         let [i, j] = [0, 1].map(|a| dice.below(size[a] as usize) as i64);
@@ -72,8 +72,8 @@ impl Checker<'_> {
         if over.is_empty() { None } else { Some(dice.pick(&over)) }
     }
 
-    /// Picks a random point on a triangle. Returns `None` if the triangle receives no sunlight. Both sides of an open
-    /// surface do.
+    /// Picks a random point on a triangle. Returns `None` if the triangle receives no sunlight. Both sides of
+    /// an open surface do.
     fn point_on(&self, own: usize, dice: &mut Dice) -> Option<Point> {
         let t = &self.truth.triangles[own];
         let instance = &self.scene.instances[t.instance as usize];
@@ -151,7 +151,7 @@ impl Checker<'_> {
         self.truth.is_lit(own, texel, depth as f64 / (1_u64 << bits) as f64)
     }
 
-    /// Checks the taps of the widest filter, each if something is guaranteed for its own texel.
+    /// Checks the taps of the widest filter. Skips taps in texels for which nothing is guaranteed.
     fn check_taps(
         &self,
         own: usize,
@@ -168,8 +168,8 @@ impl Checker<'_> {
                         continue;
                     }
                 };
-                // Gradients are rounded to 1/256, so a few texels from the point the sample may be in the voxel before
-                // the surface's own.
+                // Gradients are rounded to 1/256, so a few texels from the point the sample may be in the
+                // voxel before the surface's own.
                 let layer = depth_at(fixed, [x, y]) >> (FIXED_BITS + GRADIENT_BITS);
                 if !lit && layer < self.truth.sampled_layer(own, [x, y]) {
                     totals.skip(Skip::Rounding);
@@ -224,8 +224,8 @@ fn depth_at(fixed: &FixedReceiver, texel: [i64; 2]) -> i64 {
     (fixed.p_fixed[2] << GRADIENT_BITS) + along(0) + along(1)
 }
 
-/// Whether one tap is lit, straight from the definition: everything beside and before the grid is lit, and behind the
-/// grid its last layer answers.
+/// Whether one tap is lit, straight from the definition: everything beside and before the grid is lit, and
+/// behind the grid its last layer answers.
 fn tap(tree: &DepthTree, fixed: &FixedReceiver, texel: [i64; 2]) -> bool {
     let [nx, ny, nz] = tree.size().map(i64::from);
     let [x, y] = texel;

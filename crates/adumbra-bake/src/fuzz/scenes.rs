@@ -114,7 +114,8 @@ fn scene(dice: &mut Dice, frame: &Frame, sun: &Sun, voxel: f64) -> Scene {
     scene
 }
 
-/// Returns a transform: identity, sheared, mirrored, scaled along each axis, or flattened; possibly with a translation.
+/// Returns a transform: identity, sheared, mirrored, scaled along each axis, or flattened; possibly with a
+/// translation.
 fn placing(dice: &mut Dice, frame: &Frame, grain: f64) -> [[f64; 4]; 3] {
     let mut rows = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     match dice.below(8) {

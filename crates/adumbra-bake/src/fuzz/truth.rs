@@ -1,5 +1,5 @@
-//! The guarantees of a look-up, from every triangle over a texel's centre, read straight from the scene, and from a
-//! ray.
+//! The guarantees of a look-up, from every triangle over a texel's centre, read straight from the scene, and
+//! from a ray.
 
 use crate::columns::rules::{ColumnRules, ReceiverKind, ReceiverPlane};
 use crate::fuzz::totals::Skip;
@@ -14,8 +14,8 @@ use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 /// Depths closer than this count as equal, voxels: a few times the 1/256 to which the bake rounds.
 const DEPTH_SLACK: f64 = 1.0 / 64.0;
-/// Centres this close to an outline may be covered or not, texels: 1/256 for closing seams and half of that for
-/// snapping, along both axes.
+/// Centres this close to an outline may be covered or not, texels: 1/256 for closing seams and half of that
+/// for snapping, along both axes.
 const OUTLINE_SLACK: f64 = 3.0 / 256.0;
 
 /// A triangle of an instance in grid space.
@@ -78,8 +78,8 @@ impl<'s> Truth<'s> {
         Self { grid, triangles, rules, tracer, rounding }
     }
 
-    /// Returns whether the sun is visible from `depth` on the axis of texel (i, j), which is where a look-up from
-    /// triangle `own` samples the column, or why nothing is guaranteed there.
+    /// Returns whether the sun is visible from `depth` on the axis of texel (i, j), which is where a look-up
+    /// from triangle `own` samples the column, or why nothing is guaranteed there.
     ///
     /// # Errors
     /// Returns an error if rays and triangles contradict each other.
@@ -130,8 +130,8 @@ impl<'s> Truth<'s> {
     ) -> Result<bool, Skip> {
         let outline = OUTLINE_SLACK + self.rounding;
         let surface = receiver.plane.at(center[0], center[1]);
-        // The bake allows for the rounding of look-ups. With less than a voxel of bias, voxels are too coarse to
-        // distinguish a surface from something one voxel before it.
+        // The bake allows for the rounding of look-ups. With less than a voxel of bias, voxels are too coarse
+        // to distinguish a surface from something one voxel before it.
         let least_lift = self.rules.least_lift_voxels();
         let before = (receiver.rounding_voxels + 2.0 / 256.0).max(1.0 - least_lift).max(DEPTH_SLACK);
         let (mut blocked, mut entered, mut within_bias) = (false, 0, false);

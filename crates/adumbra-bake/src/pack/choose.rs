@@ -12,8 +12,9 @@ pub(crate) fn holds_any([e, x]: [u32; 2]) -> bool {
     e <= x
 }
 
-/// Finds a depth that as many intervals as possible contain, and widens it to all depths in the same intervals. The
-/// nearest is chosen if several qualify. Intervals without an end are ignored. Returns `None` if there are no others.
+/// Finds a depth that as many intervals as possible contain, and widens it to all depths in the same
+/// intervals. The nearest is chosen if several qualify. Intervals without an end are ignored. Returns `None`
+/// if there are no others.
 pub(crate) fn most_shared(intervals: &[[u32; 2]]) -> Option<[u32; 2]> {
     let finite = || intervals.iter().filter(|i| i[1] < FREE_TO_END);
     let shared = |depth: u32| finite().filter(move |i| i[0] <= depth && depth <= i[1]);

@@ -1,5 +1,5 @@
-//! 8 × 8 columns: their intervals are sorted into as few depths, or parallel planes, as suffice; then depths are chosen
-//! and written as half-words.
+//! 8 × 8 columns: their intervals are sorted into as few depths, or parallel planes, as suffice; then depths
+//! are chosen and written as half-words.
 
 use super::intervals::{COLUMNS, ENDLESS, Intervals};
 use super::slant::candidates;
@@ -22,8 +22,8 @@ pub(crate) struct Leaf {
     planes: Vec<u64>,
 }
 
-/// Sorts a block of columns. Returns an interval for its base, and a leaf if one depth does not suffice. No result
-/// depends on `arch`, the processor's vectors.
+/// Sorts a block of columns. Returns an interval for its base, and a leaf if one depth does not suffice. No
+/// result depends on `arch`, the processor's vectors.
 pub(crate) fn sort_columns(columns: &BlockColumns, arch: pulp::Arch) -> ([u32; 2], Option<Leaf>) {
     let all = intersection((0..COLUMNS).map(|i| [columns.e[i], columns.x[i]]));
     if holds_any(all) {
@@ -155,7 +155,8 @@ impl Sorting {
 }
 
 impl Leaf {
-    /// Writes the leaf's half-words for a base within the first interval. The other depths are the nearest allowed.
+    /// Writes the leaf's half-words for a base within the first interval. The other depths are the nearest
+    /// allowed.
     pub(crate) fn encode(&self, base: u32, halves: &mut Vec<u16>) {
         let depths = std::iter::once(base).chain(self.later.iter().map(|interval| interval[0]));
         let differences: Vec<u32> =

@@ -7,9 +7,9 @@ use super::intervals::{COLUMNS, ENDLESS, Intervals};
 /// Side of a quarter of a leaf, columns.
 const QUARTER_SIDE: usize = 4;
 
-/// Returns candidate gradients: least-squares planes through the midpoints of intervals that have an end, once with
-/// equal weights, and then with larger weights for narrower intervals, over all columns and over each quarter. Fits
-/// that are flat or too steep are omitted.
+/// Returns candidate gradients: least-squares planes through the midpoints of intervals that have an end,
+/// once with equal weights, and then with larger weights for narrower intervals, over all columns and over
+/// each quarter. Fits that are flat or too steep are omitted.
 #[inline(always)]
 pub(crate) fn candidates(intervals: &Intervals) -> impl Iterator<Item = Slant> {
     let samples = Samples::new(intervals);
@@ -75,8 +75,8 @@ impl Samples {
 /// Number of [`Sums`].
 const SUMS: usize = 9;
 
-/// Weighted sums of 1, x, y, x², xy, y², z, xz, yz. They are added in a fixed order, so the result is the same
-/// everywhere.
+/// Weighted sums of 1, x, y, x², xy, y², z, xz, yz. They are added in a fixed order, so the result is the
+/// same everywhere.
 #[derive(Clone, Copy)]
 struct Sums([f64; SUMS]);
 
@@ -113,7 +113,7 @@ mod tests {
     use crate::columns::BlockColumns;
 
     #[test]
-    fn slant_is_found_through_columns_that_end() {
+    fn slant_candidates_fit_the_columns_that_end() {
         let mut columns = BlockColumns::free();
         for at in (0..64).filter(|at| at % 3 != 0) {
             columns.e[at] = 100 + 2 * (at as u32 & 7) + (at as u32 >> 3) / 2;

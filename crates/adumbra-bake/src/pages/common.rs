@@ -12,8 +12,8 @@ use super::shapes::{Child, Children, Reader, Shape, placed};
 use super::sketch::{OFTEN, Sketch};
 use super::store::PageStore;
 
-/// Number of pages that must have a shape. In the common section a shape of three pages saves twice its bytes for each
-/// that is always resident; one of two pages would save as many as it costs.
+/// Number of pages that must have a shape. In the common section, which is always resident, a shape of three
+/// pages saves two copies and costs one. A shape of two pages would save only as much as it costs.
 const LEAST_PAGES: u32 = OFTEN as u32;
 /// Half-words per shape, about. It only decides the size of the sketch.
 const HALVES_PER_SHAPE: u64 = 8;
@@ -31,9 +31,10 @@ pub(super) struct Common {
 }
 
 impl Common {
-    /// Finds the shapes that several pages of a store have, and lays them out. `numbers` are those of the pages.
+    /// Finds the shapes that several pages of a store have, and lays them out. `numbers` are those of the
+    /// pages.
     ///
-    /// Lost pages are skipped; the store's spill knows of them.
+    /// Skips lost pages; the store's spill has recorded the failure.
     ///
     /// # Errors
     /// Returns [`OutOfReach`] if the section is too large.
@@ -64,7 +65,7 @@ impl Common {
     }
 }
 
-/// Returns the bytes that finding the common section needs, about.
+/// Returns the approximate bytes that finding the common section needs.
 pub(super) fn finding_bytes(store: &PageStore) -> u64 {
     let shapes = shapes_about(store);
     // Of the large worlds measured, one shape in 20 is common.
@@ -115,18 +116,19 @@ struct Shard {
 }
 
 struct Candidate {
-    /// The hash, low half first. It is not one number, because that would be aligned.
+    /// The hash, low half first. Not a `u128`, which would need padding for its alignment.
     hash: [u64; 2],
     /// Number of pages that have the shape.
     pages: u32,
-    /// Number of nodes and roots that point to the shape. A node that is common counts once, any other once per page.
+    /// Number of nodes and roots that point to the shape. A node that is common counts once, any other once
+    /// per page.
     pointers: u32,
-    /// Where its content is in its shard, once it is collected.
+    /// The place of its content in its shard, once that is collected.
     shape: Shape,
 }
 
 impl Candidate {
-    /// Has no content yet.
+    /// Creates a candidate without content.
     fn new(hash: [u64; 2]) -> Self {
         Self { hash, pages: 0, pointers: 0, shape: Shape::Leaf { first: 0, length: 0 } }
     }
@@ -139,7 +141,7 @@ fn split(hash: u128) -> [u64; 2] {
 /// A candidate: its shard in the low [`SHARD_BITS`], and its index there.
 type Id = u32;
 
-/// Stands for the id of a child that is no candidate, below a node that too few pages have.
+/// The id of a child that is not a candidate, below a node that too few pages have.
 const NO_CANDIDATE: Id = u32::MAX;
 
 fn shard_and_index(id: Id) -> (usize, usize) {
@@ -188,7 +190,7 @@ impl Candidates {
                 }
                 Shape::Node { level, children } => {
                     let ids = shapes.children(children).map(|child| match child {
-                        // What several pages have in a shape, they have below it.
+                        // Pages that share a shape share all shapes below it.
                         Child::Shape { delta, index } => {
                             Child::Shape { delta, index: id(index).unwrap_or(NO_CANDIDATE) }
                         }
@@ -218,7 +220,8 @@ impl Candidates {
         Noted { id: index << SHARD_BITS | shard_number as u32, is_new: index == next }
     }
 
-    /// Writes the shapes, those with the most pointers for their length first, each after what it leads to.
+    /// Writes the shapes, those with the most pointers for their length first, and each after the shapes that
+    /// it points to.
     fn lay_out(self) -> Result<Common, OutOfReach> {
         let shards =
             self.shards.into_iter().map(|shard| shard.into_inner().unwrap_or_else(|e| e.into_inner()));
@@ -242,7 +245,7 @@ impl Candidates {
     }
 }
 
-/// What [`Candidates::note`] did.
+/// The result of [`Candidates::note`].
 #[derive(Clone, Copy)]
 struct Noted {
     id: Id,
@@ -278,8 +281,8 @@ impl Shapes {
         (&self.0[shard], &self.0[shard].candidates[index])
     }
 
-    /// Counts the pointers of those candidates that too few pages have once per page, so that nothing depends on which
-    /// shapes the sketch takes for common ones.
+    /// Counts the pointers of candidates that too few pages have, once per page, so that the result does not
+    /// depend on which shapes the sketch mistakes for common ones.
     fn count_pointers_of_dropped(&mut self) {
         let mut more = Vec::new();
         for shard in &self.0 {
@@ -301,7 +304,7 @@ impl Shapes {
         }
     }
 
-    /// Returns those that enough pages have.
+    /// Returns the candidates that enough pages have.
     fn ids(&self) -> Vec<Id> {
         let of_shard = |(number, shard): (u32, &Shard)| {
             let several =

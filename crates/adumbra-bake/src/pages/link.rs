@@ -14,7 +14,8 @@ use crate::error::{Error, Result};
 /// Number of bundles that are written at a time, on all threads.
 const BUNDLES_AT_A_TIME: usize = 64;
 
-/// About one byte in so many is common: one in 20 of a town of instanced houses, one in 54 of a city of boxes.
+/// About one byte in this many is common: one in 20 of a town of instanced houses, one in 54 of a city of
+/// boxes.
 const BYTES_PER_COMMON: u64 = 32;
 
 /// All pages of a grid, each on its own.
@@ -33,7 +34,8 @@ impl Pages {
     /// Finds the common section.
     ///
     /// # Errors
-    /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is too large.
+    /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is
+    /// too large.
     pub(crate) fn link(self) -> Result<Linked> {
         if self.is_too_large {
             return Err(OutOfReach.into());
@@ -45,8 +47,8 @@ impl Pages {
         Ok(Linked { pages: self, common })
     }
 
-    /// Returns the bytes that linking needs besides the pages: what finds the common section, and then what codes it and a
-    /// bundle on each thread; and what is written at a time.
+    /// Returns the bytes that linking needs besides the pages: first to find the common section, then to code
+    /// it and a bundle on each thread, and for the bundles that are written at a time.
     pub(crate) fn link_bytes(store: &PageStore, fullest_bundle_bytes: u64) -> u64 {
         let bytes = 2 * store.halves();
         let fullest = bytes.min(rayon::current_num_threads() as u64 * fullest_bundle_bytes);
@@ -57,7 +59,8 @@ impl Pages {
     /// Links the pages to a tree in memory.
     ///
     /// # Errors
-    /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is too large.
+    /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is
+    /// too large.
     pub fn tree(self) -> Result<DepthTree> {
         self.link()?.tree()
     }
@@ -95,8 +98,8 @@ impl Linked {
         (std::mem::take(&mut self.common.words), std::mem::take(&mut self.common.shapes))
     }
 
-    /// Writes the bundles, on all threads, and frees their pages. `make` is called with a bundle's place and pages, and
-    /// `put` with what it returned, in order.
+    /// Writes the bundles, on all threads, and frees their pages. `make` is called with a bundle's place and
+    /// pages, and `put` with what it returned, in order.
     ///
     /// # Errors
     /// Returns the errors of `put`, and [`Error::Spill`] if pages could not be kept on disk.
@@ -126,7 +129,7 @@ impl Linked {
         if number == UNIFORM {
             return Ok(uniform(base));
         }
-        // A lost page is an error of the spill, which the caller looks for.
+        // The spill has recorded a lost page as an error, and the caller checks for it.
         let Some((words, root)) = self.pages.store.get(number) else { return Ok(uniform(base)) };
         self.pages.store.forget(number);
         let Scratch { reader, places } = scratch;

@@ -1,9 +1,9 @@
-//! Pages: what becomes of a root of the quadtree as soon as it is done, and how pages are linked to a file.
+//! Pages: a finished root of the quadtree becomes a page, and pages are linked to a file.
 //!
-//! A finished root depends on its columns alone. So it is made a page at once: its shapes, each stored once, point to
-//! each other by distance. Pages are held in memory or on disk until the last is done. *Linking* then finds the shapes
-//! that several pages have, puts them into the common section, and writes every page again without them. No step depends
-//! on the order in which pages were made.
+//! A finished root depends on its columns alone, so it becomes a page at once. A page's shapes, each stored
+//! once, point to each other by distance. Pages are held in memory or on disk until the last one is done.
+//! *Linking* then finds the shapes that several pages have, puts these shapes into the common section, and
+//! writes every page again without them. No step depends on the order in which pages were made.
 
 mod common;
 mod link;

@@ -1,4 +1,5 @@
-//! The shapes of a page as a list: drafted from blocks whose depths have been chosen, or read from the page's words.
+//! The shapes of a page as a list: drafted from blocks whose depths have been chosen, or read from the page's
+//! words.
 //!
 //! Shapes are in order of last visit: children come before their parents, and the root is last.
 
@@ -69,8 +70,8 @@ impl Shapes {
         &self.nodes[index as usize]
     }
 
-    /// Writes those shapes of a page that are not in the common section, in order, and sets the places of all.
-    /// `in_common` returns the address of a shape of the list there.
+    /// Writes those shapes of a page that are not in the common section, in order, and sets the places of
+    /// all. `in_common` returns the address of a shape of the list there.
     pub(super) fn write(
         &self,
         in_common: impl Fn(usize) -> Option<u32>,
@@ -131,7 +132,8 @@ impl Draft {
         self.table.clear();
     }
 
-    /// Returns the index of a leaf with these half-words. `merged`: if there is one already, it is used again.
+    /// Returns the index of a leaf with these half-words. `merged`: if there is one already, it is used
+    /// again.
     pub(crate) fn leaf(&mut self, halves: &[u16], merged: bool) -> u32 {
         let is_same = |shapes: &Shapes, index: u32| match shapes.list[index as usize] {
             Shape::Leaf { first, length } => shapes.leaf(first, length) == halves,
@@ -212,21 +214,21 @@ pub(crate) struct Reader {
     pub(super) hashes: Vec<u128>,
     /// The level of each shape of the list.
     pub(super) levels: Vec<u8>,
-    /// For each half-word of the page, one more than the index of the shape that was last read there. Pages that were forged
-    /// may have shapes of several levels in one place.
+    /// For each half-word of the page, one more than the index of the shape that was last read there. Forged
+    /// pages may have shapes of several levels in one place.
     places: Vec<u32>,
     hashed: Vec<u8>,
 }
 
 impl Reader {
-    /// Reads a page without a common section, from its words and the address of its root. A shape that is stored once is
-    /// listed once.
+    /// Reads a page without a common section, from its words and the address of its root. A shape that is
+    /// stored once is listed once.
     pub(crate) fn read(&mut self, words: &[u32], root: u32) {
         self.shapes.clear();
         self.walk::<true>(words, root);
     }
 
-    /// Hashes the shapes of a page as [`Reader::read`] does, and lists nothing else.
+    /// Hashes the shapes of a page as [`Reader::read`] does, but does not list the shapes themselves.
     pub(super) fn read_hashes(&mut self, words: &[u32], root: u32) {
         self.walk::<false>(words, root);
     }

@@ -1,22 +1,24 @@
-//! Says which hashes have come often, in a few bits per hash: a table of small counters, of which each hash has two. Hashes
-//! that fall into one cell count together, so "often" may be said too readily, never too rarely.
+//! Distinguishes frequent hashes from rare ones in a few bits per hash: a table of small counters, of which
+//! each hash has two. Hashes that share a cell count together, so a rare hash may seem frequent, but a
+//! frequent hash never seems rare.
 //!
-//! Source: Graham Cormode and S. Muthukrishnan, *An improved data stream summary: the count-min sketch and its
-//! applications* (2005), with one table for both rows.
+//! Source: Graham Cormode and S. Muthukrishnan, *An improved data stream summary: the count-min sketch and
+//! its applications* (2005), with one table for both rows.
 
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// Counters for each hash that is expected. With four, at most one hash in a hundred that came once seems to have come
-/// three times.
+/// Counters for each hash that is expected. With four, at most one hash in a hundred that came once seems to
+/// have come three times.
 const CELLS_PER_HASH: u64 = 4;
 const BITS: u32 = 2;
 const CELLS_PER_BYTE: u64 = (u8::BITS / BITS) as u64;
-/// A counter stays here.
+/// The value at which a counter saturates.
 pub(super) const OFTEN: usize = (1 << BITS) - 1;
 
 /// Counters of hashes, each up to [`OFTEN`].
 ///
-/// Counters are bits 2i and 2i + 1 of a byte. After the cells 1, 2, 2, 3, 3, 3 byte 0 is `0b11_10_01_00` = 0xe4.
+/// Counters are bits 2i and 2i + 1 of a byte. After the cells 1, 2, 2, 3, 3, 3 byte 0 is `0b11_10_01_00` =
+/// 0xe4.
 pub(super) struct Sketch(Vec<AtomicU8>);
 
 impl Sketch {
@@ -24,7 +26,7 @@ impl Sketch {
         Self((0..Self::bytes(hashes)).map(|_| AtomicU8::new(0)).collect())
     }
 
-    /// Returns the bytes of a sketch for so many hashes.
+    /// Returns the bytes of a sketch for this many hashes.
     pub(super) fn bytes(hashes: u64) -> u64 {
         (CELLS_PER_HASH * hashes.max(1)).next_power_of_two() / CELLS_PER_BYTE
     }
@@ -32,17 +34,17 @@ impl Sketch {
     pub(super) fn count(&self, hash: u128) {
         for (byte, shift) in self.cells(hash) {
             let more = |byte: u8| (!is_full(byte, shift)).then(|| byte + (1 << shift));
-            // A full counter stays as it is.
+            // A full counter does not change.
             let _ = byte.fetch_update(Ordering::Relaxed, Ordering::Relaxed, more);
         }
     }
 
-    /// Whether a hash has been counted [`OFTEN`] times, or others were that fall into the same cells.
+    /// Whether a hash, with the hashes that share its cells, has been counted [`OFTEN`] times.
     pub(super) fn came_often(&self, hash: u128) -> bool {
         self.cells(hash).iter().all(|&(byte, shift)| is_full(byte.load(Ordering::Relaxed), shift))
     }
 
-    /// Returns the bytes of a hash's counters, and where they begin there.
+    /// Returns the bytes that hold a hash's counters, and the counters' first bits.
     fn cells(&self, hash: u128) -> [(&AtomicU8, u32); 2] {
         [hash as u64, (hash >> 64) as u64].map(|cell| {
             let byte = (cell / CELLS_PER_BYTE) as usize & (self.0.len() - 1);
@@ -60,7 +62,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counters_lie_side_by_side_and_stay_at_three() {
+    fn counters_are_packed_in_bytes_and_saturate_at_three() {
         let sketch = Sketch::new(4);
         assert_eq!((sketch.0.len(), Sketch::bytes(4), Sketch::bytes(5)), (4, 4, 8));
         let bytes = || sketch.0.iter().map(|byte| byte.load(Ordering::Relaxed)).collect::<Vec<_>>();

@@ -12,8 +12,8 @@ use crate::error::{Error, Result};
 
 /// Room for pages in memory and, beyond that, on disk.
 ///
-/// All stores of a bake share it. A disk failure is recorded: users of the pages must call [`Spill::check`] from time to
-/// time, and at the end.
+/// All stores of a bake share it. A disk failure is recorded: users of the pages must call [`Spill::check`]
+/// from time to time, and at the end.
 pub(crate) struct Spill {
     folder: PathBuf,
     /// Bytes that pages may occupy in memory.
@@ -26,8 +26,8 @@ pub(crate) struct Spill {
 }
 
 impl Spill {
-    /// Creates a spill with `room_bytes` in memory. The rest goes to an unnamed file in `folder`, which is created when
-    /// it is needed.
+    /// Creates a spill with `room_bytes` in memory. Further pages go to an unnamed file in `folder`, which is
+    /// created when it is needed.
     pub(crate) fn new(room_bytes: u64, folder: PathBuf) -> Self {
         Self {
             folder,
@@ -54,17 +54,18 @@ impl Spill {
         self.spilled_bytes.load(Ordering::Relaxed)
     }
 
-    /// Limits the memory for pages to `room_bytes`. Pages that are in memory stay there until [`PageStore::shrink`].
+    /// Limits the memory for pages to `room_bytes`. Pages that are in memory stay there until
+    /// [`PageStore::shrink`].
     pub(crate) fn limit_to(&self, room_bytes: u64) {
         self.room_bytes.fetch_min(room_bytes, Ordering::Relaxed);
     }
 
-    /// Whether more than the room is in memory, because it became smaller.
+    /// Whether the pages in memory exceed the room, because it was reduced.
     fn is_overfull(&self) -> bool {
         self.resident_bytes() > self.room_bytes.load(Ordering::Relaxed)
     }
 
-    /// Counts so many more bytes as resident, if there is room for them.
+    /// Counts this many more bytes as resident, if there is room for them.
     fn takes(&self, bytes: u64) -> bool {
         let room = self.room_bytes.load(Ordering::Relaxed);
         let more = |resident: u64| resident.checked_add(bytes).filter(|&sum| sum <= room);
@@ -74,8 +75,8 @@ impl Spill {
     /// Checks that all pages could be kept.
     ///
     /// # Errors
-    /// Returns [`Error::Spill`] with the folder. The first call has the cause; later calls only report that there was
-    /// an error.
+    /// Returns [`Error::Spill`] with the folder. The first call has the cause; later calls only report that
+    /// there was an error.
     pub(crate) fn check(&self) -> Result<()> {
         match lock(&self.failure).as_mut() {
             None => Ok(()),

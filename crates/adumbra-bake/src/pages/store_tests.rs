@@ -106,7 +106,7 @@ fn stores_are_shared_by_threads() {
 }
 
 #[test]
-fn spill_that_cannot_write_says_so_and_goes_on() {
+fn spill_reports_failed_writes_and_continues() {
     let folder = PathBuf::from("/nonexistent/adumbra");
     let store = PageStore::new(Arc::new(Spill::new(1_000, folder.clone())));
     let kept = store.add(3, vec![7; 100]);

@@ -1,5 +1,5 @@
-//! Pages that are linked: in any order and from disk, with the shapes that several have in common, and with pointers and
-//! differences of every size.
+//! Pages that are linked: in any order and from disk, with the shapes that several have in common, and with
+//! pointers and differences of every size.
 
 use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
@@ -20,11 +20,12 @@ use crate::sink::from_columns::block_of;
 
 /// Voxels along the light.
 const DEPTH: u32 = 1 << 21;
-/// Columns along a side of a page, and of the blocks that the tests fill pages with: those of the root's children.
+/// Columns along a side of a page, and of the blocks that the tests fill pages with: those of the root's
+/// children.
 const PAGE: u32 = 1 << PAGE_LEVEL;
 const BLOCK: u32 = PAGE / 4;
 
-/// Returns a number below `n` that follows from the others.
+/// Returns a pseudo-random number below `n`, determined by the other arguments.
 fn noise(n: u32, of: [u32; 3]) -> u32 {
     let mixed = of.into_iter().fold(0, |state, c| mix(state ^ u64::from(c)));
     (mixed % u64::from(n)) as u32
@@ -70,8 +71,8 @@ impl World {
     }
 }
 
-/// What a shape means, wherever it is: its level, and a leaf's half-words or a node's children. A child has its kind,
-/// its difference, and the number of its shape.
+/// The meaning of a shape, regardless of its place: its level, and a leaf's half-words or a node's children.
+/// A child has its kind, its difference, and the number of its shape.
 type Meaning = (u32, Vec<[usize; 3]>);
 
 /// A part of a tree's code: `None` is the common section, else the number of a page.
@@ -90,7 +91,7 @@ struct Pointer {
     delta: i32,
     /// Half-words back, if the pointer is relative.
     back: Option<u32>,
-    /// Where it leads to.
+    /// Address of the shape that it points to.
     at: u32,
 }
 
@@ -142,7 +143,7 @@ impl Meanings {
         found
     }
 
-    /// Visits a shape and what is below it, and returns its number.
+    /// Visits a shape and the shapes below it, and returns its number.
     fn shape(&mut self, visit: &mut Visit<'_>, part: Where, at: u32, level: u32) -> usize {
         if let Some(&known) = visit.known.get(&(part, at, level)) {
             return known;
@@ -182,8 +183,8 @@ impl Meanings {
     }
 }
 
-/// Twelve pages. Some of their blocks are in all pages, some in three, some in two and some in one, each with another
-/// distance to its page's base. The last four pages are equal.
+/// Twelve pages. Some of their blocks are in all pages, some in three, some in two and some in one, each at
+/// another distance from its page's base. The last four pages are equal.
 const TOWN: World = World {
     pages: [4, 3],
     depth: |i, j| {
@@ -206,7 +207,7 @@ const TOWN: World = World {
 };
 
 #[test]
-fn shapes_of_three_pages_are_in_the_common_section_and_those_of_two_are_not() {
+fn shapes_of_three_pages_are_common_but_not_shapes_of_two() {
     let tree = TOWN.tree(true);
     let found = Meanings::of(&tree);
     let mut in_pages = [0; 13];
@@ -219,7 +220,7 @@ fn shapes_of_three_pages_are_in_the_common_section_and_those_of_two_are_not() {
             _ => shape.pages.iter().map(|&page| Some(page)).collect(),
         };
         assert_eq!(parts, expected, "a shape of level {} that {count} pages have", shape.level);
-        // Each once.
+        // Each part stores the shape once.
         assert_eq!(parts.len(), shape.halves.len());
     }
     assert!([1, 2, 3, 12].iter().all(|&count| in_pages[count] > 3), "{in_pages:?}");
@@ -238,14 +239,14 @@ fn shapes_of_three_pages_are_in_the_common_section_and_those_of_two_are_not() {
 }
 
 #[test]
-fn linked_pages_answer_as_each_on_its_own() {
+fn merged_and_unmerged_pages_answer_alike() {
     let [merged, plain] = [true, false].map(|merged| TOWN.tree(merged));
     assert!(plain.common().is_empty() && 2 * merged.code().len() < plain.code().len());
     TOWN.check(&merged);
     TOWN.check(&plain);
 }
 
-/// One block is nearer in its first child, the next one in the first child of that.
+/// One block is nearer in its first child, and the next block in the first child of its first child.
 #[test]
 fn nodes_of_two_levels_with_equal_children_are_two_shapes() {
     let world = World {
@@ -295,7 +296,7 @@ fn tiny_spill() -> Arc<Spill> {
 }
 
 #[test]
-fn linking_does_not_depend_on_the_order_of_pages_or_on_what_is_on_disk() {
+fn linking_does_not_depend_on_page_order_or_spilling() {
     let mut random = Random::for_batch(1, 0);
     for merged in [true, false] {
         let pages = TOWN.pages(merged);
@@ -339,7 +340,7 @@ fn linked_bundles_come_in_order_and_free_their_pages() {
 }
 
 #[test]
-fn pages_that_cannot_be_kept_are_an_error() {
+fn linking_reports_pages_that_could_not_be_spilled() {
     let folder = PathBuf::from("/nonexistent/adumbra");
     let in_order: Vec<usize> = (0..12).collect();
     let spill = Arc::new(Spill::new(8_000, folder.clone()));
@@ -378,7 +379,7 @@ fn page_above_the_reach_of_near_pointers_has_far_ones() {
 
 #[test]
 fn common_section_above_the_reach_of_near_addresses_has_far_ones() {
-    // Three quarters are in every page.
+    // Three quarters of the blocks are in every page.
     let world = World {
         pages: [2, 2],
         depth: |i, j| {
@@ -403,7 +404,7 @@ fn common_section_above_the_reach_of_near_addresses_has_far_ones() {
     assert!(children[..12].iter().filter(|&&(_, at)| at >= NEAR).count() > 8, "{children:?}");
 }
 
-/// Depths of a block with leaves that are their own, with equal ones, and with a part that is far behind the rest.
+/// Depths of a block with unique leaves, with equal leaves, and with a part far behind the others.
 fn pattern(x: u32, y: u32) -> u32 {
     let behind = if x / 32 == 2 && y / 32 == 1 { 70_000 } else { 0 };
     behind + 20 * noise(6, [3, x / 32 * 4 + y / 32, x % 32]) + noise(90, [4, x / 4, y / 8])
@@ -420,7 +421,7 @@ const CLIFFS: World = World {
             5 => 1_000_000,
             // Leaves far behind their neighbours.
             6 => 100_000 * ((x / 8 + y / 8) % 2) + 3 * (x % 8) + y % 8,
-            // Most are far behind; what is not is nearer than the base.
+            // Most columns are far behind; the others are nearer than the base.
             7 if x < 32 && y < 32 => 20,
             7 if x < 64 && y < 32 => 20 + noise(100, [5, x, y]),
             7 => 300_000,
@@ -434,7 +435,7 @@ const CLIFFS: World = World {
 };
 
 #[test]
-fn wide_differences_are_beside_near_and_far_pointers_and_without_any() {
+fn wide_differences_occur_with_near_far_and_no_pointers() {
     let tree = CLIFFS.tree(true);
     assert!(2 * tree.page([0, 0]).words.len() > 2 * NEAR as usize);
     CLIFFS.check(&tree);
@@ -443,10 +444,11 @@ fn wide_differences_are_beside_near_and_far_pointers_and_without_any() {
     let children = found.numbers.keys().filter(|(level, _)| *level > LEAF_LEVEL).flat_map(|(_, c)| c);
     let uniform = children.filter(|[kind, ..]| *kind == 1).map(|[_, delta, _]| *delta as u32 as i32);
     let wide: HashSet<i32> = uniform.filter(|&delta| i16::try_from(delta).is_err()).collect();
-    // Block 5 from the root's base, which is that of blocks 0 and 8, and the first part of block 7 from that of the block.
+    // Block 5 from the root's base, which is that of blocks 0 and 8, and the first part of block 7 from that
+    // of the block.
     assert_eq!(wide, [1_000_000 - 10, 20 - 300_000].into());
-    // Near: block 7 and its second part, eight leaves of block 6, and the part of the pattern. Far: the last block, and
-    // the leaf of block 8.
+    // Near: block 7 and its second part, eight leaves of block 6, and the part of the pattern. Far: the last
+    // block, and the leaf of block 8.
     let is_far: Vec<bool> = found.pointers.iter().filter(|p| p.is_wide()).map(Pointer::is_far).collect();
     let far = is_far.iter().filter(|&&is_far| is_far).count();
     assert_eq!((is_far.len() - far, far), (11, 2));
@@ -456,7 +458,7 @@ fn wide_differences_are_beside_near_and_far_pointers_and_without_any() {
 }
 
 #[test]
-fn wide_differences_are_beside_far_addresses_of_the_common_section() {
+fn wide_differences_occur_with_far_common_addresses() {
     // Rough blocks that each page has three times come first in the common section.
     let world = World {
         pages: [2, 2],
@@ -483,7 +485,7 @@ fn wide_differences_are_beside_far_addresses_of_the_common_section() {
 }
 
 #[test]
-fn differences_beyond_the_longest_form_are_an_error() {
+fn rejects_differences_beyond_the_longest_form() {
     // The base is that of most columns, the deepest.
     for (deepest, fits) in [(1 << 21, true), ((1 << 21) + 1, false)] {
         let sink = DepthsSink::in_memory([16, 8, DEPTH << 1], PAGE_LEVEL, true);
@@ -496,9 +498,9 @@ fn differences_beyond_the_longest_form_are_an_error() {
     }
 }
 
-/// Pages that were forged may use one place as shapes of several levels. A node without pointers is one at any level.
+/// Forged pages may use one place as shapes of several levels. A node without pointers is valid at any level.
 #[test]
-fn a_place_that_is_used_at_two_levels_is_two_shapes() {
+fn place_used_at_two_levels_is_read_as_two_shapes() {
     use adumbra::layout::depths::write::{PlacedChild, ShapeRef, Writer};
     let mut writer = Writer::page();
     let node = |writer: &mut Writer, children: &[u32]| {

@@ -1,5 +1,5 @@
-//! Compares the fast builder with the plain one: its intervals are within the plain builder's everywhere, its first
-//! surfaces are equal wherever it draws, and its depths are consistent with the plain columns.
+//! Compares the fast builder with the plain one: its intervals are within the plain builder's everywhere, its
+//! first surfaces are equal wherever it draws, and its depths are consistent with the plain columns.
 
 use std::sync::atomic::AtomicBool;
 
@@ -36,8 +36,16 @@ impl BlockSink for Found {
         vec![Piece::Leaf(Box::new(columns.clone()))]
     }
 
+    fn known(&self, _number: usize) -> Option<Vec<Piece>> {
+        None
+    }
+
     fn join(&self, _level: u32, quarters: [Vec<Piece>; 4]) -> Vec<Piece> {
         quarters.into_iter().flatten().collect()
+    }
+
+    fn taken(&self, _number: usize, block: Vec<Piece>) -> Vec<Piece> {
+        block
     }
 }
 
@@ -93,7 +101,8 @@ pub(crate) struct Column {
 }
 
 impl Column {
-    /// Whether the fast builder's interval is within the plain one, with the same first surface if it was drawn.
+    /// Whether the fast builder's interval is within the plain one, with the same first surface if it was
+    /// drawn.
     pub(crate) fn agrees(&self) -> bool {
         let ([e, x], [fast_e, fast_x]) = (self.plain, self.fast);
         e <= fast_e && fast_e <= fast_x && fast_x <= x && (!self.drawn || fast_e == e)
@@ -162,7 +171,8 @@ fn assert_agreement(name: &str, scene: &Scene, options: &BakeOptions, step: usiz
             );
         });
     }
-    // What is known to be behind a block is assumed to be behind every column of it, which may shorten intervals.
+    // A surface that is known to be behind a block is assumed to be behind each of its columns, which may
+    // shorten intervals.
     assert!(shorter * 20 <= counts[0], "{name}: {shorter} of {} drawn columns have less freedom", counts[0]);
     counts
 }
@@ -173,7 +183,7 @@ fn sun(towards: [f64; 3]) -> Sun {
 
 #[test]
 #[ignore = "slow: real scenes; one of seven, all with ADUMBRA_FULL"]
-fn shared_scenes_have_the_plain_builders_columns() {
+fn shared_scenes_have_the_same_columns_in_both_builders() {
     let Some(folder) = adumbra_testing::shared("scenes") else { return };
     let mut names: Vec<_> = std::fs::read_dir(&folder)
         .expect("a folder")
@@ -200,7 +210,7 @@ fn shared_scenes_have_the_plain_builders_columns() {
 }
 
 #[test]
-fn small_scenes_have_the_plain_builders_columns() {
+fn small_scenes_have_the_same_columns_in_both_builders() {
     let options = BakeOptions::new(sun([0.5, 0.8, 0.35]), Size::Resolution(512));
     assert_agreement("city", &generate(GeneratedKind::City, 3), &options, 7);
     // Six trees with masked leaves, and no ground.
@@ -213,10 +223,10 @@ fn small_scenes_have_the_plain_builders_columns() {
     assert!(drawn > 1000, "{drawn} texels are drawn");
 }
 
-/// A ray crosses hundreds of surfaces. Some boxes overlap others, share planes with them, or have no bottom, so that
-/// rays never leave them.
+/// A ray crosses hundreds of surfaces. Some boxes overlap others, share planes with them, or have no bottom,
+/// so that rays never leave them.
 #[test]
-fn boxes_in_boxes_have_the_plain_builders_columns() {
+fn nested_boxes_have_the_same_columns_in_both_builders() {
     let boxes = (0..60_u8).map(|i| {
         let inset = 0.1 * f32::from(i);
         let [min, max] = [[-8.0 + inset, 0.0, -8.0 + inset], [8.0 - inset, 9.0 - inset, 8.0 - 0.5 * inset]];
@@ -237,7 +247,7 @@ fn boxes_in_boxes_have_the_plain_builders_columns() {
 
 #[test]
 #[ignore = "slow: a forest, twice"]
-fn layers_of_masked_cards_have_the_plain_builders_columns() {
+fn masked_layers_have_the_same_columns_in_both_builders() {
     let forest = generate(GeneratedKind::Forest, 1);
     for (towards, thickness_world) in [([0.5, 0.8, 0.35], 0.0), ([0.9, 0.2, -0.3], 0.1)] {
         let options =
@@ -249,7 +259,7 @@ fn layers_of_masked_cards_have_the_plain_builders_columns() {
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_scenes_agree_under_every_option() {
+fn builders_agree_on_shared_scenes_under_every_option() {
     let Some(folder) = adumbra_testing::shared("scenes") else { return };
     for name in ["street-1.glb", "bridge_garden.glb"] {
         let scene = load(&folder.join(name), &LoadOptions::default()).expect("a good scene");

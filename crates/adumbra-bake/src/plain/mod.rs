@@ -1,5 +1,5 @@
-//! The plain builder: every texel of a root block is drawn. Slow, and the reference that the fast builder is tested
-//! against.
+//! The plain builder: every texel of a root block is drawn. Slow, and the reference that the fast builder is
+//! tested against.
 
 #[cfg(test)]
 pub(crate) mod agreement;
@@ -22,8 +22,8 @@ pub(crate) struct PlainBuffers {
     columns: Columns,
 }
 
-/// Builds root block `root_block` of `root_blocks` into `sink`. Unlike in the fast builder, a switch limit cuts each
-/// column by itself.
+/// Builds root block `root_block` of `root_blocks` into `sink`. Unlike in the fast builder, a switch limit
+/// cuts each column by itself.
 pub(crate) fn build_root<S: BlockSink>(
     root_blocks: &RootBlocks<'_>,
     limit: SwitchLimit,

@@ -1,5 +1,5 @@
-//! Compares the bake with the most direct implementation of §3 of the specification: every triangle at every column,
-//! dense voxels.
+//! Compares the bake with the most direct implementation of §3 of the specification: every triangle at every
+//! column, dense voxels.
 
 use std::collections::BTreeMap;
 
@@ -9,7 +9,7 @@ use crate::choose::{self, Choice};
 use crate::columns::rules::{ColumnRules, FREE_TO_END};
 use crate::options::{AssumeGround, BakeOptions, ColumnBuilder, FrameChoice, Size};
 use crate::plan::{Placement, Plan};
-use crate::progress::{NEVER, Watch};
+use crate::progress::NEVER;
 use crate::test_bakes::for_each_column_of;
 use crate::triangles::project::{
     FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth,
@@ -54,7 +54,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     let n = rules.depth_voxels;
     let (x, y) = (i as f64 + 0.5, j as f64 + 0.5);
     let center = [x, y];
-    // Open surfaces are grown by the seam width. A solid's sunward side is grown where another solid's meets it.
+    // Open surfaces are grown by the seam width. A solid's sunward side is grown where another solid's meets
+    // it.
     let mut hits: Vec<(FixedDepth, bool, &GridTriangle)> = Vec::new();
     let mut seams: Vec<(FixedDepth, FixedDepth, u32)> = Vec::new();
     for t in triangles {
@@ -101,8 +102,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     }
     let solid_end = if solid_first { end } else { None };
     let base = solid_end.unwrap_or(entry);
-    // The nearest lifted point, behind the first surface, of a receiver in the footprint whose plane is behind the
-    // base.
+    // The nearest lifted point, behind the first surface, of a receiver in the footprint whose plane is
+    // behind the base.
     let mut next: Option<FixedDepth> = None;
     for t in triangles.iter().filter(|t| !t.solid || t.projected.faces_sun) {
         let Some(plane) = t.projected.true_plane().filter(|p| p.slope() <= MAX_PLANE_SLOPE) else { continue };
@@ -112,8 +113,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
         let z = plane.at(x, y);
         let rounding = 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0;
         let lifted = floor_fixed_depth(z - rules.bias.along_light(plane.slope()) - rounding);
-        // Excludes the foot of a wall that stands on the first surface: some of the receiver must be behind, at the
-        // centre or beside it.
+        // Excludes the foot of a wall that stands on the first surface: some of the receiver must be behind,
+        // at the centre or beside it.
         let sinks = if solid_end.is_some() { 0 } else { bias };
         let (first, last) = t.projected.span(j, 0);
         let (top, bottom) = t.projected.rows(0);
@@ -123,8 +124,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
             next = Some(next.map_or(lifted, |n| n.min(lifted)));
         }
     }
-    // Unless a ground is assumed, level ground right behind a solid's end is such a receiver, and so is what samples an
-    // open surface's shadow.
+    // Unless a ground is assumed, level ground right behind a solid's end is such a receiver, and so are
+    // points that sample an open surface's shadow.
     if let Some(lift) = rules.level_lift {
         let open_exit = entry + rules.thickness.max(bias);
         let below = solid_end.map_or(open_exit, |end| end - lift).max(entry + SUBTEXEL as FixedDepth);
@@ -146,7 +147,8 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
         None => [e, x],
         Some(next) => {
             let asked = (next.div_euclid(SUBTEXEL as FixedDepth).max(0) as u32).min(n - 1);
-            // Look-ups from the first surface, or from what is before it, sample at least the constant bias before it.
+            // Look-ups from the first surface, or from points before it, sample at least the constant bias
+            // before it.
             let before = f64::from(entry) / SUBTEXEL as f64 - rules.bias.constant_texels;
             let asked = asked.max((before.floor() + 1.0).clamp(0.0, f64::from(n)) as u32);
             [e.min(asked), x.min(asked)]
@@ -155,12 +157,14 @@ fn dense_column(triangles: &[GridTriangle], rules: &ColumnRules, i: i64, j: i64)
     DenseColumn { e, x: filtered_end(triangles, rules, [e, x], center) }
 }
 
-/// Returns x, or the nearest voxel in which a filter around a receiver near the column's centre must find shadow.
+/// Returns x, or the nearest voxel in which a filter around a receiver near the column's centre must find
+/// shadow.
 fn filtered_end(triangles: &[GridTriangle], rules: &ColumnRules, [e, x]: [u32; 2], center: [f64; 2]) -> u32 {
     let mut end = x;
     for t in triangles.iter().filter(|t| !t.solid || t.projected.faces_sun) {
         let Some(plane) = t.projected.true_plane().filter(|p| p.slope() <= MAX_PLANE_SLOPE) else { continue };
-        // Taps are up to four texels from the point; rounding moves their depth by half a step of the gradient each.
+        // Taps are up to four texels from the point; rounding moves their depth by half a step of the
+        // gradient each.
         let rounding = 4.5 / 256.0 + 1.0 / 256.0 + (plane.gradient_sum() + 1.0) / 4096.0;
         let lifted = plane.at(center[0], center[1]) - rules.bias.along_light(plane.slope()) - rounding;
         let voxel = (lifted - 0.5 / SUBTEXEL as f64).clamp(0.0, f64::from(rules.depth_voxels) - 1.0) as u32;
@@ -232,7 +236,8 @@ prop_compose! {
         mirrored in any::<bool>(),
     ) -> Scene {
         let mut mesh = Mesh::default();
-        // Triangles with few vertices share edges in every way: open, closed, folded, more than two at an edge.
+        // Triangles with few vertices share edges in every way: open, closed, folded, more than two at an
+        // edge.
         for corners in woven.iter().filter(|c| c[0] != c[1] && c[1] != c[2] && c[2] != c[0]) {
             let first = mesh.positions.len() as u32;
             mesh.positions.extend(corners.map(|(x, y, z)| [x, y, z].map(|c| f32::from(c) * 3.0 - 4.5)));
@@ -292,7 +297,7 @@ prop_compose! {
 }
 
 fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
-    crate::bake(scene, options, Watch::none()).expect("a small bake fits").file
+    crate::Bake::with_options(scene, options).in_memory().expect("a small bake fits")
 }
 
 proptest! {
@@ -362,8 +367,8 @@ fn bake_does_not_depend_on_threads_or_triangle_order() {
     assert_eq!(reference, bake_quietly(&scene_of(mesh, false), &tight).tree);
 }
 
-/// Uses two low boxes beside two high ones, which meet where four root blocks do. Filters around the tops of the low
-/// ones read columns of the high ones, across the borders.
+/// Uses two low boxes beside two high ones, which meet where four root blocks do. Filters around the tops of
+/// the low ones read columns of the high ones, across the borders.
 #[test]
 fn columns_do_not_depend_on_where_root_blocks_begin() {
     let mut mesh = Mesh::default();
@@ -405,8 +410,9 @@ fn closed_box_leaves_its_inside_free_and_its_shadow_defined() {
         BakeOptions { assume_ground: AssumeGround::No, ..BakeOptions::new(sun, Size::Resolution(16)) };
     let plan = choose::plan(&scene, &options).expect("a small plan");
     let triangles = grid_triangles(&scene, &plan, true);
-    // 16 texels over 2 m. The roof is 16 voxels above the world's origin, and the page before it begins at 24.
-    // Look-ups from level ground right below the box sample one voxel before it, and may round down.
+    // 16 texels over 2 m. The roof is 16 voxels above the world's origin, and the page before it begins
+    // at 24. Look-ups from level ground right below the box sample one voxel before it, and may round
+    // down.
     let column = dense_column(&triangles, &plan.root_blocks.rules, 8, 8);
     assert_eq!((column.e, column.x), (8, 22));
     let tree = bake_quietly(&scene, &options).tree;

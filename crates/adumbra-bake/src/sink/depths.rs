@@ -1,11 +1,11 @@
-//! Builds a quadtree of depths from blocks of columns, bottom up. Intervals are intersected on the way up; at a root,
-//! depths are chosen top down.
+//! Builds a quadtree of depths from blocks of columns, bottom up. Intervals are intersected on the way up; at
+//! a root, depths are chosen top down.
 //!
 //! Where a depth is free, the nearest one is chosen: the first surface, which penumbrae need.
 //!
-//! A root's shapes depend on its columns alone, so a finished root becomes a page at once, and neither the number of
-//! threads nor their order matters. Where the bake's own root blocks are smaller than pages, they wait for their
-//! neighbours.
+//! A root's shapes depend on its columns alone, so a finished root becomes a page at once, and neither the
+//! number of threads nor their order matters. Root blocks that are smaller than pages wait for the other
+//! blocks of their page.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -73,7 +73,7 @@ enum BlockContent {
     One(Undecided),
     /// Four quarters, at a level between two node levels.
     Four(Box<[Undecided; 4]>),
-    /// At the pages' level and above: what the pages became, with the quarters' order at every level.
+    /// At the pages' level and above: number and base of each page, in the order of quarters at every level.
     Pages(Vec<[u32; 2]>),
     /// A root block that the sink has taken.
     Taken,
@@ -115,7 +115,7 @@ impl DepthsBlock {
 }
 
 impl Undecided {
-    /// Returns a block of columns that may be anything.
+    /// Returns a block of unconstrained columns.
     fn free() -> Self {
         Self::uniform([0, BESIDE_GRID])
     }
@@ -133,7 +133,7 @@ impl Undecided {
         }
     }
 
-    /// Whether no column in the block must ever switch.
+    /// Whether no column in the block has to switch.
     fn is_endless(&self) -> bool {
         self.base[1] >= FREE_TO_END && matches!(self.shape, Shape::Uniform)
     }
@@ -145,13 +145,13 @@ impl Undecided {
         if holds_any(all) && children.iter().all(|c| matches!(c.shape, Shape::Uniform)) {
             return Self::uniform(all);
         }
-        // At least one has an end; otherwise the intervals would all intersect.
+        // At least one interval has an end; otherwise all of them would intersect.
         let base = most_shared(&bases).unwrap_or(all);
         Self { base, shape: Shape::Node(Box::new(children)) }
     }
 }
 
-/// Returns the bytes of what this many root blocks of `level` become, apart from the pages' words.
+/// Returns the bytes that this many finished root blocks of `level` take, apart from the pages' words.
 pub(crate) fn top_bytes(blocks: u64, level: u32) -> u64 {
     let pages = blocks << (2 * level.saturating_sub(PAGE_LEVEL));
     // Number and base of each page, in its block and in the grid.
@@ -163,8 +163,8 @@ fn lock<T>(slot: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl DepthsSink {
-    /// Creates a sink in memory for a grid of `size` voxels along x, y, z, and a bake whose own roots have `level`, at
-    /// least 3. `merged`: equal shapes are stored once, as in every file.
+    /// Creates a sink in memory for a grid of `size` voxels along x, y, z, and a bake whose own roots have
+    /// `level`, at least 3. `merged`: equal shapes are stored once, as in every file.
     pub fn in_memory(size: [u32; 3], level: u32, merged: bool) -> Self {
         Self::new(size, level, merged, &Arc::new(Spill::unlimited()))
     }
@@ -191,7 +191,8 @@ impl DepthsSink {
         }
     }
 
-    /// Takes the pages of all entries that are there, and will write the others.
+    /// Takes the pages of all entries that the cache has. Missing entries are written as soon as their parts
+    /// are done.
     pub(crate) fn with_cache(mut self, cache: PartCache) -> Self {
         cache.find(|part, pages| {
             for (place, CachedPage { root, base, words }) in cache.parts.pages(part).zip(pages) {
@@ -203,30 +204,32 @@ impl DepthsSink {
         self
     }
 
-    /// Writes entries that are missing, and makes nothing else.
+    /// Makes the sink write the missing entries, and nothing else.
     pub(crate) fn for_entries_alone(mut self, cache: PartCache) -> Self {
         cache.find(|_, _| {});
         (self.cache, self.links) = (Some(cache), false);
         self
     }
 
-    /// Takes the root blocks that earlier bakes have built from the same, and keeps those that this one builds.
+    /// Reuses the root blocks that earlier bakes have built from the same inputs, and keeps those that this
+    /// bake builds.
     pub(crate) fn with_recent(mut self, recent: RecentOfLevel<DepthsBlock>) -> Self {
         self.recent = Some(recent);
         self
     }
 
-    /// Whether the entry of a part was there.
+    /// Whether the entry of a part was found.
     pub(crate) fn has_part(&self, part: usize) -> bool {
         self.cache.as_ref().is_some_and(|cache| cache.has(part))
     }
 
-    /// Returns the number of entries that were left out, and the room that the longest of them would have needed.
+    /// Returns the number of entries that were left out, and the room that the longest of them would have
+    /// needed.
     pub(crate) fn left_out(&self) -> (usize, u64) {
         self.cache.as_ref().map_or((0, 0), PartCache::left_out)
     }
 
-    /// Returns the number of root blocks whose entries were there.
+    /// Returns the number of root blocks whose entries were found.
     pub(crate) fn found_root_blocks(&self) -> usize {
         self.cache.as_ref().map_or(0, PartCache::found_root_blocks)
     }
@@ -246,7 +249,7 @@ impl DepthsSink {
                 if number == UNIFORM {
                     return Some((UNIFORM, base, Arc::from([])));
                 }
-                // A lost page is an error of the spill.
+                // The spill has recorded a lost page as an error.
                 self.store.get(number).map(|(words, root)| (root, base, words))
             })
             .collect();
@@ -276,7 +279,8 @@ impl DepthsSink {
         let number = if is_uniform {
             UNIFORM
         } else {
-            // A page that cannot be written is an error when the next root block is done, and at the end.
+            // A page that is too large is reported as an error when the next root block is done, and at the
+            // end.
             draft.page().map_or_else(
                 |_| {
                     self.is_too_large.store(true, Ordering::Relaxed);

@@ -1,4 +1,4 @@
-//! Depths compared with what their columns allow.
+//! Compares depths with the intervals of their columns.
 
 use proptest::prelude::*;
 
@@ -91,8 +91,8 @@ fn of_leaves(
     sink.join(level, [0, 1, 2, 3].map(quarter))
 }
 
-/// Builds depths from root blocks of `level`. The sink takes those in `order` as soon as they are done, the others at the
-/// end.
+/// Builds depths from root blocks of `level`. The sink takes those in `order` as soon as they are done, the
+/// others at the end.
 fn build_in_order(
     columns: &Columns,
     level: u32,
@@ -122,7 +122,7 @@ fn build_in_order(
     sink.finish(blocks).tree().expect("room for all words")
 }
 
-/// Checks that a column's answers satisfy `[e, x]`, and that its leaf's leaf masks say the same.
+/// Checks that a column's answers satisfy `[e, x]`, and that the masks of its leaf agree.
 fn check_column(found: &DepthTree, i: u32, j: u32, [e, x]: [u32; 2]) {
     let value = found.value(i, j);
     assert!(e <= value && (value <= x || x == FREE_TO_END), "({i}, {j}): {value} is not in [{e}, {x}]");
@@ -151,7 +151,7 @@ proptest! {
     }
 
     #[test]
-    fn depths_of_any_words_are_refused_or_answer(
+    fn depths_of_damaged_words_are_rejected_or_readable(
         world in any_world(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), any::<u32>(), 0_u32..3), 1..6),
     ) {
@@ -190,10 +190,10 @@ fn wide_world([width, height]: [u32; 2], seed: u32) -> Columns {
 }
 
 #[test]
-fn depths_are_the_same_whatever_the_size_and_order_of_root_blocks() {
+fn depths_do_not_depend_on_root_block_size_or_order() {
     for (size, seed) in [([1100, 700], 0), ([513, 300], 1), ([40, 600], 2), ([512, 512], 3), ([5, 3], 4)] {
         let free = wide_world(size, seed);
-        // Columns that are not free are the same columns in a uniform block of any level.
+        // Columns without freedom give the same depths in a uniform block of any level.
         let mut fixed = wide_world(size, seed);
         for (e, x) in fixed.e.iter_mut().zip(&mut fixed.x) {
             [*e, *x] = if *x < FREE_TO_END { [*e; 2] } else { [500_000, FREE_TO_END] };
@@ -217,14 +217,14 @@ fn depths_are_the_same_whatever_the_size_and_order_of_root_blocks() {
 }
 
 #[test]
-fn depths_of_one_row_are_the_worked_value() {
+fn depths_of_one_row_match_the_worked_example() {
     let mut columns = Columns::default();
     columns.reset(32, 32);
     (0..1024).for_each(|i| columns.set(i, if i < 8 { [7, 7] } else { [500, FREE_TO_END] }));
     let found = build(&columns, 5, true);
     assert_eq!(found.top(), [[5, 7]]);
-    // The leaf, then the nodes of levels 5, 7 and 9 at half-words 5, 9 and 13: child 0 is a shape 5, 4 and 4 half-words
-    // back, all others are never.
+    // The leaf, then the nodes of levels 5, 7 and 9 at half-words 5, 9 and 13: child 0 is a shape 5, 4 and 4
+    // half-words back, all others are never.
     let leaf_and_nodes = [
         0xff00_0041,
         0xffff_ffff,
@@ -244,7 +244,7 @@ fn depths_of_one_row_are_the_worked_value() {
 }
 
 #[test]
-fn depths_keep_equal_shapes_at_different_depths_once() {
+fn depths_store_equal_shapes_at_different_depths_once() {
     let mut columns = Columns::default();
     columns.reset(256, 32);
     for i in 0..256 * 32 {
@@ -270,7 +270,7 @@ fn bake(scene: &Scene, options: &BakeOptions, merged: bool) -> DepthTree {
 }
 
 #[test]
-fn depths_are_the_same_whatever_the_order_of_blocks() {
+fn depths_do_not_depend_on_the_number_of_threads() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
     let options = BakeOptions::new(sun, Size::Resolution(256));

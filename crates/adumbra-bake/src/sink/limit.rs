@@ -1,8 +1,8 @@
-//! Limits how far behind its first surface a column may switch. In a block that is resolved without being drawn, the
-//! distance counts from the deepest first surface of the block.
+//! Limits how far behind its first surface a column may switch. In a block that is resolved without being
+//! drawn, the distance counts from the deepest first surface of the block.
 //!
-//! The column rules bound a column where receivers of the scene and the filters around them read it. A filter around a
-//! point that is not part of the scene, such as a mover's beside a wall, may read elsewhere.
+//! The column rules bound a column where receivers of the scene and the filters around them read it. A filter
+//! around a point that is not part of the scene, such as a mover's beside a wall, may read elsewhere.
 //!
 //! `docs/layouts.md` documents the cost and the benefit.
 
@@ -59,6 +59,10 @@ impl<S: BlockSink> BlockSink for LimitSink<'_, S> {
             [_, *x] = self.limit.interval([*e, *x]);
         }
         self.sink.leaf(&cut)
+    }
+
+    fn known(&self, number: usize) -> Option<S::Block> {
+        self.sink.known(number)
     }
 
     fn join(&self, level: u32, quarters: [S::Block; 4]) -> S::Block {

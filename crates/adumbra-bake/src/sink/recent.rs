@@ -1,5 +1,5 @@
-//! Root blocks that are smaller than pages, kept while a scene is edited. A page of a coarse level has most triangles
-//! of the scene in reach, but an edit touches few of its root blocks.
+//! Root blocks that are smaller than pages, kept while a scene is edited. A page of a coarse level has most
+//! triangles of the scene in reach, but an edit touches few of its root blocks.
 
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -32,14 +32,14 @@ impl<B> RecentBlocks<B> {
 }
 
 impl<B: Clone> RecentOfLevel<B> {
-    /// Returns a root block, if it was built from the same.
+    /// Returns a root block if it was built from the same inputs.
     pub(crate) fn get(&self, number: usize) -> Option<B> {
         let key = self.keys.get(&number)?;
         let found = self.all.lock().get(&(self.level, number)).filter(|(known, _)| known == key)?.1.clone();
         Some(B::clone(&found))
     }
 
-    /// Keeps a root block in place of the one before it.
+    /// Stores a root block, and drops the earlier one at its place.
     pub(crate) fn put(&self, number: usize, block: &B) {
         if let Some(key) = self.keys.get(&number) {
             let block = Arc::new(block.clone());

@@ -1,8 +1,9 @@
-//! Adjacency of a mesh's triangles, from which a block determines which edges can be contours under a given sun.
-//!
-//! An edge has an *adjacent triangle* if exactly two triangles share it, once in each direction, and both are drawn
-//! alike (both cast, neither has holes, both or neither bound a solid). An edge without one is an outline under every
+//! Adjacency of a mesh's triangles, from which a block determines which edges can be contours under a given
 //! sun.
+//!
+//! An edge has an *adjacent triangle* if exactly two triangles share it, once in each direction, and both are
+//! drawn alike (both cast, neither has holes, both or neither bound a solid). An edge without one is an
+//! outline under every sun.
 
 use crate::triangles::cluster::ClusterTriangle;
 use adumbra_scene::Mesh;
@@ -11,12 +12,13 @@ use adumbra_scene::topology::weld;
 /// Marks an edge without an adjacent triangle.
 pub(crate) const NO_ADJACENT: u32 = u32::MAX;
 
-/// For each triangle of `triangles`, in their order, and each of its edges 0-1, 1-2, 2-0: returns the adjacent vertex,
-/// which is the vertex of the adjacent triangle that is not on the edge, or [`NO_ADJACENT`]. Cost: one hash look-up per
-/// vertex and one sort of the edges.
+/// For each triangle of `triangles`, in their order, and each of its edges 0-1, 1-2, 2-0: returns the
+/// adjacent vertex, which is the vertex of the adjacent triangle that is not on the edge, or [`NO_ADJACENT`].
+/// Cost: one hash look-up per vertex and one sort of the edges.
 pub(crate) fn adjacent_vertices(mesh: &Mesh, triangles: &[ClusterTriangle]) -> Vec<[u32; 3]> {
     let welded = weld(&mesh.positions);
-    // Lower vertex, higher vertex, triangle index · 6 + edge · 2 + (1 if the edge runs from the lower to the higher).
+    // Lower vertex, higher vertex, triangle index · 6 + edge · 2 + (1 if the edge runs from the lower to the
+    // higher).
     let mut edges = Vec::with_capacity(triangles.len() * 3);
     for (place, t) in triangles.iter().enumerate() {
         let v = mesh.triangles[t.triangle as usize].map(|i| welded[i as usize]);

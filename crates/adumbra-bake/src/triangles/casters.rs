@@ -1,5 +1,5 @@
-//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every square of the light's
-//! plane the clusters that may touch it.
+//! The scene in the form that the bake traverses: clusters of nearby triangles, and for every square of the
+//! light's plane the clusters that may touch it.
 
 use std::sync::Arc;
 
@@ -68,8 +68,8 @@ pub(crate) struct CasterOptions {
     pub(crate) limit_bytes: Option<u64>,
 }
 
-/// Returns the bytes that [`SceneClusters::new`] holds while it works, apart from the scene and the opacity of its
-/// materials. It sorts one mesh after another.
+/// Returns the bytes that [`SceneClusters::new`] holds while it works, apart from the scene and the opacity
+/// of its materials. It sorts one mesh after another.
 pub(crate) fn sorting_bytes(scene: &Scene, options: CasterOptions) -> u64 {
     let kept = size_of::<ClusterTriangle>() + if options.outlines { size_of::<[u32; 3]>() } else { 0 };
     let mut most = 0;
@@ -104,7 +104,7 @@ impl SceneClusters {
         let meshes = scene.meshes.iter().map(|mesh| cluster_mesh(scene, mesh, options)).collect();
         let has_holes = options.outlines && !options.ignore_alpha;
         let opacity = if has_holes {
-            // Half of what is left. Without tables, samples are as exact, and slower.
+            // Half of the remaining memory. Without tables, samples are equally exact but slower.
             let others = scene.memory_bytes() + sorting_bytes(scene, options);
             let room = options.limit_bytes.map_or(u64::MAX, |limit| limit.saturating_sub(others) / 2);
             OpacityTables::new(scene, room)
@@ -114,8 +114,8 @@ impl SceneClusters {
         Arc::new(Self { meshes, opacity })
     }
 
-    /// Calls `f` with each placed cluster of casting instances: the least and the largest coordinates of its box in a
-    /// grid, and its number of triangles.
+    /// Calls `f` with each placed cluster of casting instances: the least and the largest coordinates of its
+    /// box in a grid, and its number of triangles.
     pub(crate) fn for_each_extent(
         &self,
         scene: &Scene,
@@ -142,7 +142,8 @@ impl Bins {
         reach_texels: f64,
     ) -> Self {
         let side = f64::from(bin_side);
-        // The bins that each placed cluster may touch, in order: from the first to before the last, along x and y.
+        // The bins that each placed cluster may touch, in order: from the first to before the last, along x
+        // and y.
         let touched: Vec<(Placed, [[u32; 2]; 2])> = scene
             .instances
             .par_iter()
@@ -187,8 +188,8 @@ impl Bins {
 }
 
 impl<'s> Casters<'s> {
-    /// Sorts every placed cluster of the scene into bins of `bin_side` texels; `bins` is their number across and down.
-    /// `reach_texels` is how far outside its outline a triangle still matters.
+    /// Sorts every placed cluster of the scene into bins of `bin_side` texels; `bins` is their number across
+    /// and down. `reach_texels` is how far outside its outline a triangle still matters.
     pub(crate) fn new(
         scene: &'s Scene,
         clusters: Arc<SceneClusters>,
@@ -201,7 +202,7 @@ impl<'s> Casters<'s> {
         Self::binned(scene, clusters, Arc::new(bins))
     }
 
-    /// Takes casters that were binned before.
+    /// Creates casters from bins that were made before.
     pub(crate) fn binned(scene: &'s Scene, clusters: Arc<SceneClusters>, bins: Arc<Bins>) -> Self {
         Self { scene, clusters, bins }
     }
@@ -262,9 +263,9 @@ impl<'s> Casters<'s> {
     }
 }
 
-/// Sorts the triangles by position alone, so that no file depends on their order in the mesh, nor on which corner comes
-/// first: encoders that lose nothing else change both. Bounds on how freely a column may switch start from the first
-/// surface of a group, so the order is not without effect.
+/// Sorts the triangles by position alone, so that no file depends on their order in the mesh, nor on which
+/// corner comes first: otherwise lossless encoders change both. The order has an effect, because bounds on
+/// how freely a column may switch start from the first surface of a group.
 fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClusters {
     let topology: Option<Topology> =
         (options.closed_regions || options.outlines).then(|| topology::analyse(mesh, &scene.materials));
@@ -302,7 +303,7 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
             ClusterTriangle { triangle: t, casts: material.casts, solid, masked, component }
         })
         .collect();
-    // Adjacency needs as much again.
+    // Free these first: adjacency needs as much memory again.
     drop((order, topology, numbers));
     let clusters = triangles
         .chunks(CLUSTER_TRIANGLES)
@@ -317,8 +318,8 @@ fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClust
     MeshClusters { triangles, adjacent_vertices, clusters }
 }
 
-/// Returns the coordinates of a triangle's corners, as words, from the least one on: the same whichever corner comes
-/// first in the mesh.
+/// Returns the coordinates of a triangle's corners, as words, from the least one on: the same whichever
+/// corner comes first in the mesh.
 fn leading_corner_first(mesh: &Mesh, triangle: u32) -> [[u32; 3]; 3] {
     let mut corners = mesh.triangles[triangle as usize].map(|v| mesh.positions[v as usize].map(f32::to_bits));
     let least = (0..3).min_by_key(|&c| corners[c]).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The corners of a scene's triangles. A vertex is listed once, with the number of corners that it is.
+//! The corners of a scene's triangles. Each position is listed once, with the number of corners there.
 
 use std::collections::HashMap;
 
@@ -14,7 +14,7 @@ struct MeshCorners {
     extent: [[f32; 3]; 2],
 }
 
-/// A vertex that is a corner.
+/// A position at which triangles have corners.
 #[derive(Clone, Copy)]
 pub(crate) struct Corner {
     pub(crate) position: [f32; 3],

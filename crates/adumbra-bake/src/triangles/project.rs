@@ -1,8 +1,9 @@
 //! A triangle projected into grid space, ready to be sampled.
 //!
-//! Coverage uses coordinates snapped to 1/256 texel and integer edge functions. Triangles that share an edge therefore
-//! never leave a gap or overlap, and a watertight surface has winding zero outside itself at every texel centre. Depth
-//! uses the unsnapped plane, clamped to the triangle's own depth range, so that slivers cannot produce outliers.
+//! Coverage uses coordinates snapped to 1/256 texel and integer edge functions. Triangles that share an edge
+//! therefore never leave a gap or overlap, and a watertight surface has winding zero outside itself at every
+//! texel centre. Depth uses the unsnapped plane, clamped to the triangle's own depth range, so that slivers
+//! cannot produce outliers.
 
 use crate::texel_mask::{not_negative, rectangle, texels_of};
 use adumbra::MAX_SLOPE;
@@ -37,7 +38,8 @@ fn fixed_depth_within(z: f64) -> FixedDepth {
     floor_to_integer(steps) - (-DEPTH_MIN_VOXELS as i32) * SUBTEXEL as i32
 }
 
-/// Rounds a number from 0 to 2^31 - 1 down. Unlike a conversion with `as`, it compiles to vector instructions.
+/// Rounds a number from 0 to 2^31 - 1 down. Unlike a conversion with `as`, it compiles to vector
+/// instructions.
 #[inline(always)]
 fn floor_to_integer(v: f64) -> i32 {
     /// Numbers from this one to its double have no fraction bits.
@@ -61,8 +63,8 @@ pub(crate) struct Plane {
 }
 
 impl Plane {
-    /// Returns a replacement for the plane of an edge-on triangle: its nearest depth if it faces the sun, otherwise its
-    /// deepest.
+    /// Returns a replacement for the plane of an edge-on triangle: its nearest depth if it faces the sun,
+    /// otherwise its deepest.
     fn level([x, y, _]: [f64; 3], faces_sun: bool, z: [f64; 3]) -> Self {
         let nearest = z[0].min(z[1]).min(z[2]);
         let deepest = z[0].max(z[1]).max(z[2]);
@@ -102,7 +104,8 @@ impl Plane {
     }
 }
 
-/// Returns [`Projected::depth_at`] for eight centres from the plane's values there and [`Projected::depth_range`].
+/// Returns [`Projected::depth_at`] for eight centres from the plane's values there and
+/// [`Projected::depth_range`].
 #[inline(always)]
 pub(crate) fn depths_within([low, high]: [f64; 2], z: [f64; 8]) -> [FixedDepth; 8] {
     let mut depths = [0; 8];
@@ -114,11 +117,12 @@ pub(crate) fn depths_within([low, high]: [f64; 2], z: [f64; 8]) -> [FixedDepth; 
     depths
 }
 
-/// How far snapping may separate a corner from an edge that it was on, 1/256 texel: each moves by up to half a step
-/// along both axes.
+/// How far snapping may separate a corner from an edge that it was on, 1/256 texel: each moves by up to half
+/// a step along both axes.
 pub(crate) const SEAM_MARGIN: i64 = 1;
 
-/// Returns the smallest value of the edge function that counts as inside, for an edge with direction (dx, dy).
+/// Returns the smallest value of the edge function that counts as inside, for an edge with direction (dx,
+/// dy).
 #[inline(always)]
 fn needed_side(dx: i64, dy: i64, margin: i64) -> i64 {
     let on_edge_counts = dy > 0 || (dy == 0 && dx > 0);
@@ -139,8 +143,8 @@ const FEW_CENTERS: u32 = 4;
 pub(crate) struct Projected {
     /// Corners in grid units, sorted so that no result depends on the order of the vertices in the file.
     pub(crate) corners: [[f64; 3]; 3],
-    /// Snapped corners, anticlockwise in the light's plane with (x, y) axes: in the given order, or with the last two
-    /// swapped.
+    /// Snapped corners, anticlockwise in the light's plane with (x, y) axes: in the given order, or with the
+    /// last two swapped.
     pub(crate) snapped: [[i64; 2]; 3],
     /// Whether the last two were swapped.
     pub(crate) swapped: bool,
@@ -159,12 +163,13 @@ pub(crate) struct Projected {
 }
 
 impl Projected {
-    /// Projects a triangle. `flipped`: the instance has a negative determinant, which reverses the winding of its
-    /// faces.
+    /// Projects a triangle. `flipped`: the instance has a negative determinant, which reverses the winding of
+    /// its faces.
     pub(crate) fn new(corners_grid: [[f64; 3]; 3], flipped: bool) -> Self {
         let mut snapped = corners_grid.map(|c| [snap(c[0]), snap(c[1])]);
         let wide = snapped.iter().flatten().any(|c| c.abs() > 1 << 29);
-        // The grid is right-handed and its z axis points away from the sun, so a sunward face is clockwise in (x, y).
+        // The grid is right-handed and its z axis points away from the sun, so a sunward face is clockwise in
+        // (x, y).
         let area = area_snapped(&snapped);
         let faces_sun = (area < 0) != flipped;
         if area < 0 {
@@ -175,8 +180,8 @@ impl Projected {
             a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])).then(a[2].total_cmp(&b[2]))
         });
         let z = corners.map(|c| c[2]);
-        // A triangle that has an area after snapping must count as a crossing; otherwise a solid would be left that was
-        // never entered.
+        // A triangle that has an area after snapping must count as a crossing; otherwise a solid would be
+        // left that was never entered.
         let plane =
             (area != 0).then(|| depth_plane(&corners).unwrap_or(Plane::level(corners[0], faces_sun, z)));
         let slope = plane.map_or(MAX_SLOPE, |p| p.slope().min(MAX_SLOPE));
@@ -193,8 +198,8 @@ impl Projected {
         }
     }
 
-    /// Returns the plane through the corners, even for a triangle too thin to be drawn. Returns `None` if the triangle
-    /// is edge-on or a line.
+    /// Returns the plane through the corners, even for a triangle too thin to be drawn. Returns `None` if the
+    /// triangle is edge-on or a line.
     pub(crate) fn true_plane(&self) -> Option<Plane> {
         depth_plane(&self.corners)
     }
@@ -210,14 +215,14 @@ impl Projected {
         [self.z_min, self.z_max].map(|z| z.clamp(DEPTH_MIN_VOXELS, DEPTH_MAX_VOXELS))
     }
 
-    /// Returns the depth at a texel centre, clamped to the triangle's own range. Only valid if [`Self::plane`] is
-    /// `Some`.
+    /// Returns the depth at a texel centre, clamped to the triangle's own range. Only valid if
+    /// [`Self::plane`] is `Some`.
     pub(crate) fn depth_at(&self, plane: &Plane, x: f64, y: f64) -> FixedDepth {
         fixed_depth(plane.at(x, y).max(self.z_min).min(self.z_max))
     }
 
-    /// Returns the rows `[first, last]` whose centre lines may cross the snapped triangle grown by `margin` (1/256
-    /// texel).
+    /// Returns the rows `[first, last]` whose centre lines may cross the snapped triangle grown by `margin`
+    /// (1/256 texel).
     pub(crate) fn rows(&self, margin: i64) -> (i64, i64) {
         let [low, high] = self.snapped_range(1);
         centers_within(low - margin, high + margin)
@@ -225,8 +230,9 @@ impl Projected {
 
     /// Returns the texels `[first, last]` of `row` whose centres the triangle covers; empty if first > last.
     ///
-    /// A centre exactly on an edge belongs to the triangle on one fixed side of that edge, determined by the edge's
-    /// direction. With a `margin` in 1/256 texel the triangle is grown by that much along both axes, edges included.
+    /// A centre exactly on an edge belongs to the triangle on one fixed side of that edge, determined by the
+    /// edge's direction. With a `margin` in 1/256 texel the triangle is grown by that much along both axes,
+    /// edges included.
     pub(crate) fn span(&self, row: i64, margin: i64) -> (i64, i64) {
         let y = row * SUBTEXEL + SUBTEXEL / 2;
         let (mut first, mut last) = (i64::MIN, i64::MAX);
@@ -259,7 +265,8 @@ impl Projected {
         (first, last)
     }
 
-    /// Whether the triangle covers the centre of texel (i, j). Agrees with [`Self::span`], but needs no division.
+    /// Whether the triangle covers the centre of texel (i, j). Agrees with [`Self::span`], but needs no
+    /// division.
     pub(crate) fn covers(&self, i: i64, j: i64) -> bool {
         self.covers_grown(i, j, 0)
     }
@@ -287,8 +294,8 @@ impl Projected {
         })
     }
 
-    /// Returns, for each of the `margins`, the texels of the 8 × 8 block at (x, y) whose centres are covered by the
-    /// triangle grown by that margin; bit row · 8 + column. Agrees with [`Self::span`].
+    /// Returns, for each of the `margins`, the texels of the 8 × 8 block at (x, y) whose centres are covered
+    /// by the triangle grown by that margin; bit row · 8 + column. Agrees with [`Self::span`].
     #[inline(always)]
     pub(crate) fn coverage<const N: usize>(&self, x: u32, y: u32, margins: [i64; N]) -> [u64; N] {
         let (mut covered, mut candidates) = ([0; N], 0);
@@ -331,8 +338,8 @@ impl Projected {
         covered
     }
 
-    /// Returns the texels of the 8 × 8 block at (x, y) whose centres are in the triangle's bounding box grown by
-    /// `margin`.
+    /// Returns the texels of the 8 × 8 block at (x, y) whose centres are in the triangle's bounding box grown
+    /// by `margin`.
     #[inline(always)]
     pub(crate) fn centers_within_box(&self, x: u32, y: u32, margin: i64) -> u64 {
         let within = |axis: usize, from: u32| {
@@ -368,8 +375,8 @@ impl Projected {
         plane_through(corners_grid, values)
     }
 
-    /// Returns the deepest point, in voxels, on `plane` of the part within the square of half side `half` around
-    /// `center`, or negative infinity if there is no such part.
+    /// Returns the deepest point, in voxels, on `plane` of the part within the square of half side `half`
+    /// around `center`, or negative infinity if there is no such part.
     pub(crate) fn deepest_within(&self, plane: &Plane, center: [f64; 2], half: f64) -> f64 {
         let mut polygon = Polygon::default();
         self.corners.iter().for_each(|c| polygon.push([c[0], c[1]]));
@@ -397,8 +404,8 @@ impl Projected {
         deepest.min(self.z_max)
     }
 
-    /// Returns the x range, in texels, of the part of the triangle in the band of rows from `y_center - half` to
-    /// `y_center + half`, or `None` if the triangle misses the band.
+    /// Returns the x range, in texels, of the part of the triangle in the band of rows from `y_center - half`
+    /// to `y_center + half`, or `None` if the triangle misses the band.
     pub(crate) fn x_range_in_band(&self, y_center: f64, half: f64) -> Option<[f64; 2]> {
         let (low, high) = (y_center - half, y_center + half);
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
@@ -429,8 +436,8 @@ impl Polygon {
         &self.points[..self.len]
     }
 
-    /// Clipping by four sides adds at most four corners, so eight suffice. Only rounding could produce more, and those
-    /// are skipped.
+    /// Clipping by four sides adds at most four corners, so eight suffice. Only rounding could produce more,
+    /// and those are skipped.
     fn push(&mut self, point: [f64; 2]) {
         if let Some(free) = self.points.get_mut(self.len) {
             *free = point;
@@ -448,8 +455,8 @@ fn area_snapped(c: &[[i64; 2]; 3]) -> i128 {
     d(1, 0) * d(2, 1) - d(1, 1) * d(2, 0)
 }
 
-/// Returns the plane through three corners. Returns `None` if rounding makes the plane miss one of them, as with
-/// corners on a line: the known depth bounds of the triangle would not hold for it.
+/// Returns the plane through three corners. Returns `None` if rounding makes the plane miss one of them, as
+/// with corners on a line: the known depth bounds of the triangle would not hold for it.
 fn depth_plane(c: &[[f64; 3]; 3]) -> Option<Plane> {
     let holds =
         |plane: &Plane| c.iter().all(|&[x, y, z]| (plane.at(x, y) - z).abs() <= 1.0 / SUBTEXEL as f64);
@@ -469,8 +476,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Triangles near the 8 × 8 block at the origin, with corners often on centres or aligned with them. Some have one
-    /// corner so far away that products need more than 64 bits.
+    /// Triangles near the 8 × 8 block at the origin, with corners often on centres or aligned with them. Some
+    /// have one corner so far away that products need more than 64 bits.
     fn triangles(far: f64) -> impl Strategy<Value = Projected> {
         let coordinate = prop_oneof![(-4_i32..24).prop_map(|half| f64::from(half) / 2.0), -3.0_f64..12.0];
         let corner = (coordinate.clone(), coordinate, 0.0_f64..50.0).prop_map(|(x, y, z)| [x, y, z]);
@@ -499,9 +506,10 @@ mod tests {
             }
         }
 
-        /// Corners on a line, as in an instance that is flattened: rounding turns them into an arbitrary plane.
+        /// Corners on a line, as in an instance that is flattened: rounding turns them into an arbitrary
+        /// plane.
         #[test]
-        fn a_plane_holds_the_corners_that_it_is_through(
+        fn true_plane_passes_through_its_corners(
             from in prop::array::uniform3(-50.0_f64..200.0), to in prop::array::uniform3(-50.0_f64..200.0), part in 0.1_f64..0.9,
         ) {
             let between = [0, 1, 2].map(|a| from[a] + part * (to[a] - from[a]));
@@ -513,8 +521,8 @@ mod tests {
             }
         }
 
-        /// Compares with all corners of the clipped triangle: its own within the square, the square's within it, and
-        /// the points where edges cross the sides.
+        /// Compares with all corners of the clipped triangle: its own within the square, the square's within
+        /// it, and the points where edges cross the sides.
         #[test]
         fn the_deepest_part_is_at_a_corner_of_the_clipped_triangle(
             triangle in triangles(0.0), center in prop::array::uniform2(0.0_f64..8.0), half in 0.2_f64..2.0,
@@ -544,7 +552,8 @@ mod tests {
             let expected = points.iter().map(|p| plane.at(p[0], p[1])).fold(f64::NEG_INFINITY, f64::max).min(triangle.z_max);
             let found = triangle.deepest_within(&plane, center, half);
             let slack = 1e-7 * (1.0 + plane.gradient_sum());
-            // A triangle that only just touches the square may be found by one method and missed by the other.
+            // A triangle that only just touches the square may be found by one method and missed by the
+            // other.
             prop_assert!(
                 (found - expected).abs() <= slack || found.min(expected) == f64::NEG_INFINITY && points.len() <= 1,
                 "{found} for {expected}"

@@ -41,7 +41,7 @@ impl Boxes {
 
 /// Acne and leaks remain rare down to 1°, and a 9 × 9 filter gives what its 81 rays would.
 #[test]
-fn level_ground_under_a_low_sun_is_right() {
+fn level_ground_under_a_low_sun_matches_rays() {
     let mut random = Random::for_batch(3, 0);
     let boxes = Boxes::random(&mut random);
     let mut model = Model::default();

@@ -1,5 +1,6 @@
-//! What a look-up on a surface must find: shadow wherever something is before the point that its bias samples, light
-//! where nothing is. Thin gaps, solids with uneven tops, low suns, masks and seams have each been a source of errors.
+//! Tests the answers of look-ups on surfaces: shadow wherever something is before the point that the bias
+//! samples, and light elsewhere. Thin gaps, solids with uneven tops, low suns, masks and seams have each been
+//! a source of errors.
 
 mod gaps;
 mod low_sun;

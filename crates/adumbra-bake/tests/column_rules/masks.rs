@@ -1,4 +1,4 @@
-//! Floors under cards with holes that are finer than a texel: they get the light that the holes leave.
+//! Floors under cards with holes that are finer than a texel: they get the light that the holes let through.
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, ColumnBuilder, FrameChoice, Size};
@@ -10,10 +10,10 @@ const VOXEL: f64 = 0.1;
 /// Half the side of the card.
 const HALF: f32 = 4.0;
 
-/// Every fourth texel along the longer side of a texture is clear. There a texel of the grid covers 4.3 of them, along the
-/// other side 0.006.
+/// Every fourth texel along the longer side of a texture is clear. A texel of the grid covers 4.3 texture
+/// texels along the longer side, and 0.006 along the other.
 #[test]
-fn floor_under_a_finely_striped_card_has_the_light_of_its_stripes_whichever_side_of_the_texture_is_longer() {
+fn floor_under_a_striped_card_gets_the_clear_share_of_light() {
     const LONG: u32 = 64;
     let overhead = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     for [width, height] in [[LONG, 2], [2, LONG]] {
@@ -55,7 +55,7 @@ fn floor_under_a_finely_striped_card_has_the_light_of_its_stripes_whichever_side
                 BakeOptions { builder, frame, ..BakeOptions::new(overhead, Size::VoxelSize(VOXEL)) };
             let lit = lit_on_ground(&bake_quietly(&scene, &options), &points);
             let share = lit as f64 / points.len() as f64;
-            // Stripes and texels beat: a clear stripe is met by three or four texels in a row of thirteen.
+            // Stripes and texels alias: of thirteen texels in a row, three or four are on a clear stripe.
             assert!((share - 0.25).abs() < 0.05, "{width} x {height}, {builder:?}: {share}");
         }
     }

@@ -1,9 +1,9 @@
 //! Small scenes built by hand, and helpers to bake and query them.
 
 use adumbra::{Filter, ShadowFile};
-use adumbra_bake::BakeOptions;
+use adumbra_bake::{Bake, BakeOptions};
 use adumbra_scene::{Instance, Material, Mesh, Scene};
-use adumbra_testing::{bake_file, toothed_bar};
+use adumbra_testing::toothed_bar;
 
 pub(crate) type Point = [f64; 3];
 
@@ -44,8 +44,8 @@ impl Model {
         self.hexahedron(box_corners(low, high));
     }
 
-    /// Adds a closed bar whose top is a row of teeth along x, each `pitch` wide. `y` has the heights of the bottom, the
-    /// valleys and the tips.
+    /// Adds a closed bar whose top is a row of teeth along x, each `pitch` wide. `y` has the heights of the
+    /// bottom, the valleys and the tips.
     pub(crate) fn toothed_bar(&mut self, x: [f64; 2], y: [f64; 3], z: [f64; 2], pitch: f64) {
         let teeth = ((x[1] - x[0]) / pitch) as usize;
         toothed_bar(x[0], teeth, pitch, y, z).into_iter().for_each(|face| self.quad(face));
@@ -74,7 +74,7 @@ pub(crate) fn scene(models: &[Model]) -> Scene {
 }
 
 pub(crate) fn bake_quietly(scene: &Scene, options: &BakeOptions) -> ShadowFile {
-    bake_file(scene, options).expect("a small bake fits")
+    Bake::with_options(scene, options).in_memory().expect("a small bake fits")
 }
 
 /// Returns how many of these points on level ground are lit.

@@ -1,5 +1,5 @@
-//! The rule itself, over random layers: a look-up finds what a ray finds, unless a blocker is within the receiver's
-//! bias.
+//! The rule itself, over random layers: a look-up finds what a ray finds, unless a blocker is within the
+//! receiver's bias.
 
 use adumbra::query::receiver;
 use adumbra::{Filter, ShadowFile, Sun};
@@ -106,8 +106,8 @@ impl Layers {
     }
 }
 
-/// Whether a ray from the point that a look-up samples reaches the sun, or `None` if nothing is guaranteed. `own` is
-/// the receiver's instance.
+/// Whether a ray from the point that a look-up samples reaches the sun, or
+/// `None` if nothing is guaranteed. `own` is the receiver's instance.
 fn expected(tracer: &Tracer<'_>, baked: &ShadowFile, p: Point, own: u32) -> Option<bool> {
     let r = receiver(&baked.grid, &baked.settings.bias, p, Some(UP));
     let center = [0, 1].map(|a| r.p_grid[a].floor() + 0.5);

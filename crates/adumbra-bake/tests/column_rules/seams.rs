@@ -1,5 +1,5 @@
-//! Ceilings of many parts: no light passes where the parts meet, although snapping moves corners off a neighbour's
-//! edge.
+//! Ceilings of many parts: no light passes where the parts meet, although snapping moves corners off a
+//! neighbour's edge.
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, FrameChoice, Size};
@@ -89,8 +89,8 @@ fn ceilings_with_t_junctions_have_no_pinholes() {
     assert_ceilings_have_no_pinholes(strips, "strips");
 }
 
-/// Returns the least and the largest corner of each brick of a course. Bricks touch, and a course is offset from the one
-/// before.
+/// Returns the least and the largest corner of each brick of a course. Bricks touch, and a course is offset
+/// from the one before.
 fn course(number: u32, courses: u32, length: f64) -> impl Iterator<Item = [Point; 2]> {
     let [x0, x1] = [number, number + 1].map(|n| SIDE * f64::from(n) / f64::from(courses));
     let shift = length * (f64::from(number) * 0.382).fract();

@@ -1,5 +1,5 @@
-//! Floors under solids with uneven tops: neighbouring columns begin at different depths, but all of them are dark
-//! below.
+//! Floors under solids with uneven tops: neighbouring columns begin at different depths, but all of them are
+//! dark below.
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
@@ -33,8 +33,8 @@ fn assert_dark(model: Model, resolution: u64, points: &[Point], what: &str) {
     }
 }
 
-/// Steep solid cones over a floor. The parameters are the slope of their sides, and the gap to the floor and height in
-/// voxels.
+/// Steep solid cones over a floor. The parameters are the slope of their sides, and the gap to the floor and
+/// height in voxels.
 #[test]
 fn floor_under_spikes_is_dark() {
     let mut random = Random::for_batch(1, 0);
@@ -77,8 +77,8 @@ fn floor_under_spikes_is_dark() {
     }
 }
 
-/// A slab with a sawtooth top. The parameters are the height of the teeth, their pitch, the thickness below them and
-/// the gap to the floor, in voxels. A post of several heights shifts the grid along the light.
+/// A slab with a sawtooth top. The parameters are the height of the teeth, their pitch, the thickness below
+/// them and the gap to the floor, in voxels. A post of several heights shifts the grid along the light.
 fn teeth_are_dark(teeth: &[(f64, f64, f64, f64)], posts: Range<u32>, count: usize) {
     let mut random = Random::for_batch(2, 0);
     for &(teeth, pitch, thickness, gap) in teeth {

@@ -65,8 +65,8 @@ pub(crate) enum AssumeGroundArg {
 pub(crate) enum ReceiversArg {
     /// Every point in space
     All,
-    /// Only points on static surfaces (with normals), for filters up to 9: smaller files if nothing moves. Movers that
-    /// receive such a file are wrong in 1 to 3 % of their points
+    /// Only points on static surfaces (with normals), for filters up to 9: smaller files if nothing moves.
+    /// Movers that receive such a file are wrong in 1 to 3 % of their points
     Static,
 }
 
@@ -86,7 +86,8 @@ pub(crate) struct BakeSettings {
     /// Preset resolution
     #[arg(long, value_enum, default_value = "medium")]
     preset: PresetArg,
-    /// How far below an open surface its shadow may begin, in world units [default: the bias at the surface's slope]
+    /// How far below an open surface its shadow may begin, in world units [default: the bias at the surface's
+    /// slope]
     ///
     /// Counted along the light. More gives smaller files.
     #[arg(
@@ -99,26 +100,26 @@ pub(crate) struct BakeSettings {
     thickness: f64,
     /// How far behind the first surface its shadow may begin, in voxels
     ///
-    /// 0 allows anywhere that no filter around a surface reads. A limit, such as 8, keeps contact shadows dark on
-    /// movers that touch walls.
+    /// 0 allows anywhere that no filter around a surface reads. A limit, such as 8, keeps contact shadows
+    /// dark on movers that touch walls.
     #[arg(long, value_name = "VOXELS", default_value_t = 0)]
     switch_within: u32,
     /// How the file is stored
     ///
-    /// coded is about a third of the bytes, and is decoded while it is loaded. Both give the same look-ups, and convert
-    /// turns one into the other.
+    /// coded is about a third of the bytes, and is decoded while it is loaded. Both give the same look-ups,
+    /// and convert turns one into the other.
     #[arg(long, value_enum, default_value = "coded")]
     encoding: EncodingArg,
     /// Number of levels of detail, each with voxels four times as large as the one before
     ///
-    /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer than 256
-    /// texels are left out.
+    /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer
+    /// than 256 texels are left out.
     #[arg(long, value_name = "N", default_value_t = DEFAULT_LEVELS)]
     levels: u32,
     /// Leave out shadows below the last surface
     ///
-    /// auto leaves them out if the scene has a ground of its own. no keeps them, for a ground that only the app draws,
-    /// and for movers under bridges with nothing below.
+    /// auto leaves them out if the scene has a ground of its own. no keeps them, for a ground that only the
+    /// app draws, and for movers under bridges with nothing below.
     #[arg(long, value_enum, value_name = "auto|yes|no", default_value = "auto", hide_possible_values = true)]
     assume_ground: AssumeGroundArg,
     /// Answer points inside closed solids too
@@ -206,27 +207,29 @@ pub(crate) struct Bake {
     pub(crate) settings: BakeSettings,
     #[command(flatten)]
     pub(crate) load: SceneArgs,
-    /// The shadow file to write [default: the scene's path with the extension .adumbra; with --regions: .regions.json]
+    /// The shadow file to write [default: the scene's path with the extension .adumbra; with --regions:
+    /// .regions.json]
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// Also write the shadow file's name into this .glb or .gltf
     ///
-    /// Usually the scene itself: into the extras of its first directional light that shines, or of a new one if it has
-    /// none. Bevy and three.js load it from there.
+    /// Usually the scene itself: into the extras of its first directional light that shines, or of a new one
+    /// if it has none. Bevy and three.js load it from there.
     #[arg(long, value_name = "GLTF", conflicts_with = "dry_run")]
     pub(crate) link_in: Option<PathBuf>,
     /// Folder or URL of a bake cache
     ///
-    /// A folder is created if it does not exist. A bake reads the parts that have not changed from the cache, and
-    /// writes the parts that it bakes to it. After an edit of the scene, only the parts that the edit touches are
-    /// baked. The file is the same as without a cache. Any number of bakes may share one. URLs are s3://bucket/prefix,
-    /// gs://, az:// or https://, with the usual environment variables, such as AWS_ACCESS_KEY_ID.
+    /// A folder is created if it does not exist. A bake reads the parts that have not changed from the cache,
+    /// and writes the parts that it bakes to it. After an edit of the scene, only the parts that the edit
+    /// touches are baked. The file is the same as without a cache. Any number of bakes may share one. URLs
+    /// are s3://bucket/prefix, gs://, az:// or https://, with the usual environment variables, such as
+    /// AWS_ACCESS_KEY_ID.
     #[arg(long, value_name = "DIR|URL", conflicts_with = "dry_run")]
     pub(crate) cache: Option<PathBuf>,
     /// Follow the scene's files, and bake again whenever they change
     ///
-    /// Only what an edit touches is baked again. The frame is chosen once: the file is that of a fresh bake with the
-    /// same frame. Ctrl-C ends it.
+    /// Only what an edit touches is baked again. The frame is chosen once: the file is that of a fresh bake
+    /// with the same frame. Ctrl-C ends it.
     #[arg(long, conflicts_with_all = ["dry_run", "link_in"])]
     pub(crate) watch: bool,
     /// Where the first pages are baked with --watch
@@ -234,9 +237,9 @@ pub(crate) struct Bake {
     pub(crate) focus: Option<[f64; 3]>,
     /// Cut the world into regions of N texels a side, or of 131072, with a file each
     ///
-    /// For worlds that are wider than a file can be: voxels may have any size. The output is a manifest, FILE.json,
-    /// that names the regions' files in the folder FILE.regions. query, verify and info take it in place of a file. N
-    /// is a power of two from 1024 to 131072.
+    /// For worlds that are wider than a file can be: voxels may have any size. The output is a manifest,
+    /// FILE.json, that names the regions' files in the folder FILE.regions. query, verify and info take it in
+    /// place of a file. N is a power of two from 1024 to 131072.
     #[arg(
         long,
         value_name = "N",
@@ -284,7 +287,7 @@ impl Bake {
     pub(crate) fn check_paths(&self, output: &Path) -> Result<(), Failure> {
         refuse_inputs("--output", output, self.other_files())?;
         if let Some(gltf) = &self.link_in {
-            // It may be the scene, and is written itself.
+            // The target of the link may be the scene. It is itself written.
             let others = self.other_files().into_iter().filter(|(what, _)| ![SCENE, LINK_IN].contains(what));
             refuse_inputs("--link-in", gltf, others)?;
         }

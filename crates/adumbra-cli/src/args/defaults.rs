@@ -27,7 +27,8 @@ fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// The default of an option that is not given and has none, or one that only words describe.
+/// Checks that an option is absent, and returns `words`: the description of its default, or nothing if it has
+/// none.
 fn absent<T>(value: Option<&T>, words: &str) -> String {
     assert!(value.is_none());
     words.to_owned()
@@ -371,7 +372,7 @@ fn used(verb: &Verb) -> Used {
     }
 }
 
-/// What must be given to a verb.
+/// Returns the required arguments of a verb.
 fn required(verb: &str) -> &'static [&'static str] {
     match verb {
         "generate" => &["city", "-o", "a.glb"],
@@ -407,7 +408,7 @@ fn required(verb: &str) -> &'static [&'static str] {
 }
 
 #[test]
-fn defaults_in_the_help_are_those_that_are_used() {
+fn help_states_the_defaults_that_verbs_use() {
     Args::command().debug_assert();
     for (name, command) in verbs(&Args::command()) {
         let words = ["adumbra"].into_iter().chain(name.split(' ')).chain(required(&name).iter().copied());
@@ -416,9 +417,10 @@ fn defaults_in_the_help_are_those_that_are_used() {
     }
 }
 
-/// The derive macros of clap keep a default in a static variable, which all instances of a generic type share.
+/// The derive macros of clap keep a default in a static variable, which all instances of a generic type
+/// share.
 #[test]
-fn types_of_arguments_have_no_parameters() {
+fn argument_types_are_not_generic() {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let within = |folder: &str| {
         let entries: Vec<_> =
@@ -448,7 +450,7 @@ fn types_of_arguments_have_no_parameters() {
 }
 
 #[test]
-fn short_help_of_bake_fits_sixty_lines_and_has_nothing_that_only_a_paper_needs() {
+fn short_help_of_bake_fits_sixty_lines_without_paper_options() {
     let program = Args::command();
     let (_, bake) = verbs(&program).into_iter().find(|(name, _)| name == "bake").expect("the verb");
     let help = bake.term_width(100).render_help().to_string();

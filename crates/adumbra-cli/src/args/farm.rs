@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ids_are_read() {
+    fn parses_ids() {
         let ids = |text: &str, end| text.parse::<Ids>().map(|ids| ids.within(end).collect::<Vec<_>>());
         assert_eq!(ids("0,5,7-9", 100), Ok(vec![0, 5, 7, 8, 9]));
         assert_eq!(ids("3-99999999999", 5), Ok(vec![3, 4, 5]));

@@ -26,7 +26,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shards_are_read() {
+    fn parses_shards() {
         assert_eq!("2/4".parse(), Ok(Shard { index: 2, count: 4 }));
         for wrong in ["", "4", "4/4", "1/0", "-1/4", "a/b", "1/2/3"] {
             assert!(wrong.parse::<Shard>().is_err(), "{wrong}");

@@ -53,8 +53,8 @@ pub(crate) struct DayArgs {
     /// End by the local clock; before the start, it is on the next day, and 24 is the end of the day
     #[arg(long, value_name = "TIME")]
     pub(crate) to: Clock,
-    /// Time zone of the clock: an IANA name such as Europe/Berlin, or an offset such as +02:00 [default: the nautical
-    /// zone, the whole hour nearest to the longitude]
+    /// Time zone of the clock: an IANA name such as Europe/Berlin, or an offset such as +02:00 [default: the
+    /// nautical zone, the whole hour nearest to the longitude]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     pub(crate) tz: Option<Zone>,
     /// Time between suns, seconds, 1 to 86400
@@ -84,7 +84,8 @@ pub(crate) struct SunHours {
     pub(crate) points: PointArgs,
     #[command(flatten)]
     pub(crate) day: DayArgs,
-    /// Trace a ray to every sun, so that nothing that passes between suns 2° apart is missed; some eight times slower
+    /// Trace a ray to every sun, so that nothing that passes between suns 2° apart is missed; some eight
+    /// times slower
     #[arg(long)]
     pub(crate) every_step: bool,
     /// Another design of the same place, for a page that compares both

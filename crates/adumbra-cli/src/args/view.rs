@@ -18,8 +18,8 @@ pub(super) const AFTER_HELP: &str = "Drop a scene, a shadow file or a camera on 
 pub(crate) struct View {
     /// Scene: .glb, .gltf, .obj or .ply
     pub(crate) scene: PathBuf,
-    /// The file whose shadows to show, or a path file, whose day is played; a bake begins when the sun moves [default: baked in the background, coarse to
-    /// fine]
+    /// The file whose shadows to show, or a path file, whose day is played; a bake begins when the sun moves
+    /// [default: baked in the background, coarse to fine]
     #[arg(long, value_name = "FILE")]
     pub(crate) shadow_file: Option<PathBuf>,
     /// Follow the files of the scene and the shadow file, and show what they become
@@ -67,7 +67,8 @@ pub(crate) struct View {
     /// Day, or path file: seconds that 24 hours take, from 48 to real time, 86400
     #[arg(long, value_name = "SECONDS", default_value_t = 2880.0)]
     pub(crate) day_length: f64,
-    /// Day: bake only what is so near to the camera, along x and z; a large world is not baked in time otherwise
+    /// Day: bake only what is so near to the camera, along x and z; a large world is not baked in time
+    /// otherwise
     #[arg(long, value_name = "WORLD", requires = "day")]
     pub(crate) day_near: Option<f64>,
     /// Day, or path file: hour by the local clock at which it begins [default: at its first sun]
@@ -91,8 +92,8 @@ pub(crate) struct View {
     /// Frames over which pages of a streamed file come and go; 0 changes them at once
     #[arg(long, value_name = "FRAMES", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=600))]
     pub(crate) fade: u32,
-    /// Memory that a bake in the background, or loading a scene, may hold, such as 2GiB [default: no limit for bakes;
-    /// for loading 2 GiB plus 64 bytes for each byte of the scene's files]
+    /// Memory that a bake in the background, or loading a scene, may hold, such as 2GiB [default: no limit
+    /// for bakes; for loading 2 GiB plus 64 bytes for each byte of the scene's files]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub(crate) max_memory: Option<u64>,
     /// Play a JSON file of commands as if a user gave them

@@ -55,8 +55,8 @@ pub(in crate::cmd) struct Key {
     file_bytes: u64,
     /// Bytes of its words once decoded.
     raw_bytes: u64,
-    /// Share of visible points that are wrong half way to the key before it, in percent; null for the first one, and where
-    /// no step is between them.
+    /// Share of visible points that are wrong half way to the key before it, in percent; null for the first
+    /// one, and where no step is between them.
     wrong_percent: Option<f64>,
     /// The same share in the two keys at their own suns, the mean.
     own_percent: Option<f64>,

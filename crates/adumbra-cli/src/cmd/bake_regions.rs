@@ -18,8 +18,8 @@ use adumbra_program::{memory, mirrors, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::baking::Baking;
 use super::ground::DecidedGround;
-use super::staged::Baking;
 use super::store::best_effort_cache;
 use crate::args::{Bake, Shard};
 
@@ -78,7 +78,7 @@ pub(super) struct BakedRegion {
     reused_root_blocks: usize,
 }
 
-/// Bakes regions of `texels` texels a side, and says what it did unless the result is to be printed as JSON.
+/// Bakes regions of `texels` texels a side, and prints a summary unless the result is to be printed as JSON.
 pub(super) fn run(args: &Bake, texels: u32) -> Result<BakedRegions, Failure> {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
@@ -181,7 +181,7 @@ struct Names {
 impl Names {
     fn beside(manifest: &Path) -> Result<Self, Failure> {
         let stem = manifest.file_stem().and_then(|stem| stem.to_str()).map(|stem| {
-            // Of `city.regions.json` too, the folder is `city.regions`.
+            // For `city.regions.json` too, the folder is `city.regions`.
             stem.strip_suffix(".regions").unwrap_or(stem)
         });
         let is_json = manifest.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("json"));

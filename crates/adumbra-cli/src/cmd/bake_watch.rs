@@ -7,7 +7,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use adumbra_bake::{BakeOptions, BakedParts, Baker, BestEffortCache, Error, Watch};
-use adumbra_files::{self as files, FileWatch, StagedFile};
+use adumbra_files::{self as files, FileWatch};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json_line};
 use adumbra_program::progress::{Reporter, Units};
@@ -21,9 +21,8 @@ use serde::Serialize;
 
 use crate::args::Bake;
 use crate::cmd::ground::DecidedGround;
-use crate::cmd::staged::staged;
 
-/// How often a program that waits looks for a change.
+/// Interval at which a waiting program checks for changes.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// What is printed with `--json` after each bake, in one line.
@@ -47,7 +46,7 @@ pub(super) struct BakedAgain {
     file_bytes: u64,
 }
 
-/// What the program does while it follows a scene.
+/// A bake that follows a scene.
 struct Follower<'a> {
     args: &'a Bake,
     output: &'a Path,
@@ -83,16 +82,16 @@ impl Follower<'_> {
             say!("  {ground}");
         }
         let mut baker = match cache {
-            Some(cache) => Baker::with_cache(scene, &options, Arc::new(cache.with_memory()))?,
+            Some(cache) => Baker::with_cache(scene, &options, cache.with_memory())?,
             None => Baker::new(scene, &options)?,
         };
         let mut times = [load_seconds, start.elapsed().as_secs_f64()];
         self.write_coarser(&mut baker)?;
         loop {
             match self.bake(&mut baker, times) {
-                // There is something newer to bake.
+                // The scene has changed: bake the newer one.
                 Err(Failure::Bake(Error::Interrupted)) if self.changed.load(Ordering::Relaxed) => {}
-                // The cache gave them before, and cannot any more.
+                // The cache can no longer return these entries: bake them again.
                 Err(Failure::Bake(Error::MissingParts { .. })) => {
                     baker.forget();
                     continue;
@@ -135,11 +134,11 @@ impl Follower<'_> {
         }
     }
 
-    /// Returns the files that decide what the scene is.
+    /// Returns the files that make up the scene.
     fn files_of(&self, scene: &Scene) -> Vec<PathBuf> {
         let folder = files::folder_of(&self.args.scene);
         let named = scene.notes.named_files.iter().map(|name| folder.join(name));
-        // A file that is named may be in a folder that is not there.
+        // Skip named files in missing folders, which cannot be watched.
         let named = named.filter(|file| files::folder_of(file).is_dir());
         let own = [Some(&self.args.scene), self.args.load.edit()].into_iter().flatten().cloned();
         own.chain(named).collect()
@@ -155,15 +154,15 @@ impl Follower<'_> {
         Ok((files, watch))
     }
 
-    /// Writes a file of the coarser levels, which is there long before that of all levels, unless there is a file
-    /// already.
+    /// Writes a file of the coarser levels, long before the file of all levels is done. Does nothing if there
+    /// is already a file.
     fn write_coarser(&self, baker: &mut Baker) -> Result<(), Failure> {
         if baker.grids().len() == 1 || self.output.exists() {
             return Ok(());
         }
         baker.bake_coarser(self.args.focus, Watch::none())?;
-        let (staged, _) = staged(self.output, |out| baker.write_coarser_to(Watch::none(), out))?;
-        Ok(StagedFile::place([staged])?)
+        baker.save_coarser(self.output, Watch::none())?;
+        Ok(())
     }
 
     fn bake(&self, baker: &mut Baker, [load_seconds, plan_seconds]: [f64; 2]) -> Result<(), Failure> {
@@ -174,8 +173,7 @@ impl Follower<'_> {
         let bake_seconds = start.elapsed().as_secs_f64();
         let start = Instant::now();
         let watch = Watch::new(&|_| {}, &self.stop);
-        let (staged, written) = staged(self.output, |out| baker.write_to(watch, out))?;
-        StagedFile::place([staged])?;
+        let written = baker.save(self.output, watch)?;
         let link_seconds = start.elapsed().as_secs_f64();
         let parts = baker.pages().count();
         if self.args.run.json {

@@ -1,4 +1,4 @@
-//! Decides whether a bake assumes a ground, and says so.
+//! Decides whether a bake assumes a ground, and describes the decision.
 
 use std::fmt;
 
@@ -8,12 +8,13 @@ use adumbra_scene::Scene;
 /// Whether shadows below the last surface are left out, and why.
 pub(super) struct DecidedGround {
     pub(super) is_assumed: bool,
-    /// What was measured, unless the options say what to do.
+    /// The measurements; `None` if the options decide.
     measured: Option<Ground>,
 }
 
 impl DecidedGround {
-    /// Decides for the bake of `scene`, and writes the decision to its options. Cost: that of [`Ground::of`] at most.
+    /// Decides for the bake of `scene`, and writes the decision to its options. Cost: that of [`Ground::of`]
+    /// at most.
     pub(super) fn of(scene: &Scene, options: &mut BakeOptions) -> Self {
         let measured = (options.assume_ground == AssumeGround::Auto).then(|| Ground::of(scene));
         let is_assumed = match &measured {

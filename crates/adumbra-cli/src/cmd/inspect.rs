@@ -39,7 +39,8 @@ pub(super) struct Inspected {
     blended_triangles: u64,
     /// Number of triangles without area.
     degenerate_triangles: u64,
-    /// Number of polygons of OBJ and PLY files that were cut into fans, which may cover too much or too little.
+    /// Number of polygons of OBJ and PLY files that were cut into fans, which may cover too much or too
+    /// little.
     untriangulated_polygons: u64,
     /// Bounding box of the scene.
     #[schemars(with = "mirrors::Bounds")]
@@ -192,8 +193,8 @@ fn closed_shares(scene: &Scene) -> (f64, f64) {
     (share(closed), share(solid))
 }
 
-/// Edge of a voxel for the suggested resolution, world units: 5 cm if they are metres. The resolution is limited to
-/// what bakes in minutes.
+/// Edge of a voxel for the suggested resolution, world units: 5 cm if they are metres. The resolution is
+/// limited to what bakes in minutes.
 const SUGGESTED_VOXEL: f64 = 0.05;
 
 fn suggested_resolution(scene: &Scene, sun: &Sun) -> u32 {

@@ -4,6 +4,7 @@ mod bake;
 mod bake_path;
 mod bake_regions;
 mod bake_watch;
+mod baking;
 mod cache;
 mod convert;
 #[cfg(feature = "render")]
@@ -18,7 +19,6 @@ mod query;
 mod regions;
 mod scale;
 mod schema;
-mod staged;
 mod store;
 mod sunlight;
 mod verify;

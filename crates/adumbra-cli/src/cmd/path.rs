@@ -22,8 +22,8 @@ use serde::Serialize;
 
 use crate::args::VerifyPathArgs;
 
-/// Points at which each moment is compared with rays. Of so many, a moment's shares are known to about 0.02 percentage
-/// points.
+/// Points at which each moment is compared with rays. With this many, a moment's shares are accurate to about
+/// 0.02 percentage points.
 const POINTS: usize = 100_000;
 
 /// What a sun path contains.
@@ -77,7 +77,7 @@ pub(super) struct VerifiedMoment {
     own_percent: f64,
 }
 
-/// Says from which depth on rays are blocked that no key knows, if the path has such a depth.
+/// Prints over which depth both keys must hide a ray to block it, if the path has such a depth.
 pub(super) fn say_hidden(dark_after_voxels: u32, voxel_size: f64) {
     if dark_after_voxels > 0 {
         let depth_world = f64::from(dark_after_voxels) * voxel_size;
@@ -117,7 +117,7 @@ pub(super) fn query(args: &Query, path: &SunPath, time: Option<TimeArg>, level: 
     args.answer(&points, &sampler.with_bias(bias)?, None)
 }
 
-/// No point sees the sun.
+/// A time at which no point sees the sun.
 struct Night;
 
 impl adumbra::PointVisibility for Night {
@@ -126,7 +126,7 @@ impl adumbra::PointVisibility for Night {
     }
 }
 
-/// Compares a path with rays, and says what it finds.
+/// Compares a path with rays, and prints the result.
 pub(super) fn verify(
     args: &Verify,
     of_path: &VerifyPathArgs,
@@ -167,7 +167,7 @@ pub(super) fn verify(
     if let Some(plot) = &of_path.plot {
         write_plot(plot, &measured)?;
     }
-    // A path of another scene is as wrong between its keys as at them.
+    // A path of another scene is as wrong at its keys as between them, so verify a key too.
     let key = path.key(path.key_seconds().len() / 2)?;
     let answers = LightAnswers::of(&key, key.sampler(Filter::Nearest));
     let of_key =

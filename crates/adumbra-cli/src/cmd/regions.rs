@@ -13,7 +13,8 @@ use adumbra_program::{mirrors, say};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Reads the manifest at `path`. `None` if the file is not one: JSON begins with a brace, shadow files do not.
+/// Reads the manifest at `path`. `None` if the file is not one: JSON begins with a brace, shadow files do
+/// not.
 pub(super) fn manifest(path: &Path) -> Result<Option<Regions>, Failure> {
     let mut first = [0];
     let read = File::open(path).and_then(|mut file| file.read(&mut first));

@@ -35,7 +35,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn scale_rises_and_ends_at_its_ends() {
+    fn scale_brightens_and_clamps_at_both_ends() {
         assert_eq!([color(0.0), color(1.0), color(0.5)], [SCALE[0], SCALE[4], SCALE[2]]);
         assert_eq!([color(-1.0), color(2.0)], [SCALE[0], SCALE[4]]);
         let luma = |c: [u8; 3]| 2 * u32::from(c[0]) + 7 * u32::from(c[1]) + u32::from(c[2]);

@@ -1,4 +1,4 @@
-//! Where a bake cache is: in a folder, or in a store that a URL names.
+//! The place of a bake cache: a folder, or a store that a URL names.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -16,7 +16,7 @@ pub(super) enum Store {
 }
 
 impl Store {
-    /// Opens a folder that is there, or a store.
+    /// Opens an existing folder, or a store.
     pub(super) fn open(place: &Path) -> Result<Self, Failure> {
         match url_of(place) {
             Some(url) => Self::remote(url),
@@ -55,11 +55,11 @@ impl Store {
 
 /// Returns a place as a URL, if it is one.
 pub(super) fn url_of(place: &Path) -> Option<&str> {
-    // One letter would be a drive.
+    // A single letter is a drive of Windows, not a scheme.
     place.to_str().filter(|text| text.split_once("://").is_some_and(|(scheme, _)| scheme.len() > 1))
 }
 
-/// Opens a cache. A folder is created if it is not there.
+/// Opens a cache. A folder is created if it does not exist.
 pub(super) fn open_or_create(place: &Path) -> Result<Arc<dyn BakeCache>, Failure> {
     if url_of(place).is_none() {
         return Ok(Arc::new(DiskCache::create(place)?));
@@ -71,8 +71,8 @@ pub(super) fn open_or_create(place: &Path) -> Result<Arc<dyn BakeCache>, Failure
     })
 }
 
-/// Opens the cache of `--cache`, if the option is given. The first failure of the cache is reported as a warning; the
-/// bake goes on without it.
+/// Opens the cache of `--cache`, if the option is given. The first failure of the cache is reported as a
+/// warning; the bake goes on without it.
 pub(super) fn best_effort_cache(place: Option<&Path>) -> Result<Option<BestEffortCache>, Failure> {
     let Some(place) = place else { return Ok(None) };
     let named = place.display().to_string();

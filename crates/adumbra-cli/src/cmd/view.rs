@@ -85,7 +85,7 @@ fn options(args: &View) -> Result<ViewOptions> {
     })
 }
 
-/// Returns the day to play. Of a path file only length and hour are asked for.
+/// Returns the day to play. For a path file, only length and hour are options.
 fn day(args: &View) -> Result<Option<DayOptions>> {
     if args.day.is_none() && args.shadow_file.is_none() {
         return Ok(None);

@@ -12,7 +12,7 @@ use adumbra_testing::{Folder, adumbra};
 use serde_json::Value;
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_adumbra");
-/// Both bakes have one frame: with --watch it is chosen once.
+/// Fixes the frame, so that both bakes share it: with --watch it is chosen once.
 const OPTIONS: [&str; 6] = ["--resolution", "1024", "--frame", "oblique", "--yaw", "0"];
 
 fn runs(words: &[&str]) {
@@ -48,7 +48,7 @@ impl Follower {
         Self { child, lines, errors }
     }
 
-    /// What the next bake printed.
+    /// Returns what the next bake prints.
     fn next(&self) -> Value {
         let line = self.lines.recv().expect("a bake");
         serde_json::from_str(&line).expect("JSON in one line")
@@ -91,7 +91,7 @@ fn followed_scenes_have_the_files_of_fresh_bakes() {
     let edited = follower.next();
     assert!(edited["baked_parts"].as_u64() < edited["parts"].as_u64(), "{edited}");
     same_as_fresh("edited");
-    // A scene that is half written is not taken.
+    // A half-written scene is not baked.
     let whole = fs::read(&scene).unwrap();
     fs::write(&scene, &whole[..whole.len() / 2]).unwrap();
     let warning = follower.next_error();
@@ -105,7 +105,7 @@ fn followed_scenes_have_the_files_of_fresh_bakes() {
     assert!(folder.no_temporary_files());
 }
 
-/// Only where there is no file is one of the coarser levels better than none.
+/// A file of the coarser levels is written only if there is no file yet.
 #[test]
 fn earlier_file_stays_until_all_levels_are_baked() {
     let folder = Folder::new();
@@ -138,7 +138,7 @@ fn follower_ends_with_an_interrupt() {
 }
 
 #[test]
-fn edits_that_cannot_be_made_are_errors() {
+fn impossible_edits_are_errors() {
     let folder = Folder::new();
     let (scene, output) = (folder.generate("city"), folder.write("out", b"earlier"));
     for (edits, expected) in [

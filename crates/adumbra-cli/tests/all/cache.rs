@@ -37,7 +37,7 @@ fn cached_bakes_write_the_same_file_and_say_what_they_reused() {
 }
 
 #[test]
-fn caches_that_are_not_there_or_cannot_be_written_are_errors_that_name_them() {
+fn missing_or_unwritable_caches_are_errors_that_name_the_path() {
     let folder = Folder::new();
     let (code, error) = adumbra(&["cache", "info", &folder.path("none")]);
     assert!(code == 3 && error.contains("none"), "{code}: {error}");
@@ -48,7 +48,7 @@ fn caches_that_are_not_there_or_cannot_be_written_are_errors_that_name_them() {
     let (code, error) = adumbra(&["bake", &scene, "--resolution", "256", "--cache", &file, "-o", &output]);
     assert!(code != 0 && error.contains("--cache") && error.contains("taken"), "{code}: {error}");
     assert_eq!(fs::read(&output).unwrap(), b"earlier");
-    // Before the scene is loaded, which may take long.
+    // The error comes before the scene is loaded, which may take long.
     let broken = folder.write("broken.glb", b"no scene");
     for verb in [&["bake", &broken][..], &["bake", &broken, "--watch"], &["bake", &broken, "--regions=1024"]]
     {
@@ -58,7 +58,7 @@ fn caches_that_are_not_there_or_cannot_be_written_are_errors_that_name_them() {
 }
 
 #[test]
-fn a_cache_that_cannot_be_used_is_said_and_the_bake_goes_on() {
+fn bake_warns_of_an_unusable_cache_and_continues() {
     let folder = Folder::new();
     let (scene, cache) = (folder.generate("primitives"), folder.path("cache"));
     let bake = |output: &str| {
@@ -79,13 +79,13 @@ fn a_cache_that_cannot_be_used_is_said_and_the_bake_goes_on() {
     let (code, said) = bake(&second);
     assert!(code == 0 && said.matches("warning: --cache").count() == 1, "{code}: {said}");
     assert!(fs::read(&first).unwrap() == fs::read(&second).unwrap());
-    // Nor is a folder an entry to remove.
+    // A folder in place of an entry is not removed.
     assert_eq!(json(&["cache", "prune", &cache, "--keep", "0", "--json"])["removed"]["entries"], 0);
 }
 
 /// The light that `--link-in` writes leads to the same sun.
 #[test]
-fn a_scene_that_was_told_of_its_shadows_is_baked_from_the_cache() {
+fn scene_with_a_linked_file_is_baked_from_the_cache() {
     let folder = Folder::new();
     let (scene, cache, output) =
         (folder.generate("primitives"), folder.path("cache"), folder.path("a.adumbra"));

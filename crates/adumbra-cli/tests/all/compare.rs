@@ -90,7 +90,7 @@ fn compare_finds_a_street_and_walks_a_file() {
 }
 
 #[test]
-fn sun_degrees_reach_and_judges_every_technique_that_takes_one() {
+fn sun_degrees_applies_to_every_technique_that_takes_it() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("primitives"), folder.path("out"));
     let report = json(&[
@@ -136,7 +136,7 @@ fn sun_degrees_reach_and_judges_every_technique_that_takes_one() {
 }
 
 #[test]
-fn strict_refuses_figures_of_too_few_pixels() {
+fn check_surfaces_rejects_figures_of_too_few_pixels() {
     let folder = Folder::new();
     // The rods are far thinner than a pixel, so the rasterizer and the rays do not hit the same ones.
     let scene = folder.generate("wires");
@@ -154,7 +154,7 @@ fn strict_refuses_figures_of_too_few_pixels() {
 }
 
 #[test]
-fn compare_refuses_what_makes_no_sense() {
+fn compare_rejects_invalid_options() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let out = folder.path("out");

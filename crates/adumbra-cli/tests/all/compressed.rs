@@ -1,11 +1,11 @@
 //! Real scenes, compressed by real encoders: Draco's, meshoptimizer's and gltfpack.
 //!
-//! Where the encoding keeps every value, in whatever order, the shadow file has the same bytes as that of the scene as it
-//! was. Otherwise the file is verified against the compressed scene's own geometry.
+//! Where the encoding keeps every value, in whatever order, the shadow file has the same bytes as that of the
+//! scene as it was. Otherwise the file is verified against the compressed scene's own geometry.
 //!
-//! Needs Node.js and the encoders in `xtask/encoders`, which `cargo xtask test` installs. Without them the test prints a
-//! note and passes, unless `ADUMBRA_REQUIRE_TOOLS` is set, as `cargo xtask test` does. `ADUMBRA_FULL=1` tries every
-//! method on every scene, at a higher resolution, and prints a table.
+//! Needs Node.js and the encoders in `xtask/encoders`, which `cargo xtask test` installs. Without them the
+//! test prints a note and passes, unless `ADUMBRA_REQUIRE_TOOLS` is set, as `cargo xtask test` does.
+//! `ADUMBRA_FULL=1` tries every method on every scene, at a higher resolution, and prints a table.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -7,7 +7,7 @@ use adumbra::{Encoding, ShadowFile};
 use adumbra_testing::{Folder, adumbra, json, program};
 
 #[test]
-fn conversions_give_each_other_back() {
+fn converting_there_and_back_restores_the_bytes() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let [coded, raw] = [folder.path("coded.adumbra"), folder.path("raw.adumbra")];
@@ -34,7 +34,7 @@ fn conversions_give_each_other_back() {
     }
     assert!(folder.no_temporary_files());
 
-    // What is stored so already is written as it is.
+    // A file that already has the encoding is copied unchanged.
     json(&["convert", &coded, "--encoding", "coded", "-o", &other, "--json"]);
     assert!(fs::read(&other).unwrap() == coded_bytes);
     let (code, error) = adumbra(&["convert", &coded]);
@@ -43,7 +43,7 @@ fn conversions_give_each_other_back() {
         adumbra(&["convert", &coded, "--encoding", "raw", "-o", &folder.path("no/such/a.adumbra")]);
     assert!(code != 0 && error.contains("no/such"), "{error}");
 
-    // What cannot be read stays as it is.
+    // A file that cannot be read stays unchanged.
     let broken = folder.write("broken.adumbra", &coded_bytes[..coded_bytes.len() - 1]);
     let (code, error) = adumbra(&["convert", &broken, "--encoding", "raw"]);
     assert_eq!((code, error.contains("cut off")), (3, true), "{error}");
@@ -70,7 +70,7 @@ fn a_snippet_names_the_file_and_is_printed_alone() {
 
 #[cfg(feature = "render")]
 #[test]
-fn picture_of_levels_of_detail_needs_a_file() {
+fn level_layer_needs_a_shadow_file() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let file = folder.path("p.adumbra");

@@ -35,7 +35,7 @@ fn differing(a: &image::RgbImage, b: &image::RgbImage) -> [f64; 2] {
 }
 
 #[test]
-fn device_gpu_means_the_gpu() {
+fn device_gpu_draws_on_the_gpu() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let (cpu, cpu_name) = truth(&scene, "cpu", &folder.path("cpu.png"));

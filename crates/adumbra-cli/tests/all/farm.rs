@@ -1,5 +1,5 @@
-//! `plan`, `tile` and `link`, and the makefile that `plan` exports. The jobs for other schedulers are tested in
-//! `python/tests`, because their programs come with Python.
+//! `plan`, `tile` and `link`, and the makefile that `plan` exports. The jobs for other schedulers are tested
+//! in `python/tests`, because their programs come with Python.
 
 use std::fs;
 use std::path::Path;
@@ -87,7 +87,7 @@ fn makefile_bakes_on_two_cores_and_continues() {
         return;
     }
     let folder = Folder::new();
-    // Everything that a shell or make would read.
+    // All characters that a shell or make would interpret.
     let odd = folder.path(r#"a 'b' "c" $HOME #d \# e"#);
     fs::create_dir(&odd).unwrap();
     let at = |name: &str| format!("{odd}/{name}");
@@ -174,7 +174,7 @@ fn killed_at_any_moment(kills: u32) {
             if verb[0] == "tile" && number % 8 == 0 {
                 let _ = fs::remove_dir_all(&cache);
             }
-            // Moments from the end to the start, where every run is killed.
+            // Kill at moments from the end of a run to its start, at which every run is killed.
             let share = f64::from(kills - 1 - number) / f64::from(kills);
             killed += u32::from(kill_after(verb, whole_run.mul_f64(share)));
         }
@@ -190,7 +190,7 @@ fn killed_at_any_moment(kills: u32) {
     assert_eq!(said["baked"], 0, "no entry is damaged: {said}");
 }
 
-/// Kills programs that follow a scene, whose edits come and go.
+/// Kills programs that follow a scene while edits are made and undone.
 fn followers_are_killed(kills: u32, folder: &Folder, (scene, plan): (&str, &str), whole: &[u8]) {
     let (edits, output, cache) =
         (folder.path("moves.json"), folder.path("followed"), folder.path("followed.cache"));
@@ -212,7 +212,7 @@ fn followers_are_killed(kills: u32, folder: &Folder, (scene, plan): (&str, &str)
     assert_eq!(said["baked"], 0, "no entry is damaged: {said}");
 }
 
-/// A disk of its own that is nearly full. Only an administrator can make one.
+/// A separate, nearly full disk. Only an administrator can mount it.
 #[cfg(target_os = "linux")]
 struct SmallDisk(String);
 
@@ -261,13 +261,13 @@ fn full_disks_lose_nothing() {
         "{code}: {error}"
     );
     assert!(fs::read(&out).unwrap() == whole);
-    // What was baked is whole, and more room is all that is needed.
+    // The baked entries are intact, and the run needs only more room.
     assert!(disk.mount("remount,size=64m"));
     let said = json(&["tile", "--plan", &plan, "--cache", &cache, "--json"]);
     assert!(said["baked"].as_u64() > Some(0) && said["reused"].as_u64() > Some(0), "{said}");
     let linked = format!("{}/linked", disk.0);
     fs::write(&linked, b"earlier").unwrap();
-    // A file takes what is left but 64 KiB.
+    // Fill the disk: the second file does not fit.
     fs::write(format!("{}/filler", disk.0), vec![0; (64 << 20) - (2 << 20)]).unwrap();
     fs::write(format!("{}/more", disk.0), vec![0; 2 << 20]).unwrap_err();
     full(&["link", "--plan", &plan, "--cache", &cache, "-o", &linked]);

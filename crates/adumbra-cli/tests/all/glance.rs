@@ -1,4 +1,5 @@
-//! What `inspect`, `bake` and `verify` say of scenes that would look wrong, though files of them answer as rays do.
+//! Warnings of `inspect`, `bake` and `verify` about scenes that would look wrong, although their files agree
+//! with rays.
 
 use adumbra_testing::{Folder, adumbra, json};
 
@@ -15,7 +16,7 @@ fn town(posts: usize, more: &str) -> Vec<u8> {
 }
 
 #[test]
-fn a_sky_and_a_stray_are_said_and_can_be_left_out() {
+fn warns_of_sky_domes_and_strays_that_can_be_excluded() {
     let folder = Folder::new();
     let sky = "o SkyBox\nv -90 -90 -90\nv 90 -90 -90\nv 90 90 -90\nv -90 90 -90\nv -90 -90 90\nv 90 -90 90\nv 90 90 90\nv -90 90 90\n\
         f -8 -7 -6 -5\nf -4 -1 -2 -3\nf -8 -4 -3 -7\nf -5 -6 -2 -1\nf -8 -5 -1 -4\nf -7 -3 -2 -6\n";
@@ -38,7 +39,7 @@ fn a_sky_and_a_stray_are_said_and_can_be_left_out() {
     let said = bake(&wide, &[]);
     assert!(said.contains("\"lost\" reaches 200001,1,1:") && said.contains("--exclude 'lost'"), "{said}");
     assert!(!bake(&wide, &["--exclude", "lost"]).contains("voxels of"));
-    // The box that is named is one that can be given.
+    // The box in the warning can be given as an option.
     let given = said.split_ascii_whitespace().find(|word| word.starts_with("--bounds=")).unwrap();
     assert!(!bake(&wide, &[given]).contains("voxels of"), "{given}");
     let (code, said) = adumbra(&["verify", &file, "--scene", &wide, "--samples", "20000"]);
@@ -59,7 +60,7 @@ fn a_sky_and_a_stray_are_said_and_can_be_left_out() {
 }
 
 #[test]
-fn verify_says_that_a_file_leaves_out_what_falls_on_the_ground() {
+fn verify_warns_that_a_file_omits_shadows_on_the_ground() {
     let folder = Folder::new();
     let (scene, file) = (folder.write("a.obj", &town(40, "")), folder.path("a.adumbra"));
     let said = |exclude: &[&str], assumed: &str| {
@@ -75,7 +76,7 @@ fn verify_says_that_a_file_leaves_out_what_falls_on_the_ground() {
 }
 
 #[test]
-fn verify_says_that_a_scene_is_in_another_state() {
+fn verify_reports_that_the_casters_have_changed() {
     let folder = Folder::new();
     let (before, after) = (folder.write("a.obj", &town(40, "")), folder.write("b.obj", &town(37, "")));
     let file = folder.path("a.adumbra");
@@ -95,7 +96,7 @@ fn verify_says_that_a_scene_is_in_another_state() {
 }
 
 #[test]
-fn verify_tells_a_coarse_grid_from_another_scene() {
+fn verify_distinguishes_a_coarse_grid_from_another_scene() {
     let folder = Folder::new();
     let (posts, city) = (folder.write("a.obj", &town(40, "")), folder.generate("city"));
     let file = folder.path("a.adumbra");
@@ -104,7 +105,7 @@ fn verify_tells_a_coarse_grid_from_another_scene() {
         let words = ["verify", &file, "--scene", scene, "--samples", "50000", "--min-interior", "1"];
         adumbra(&[&words, more].concat())
     };
-    // Coarse, of the right scene, and asked for more than it promises.
+    // A coarse file of the right scene, checked against a stricter limit than it can meet.
     let (code, said) = check(&city, &city, &[]);
     assert!(
         code == 1 && said.contains("finer --resolution") && !said.contains("is this the scene"),

@@ -1,4 +1,4 @@
-//! Whether a bake assumes a ground: what it says, and what follows.
+//! Whether a bake assumes a ground: its messages, and the consequences.
 
 use std::process::Command;
 
@@ -19,7 +19,7 @@ fn ground(file: &str, scene: &str, words: &[&str]) -> Value {
 }
 
 #[test]
-fn bake_says_whether_it_found_a_ground_and_verify_looks_at_it() {
+fn bake_reports_a_ground_and_verify_checks_it() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let alone = ["--exclude", "ground*"];
@@ -42,7 +42,7 @@ fn bake_says_whether_it_found_a_ground_and_verify_looks_at_it() {
 }
 
 #[test]
-fn every_bake_says_what_becomes_of_shadows_below_the_last_surface() {
+fn every_bake_reports_whether_it_assumes_a_ground() {
     let folder = Folder::new();
     let scene = folder.generate("ball");
     let path = |name: &str| folder.path(name);

@@ -1,4 +1,4 @@
-//! Interrupts end every verb in whatever phase it is, and leave earlier files as they were.
+//! Interrupts end every verb in any phase, and leave earlier files as they were.
 
 use std::fs;
 use std::path::Path;
@@ -29,9 +29,9 @@ fn send(signal: &str, child: &Child) {
     assert!(Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap().success());
 }
 
-/// Loading, sorting, the glance, the forecast of the frame, baking.
+/// The phases are loading, sorting, the glance, the forecast of the frame and baking.
 #[test]
-fn a_bake_ends_in_every_phase_and_leaves_the_earlier_file() {
+fn interrupted_bake_ends_in_any_phase_and_keeps_earlier_file() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let file = folder.write("p.adumbra", b"earlier");
@@ -83,9 +83,9 @@ fn every_long_verb_ends_when_it_is_interrupted() {
     assert!(!Path::new(&folder.path("q.plan.json")).exists());
 }
 
-/// As `nohup` does it.
+/// Ignores the signal for the program as `nohup` does.
 #[test]
-fn a_program_that_is_to_outlive_its_terminal_does() {
+fn ignored_hangup_does_not_end_the_program() {
     let folder = Folder::new();
     let (scene, file) = (folder.generate("city"), folder.path("p.adumbra"));
     let mut child = Command::new("sh")

@@ -53,7 +53,7 @@ fn render_shows_the_levels_of_a_hybrid_map() {
 }
 
 #[test]
-fn hybrid_map_from_a_coarse_start_is_warned_of() {
+fn warns_of_a_hybrid_map_with_a_coarse_start() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let of = |verb: &[&str], shadow: &str, output: &str| {
@@ -79,7 +79,7 @@ fn hybrid_map_from_a_coarse_start_is_warned_of() {
 }
 
 #[test]
-fn render_gives_the_time_of_the_build() {
+fn render_reports_the_time_of_the_build() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let milliseconds = |shadow: &str| {

@@ -1,5 +1,5 @@
-//! `--max-memory` limits the whole program: loading, the forecast of the frame, the bake and `verify`. A run that
-//! succeeds keeps to its limit, and one that cannot is refused with what it needs.
+//! `--max-memory` limits the whole program: loading, the forecast of the frame, the bake and `verify`. A run
+//! that succeeds keeps to its limit, and a run that cannot is refused with the memory that it needs.
 
 use std::fs;
 

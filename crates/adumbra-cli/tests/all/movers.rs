@@ -1,10 +1,12 @@
-//! Animated instances through the program: skipped by a bake unless asked for, and verified as they were baked.
+//! Animated instances through the program: skipped by a bake unless asked for, and verified as they were
+//! baked.
 
 #![cfg(feature = "render")]
 
 use adumbra_testing::{Folder, adumbra, glb, json};
 
-/// Returns a GLB with a ground and a block above it that rises, from 1 m at the first key to 9 m at the second.
+/// Returns a GLB with a ground and a block above it that rises, from 1 m at the first key to 9 m at the
+/// second.
 fn rising_block() -> Vec<u8> {
     let mut bin = Vec::new();
     let mut floats = |values: &[f32]| {
@@ -70,7 +72,7 @@ fn bake_leaves_movers_out_and_verify_agrees() {
 }
 
 #[test]
-fn render_numbers_frames_and_says_what_cannot_move() {
+fn render_numbers_frames_and_rejects_unmoving_scenes() {
     let folder = Folder::new();
     let scene = folder.generate("city");
     let lift = folder.write("lift.glb", &rising_block());

@@ -59,7 +59,7 @@ fn is_kept(path: &str, code: i32, commands: &[Vec<&str>]) {
 }
 
 #[test]
-fn bake_keeps_its_scene_and_what_the_scene_names() {
+fn bake_does_not_overwrite_its_scene_or_files_it_names() {
     let BakedBoard { folder, scene, .. } = baked();
     let library = folder.path("board.mtl");
     for name in names(&folder, "board.obj") {
@@ -79,7 +79,7 @@ fn bake_keeps_its_scene_and_what_the_scene_names() {
 }
 
 #[test]
-fn bake_keeps_what_only_the_loader_sees_named() {
+fn bake_does_not_overwrite_files_that_only_the_loader_finds() {
     let folder = Folder::new();
     let face = "v 0 0 0\nv 0 0 1\nv 1 0 0\nusemtl a\nf 1 2 3\n";
     let scene = folder.write("s.obj", format!("mtllib \\\n s.mtl\n{face}").as_bytes());
@@ -108,7 +108,7 @@ fn bake_keeps_what_only_the_loader_sees_named() {
 }
 
 #[test]
-fn bakes_keep_every_file_that_an_option_names() {
+fn bake_does_not_overwrite_files_named_by_options() {
     let BakedBoard { folder, scene, .. } = baked();
     let gltf = folder.generate("primitives");
     let edits = folder.write("moves.json", b"{}");
@@ -134,7 +134,7 @@ fn bakes_keep_every_file_that_an_option_names() {
 }
 
 #[test]
-fn query_keeps_its_file_points_and_normals() {
+fn query_does_not_overwrite_its_inputs() {
     let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);
     let normals = folder.write_f32("n.f32", &[0.0, 1.0, 0.0]);
@@ -149,7 +149,7 @@ fn query_keeps_its_file_points_and_normals() {
 }
 
 #[test]
-fn render_keeps_what_it_reads() {
+fn render_does_not_overwrite_its_inputs() {
     let BakedBoard { folder, scene, file } = baked();
     // Pictures have extensions of their own, but links can have any.
     let picture = folder.path("picture.png");
@@ -164,7 +164,7 @@ fn render_keeps_what_it_reads() {
 }
 
 #[test]
-fn compare_keeps_what_lies_in_its_folder() {
+fn compare_does_not_overwrite_inputs_in_its_folder() {
     let BakedBoard { folder, scene, file } = baked();
     let out = folder.path("out");
     fs::create_dir(&out).unwrap();
@@ -177,7 +177,7 @@ fn compare_keeps_what_lies_in_its_folder() {
 }
 
 #[test]
-fn compare_keeps_its_camera_and_its_path() {
+fn compare_does_not_overwrite_its_camera_or_path() {
     let BakedBoard { folder, scene, .. } = baked();
     let out = folder.path("out");
     fs::create_dir(&out).unwrap();
@@ -195,7 +195,7 @@ fn compare_keeps_its_camera_and_its_path() {
 
 #[cfg(unix)]
 #[test]
-fn two_outputs_are_not_one_file() {
+fn rejects_two_outputs_that_are_one_file() {
     use std::os::unix::fs::symlink;
     let BakedBoard { folder, scene, file } = baked();
     // Frames of a render, and tables of a comparison.
@@ -224,7 +224,7 @@ fn two_outputs_are_not_one_file() {
 }
 
 #[test]
-fn a_failed_conversion_or_query_leaves_every_earlier_file() {
+fn failed_convert_or_query_keeps_earlier_files() {
     let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0; 3]);
     let missing = folder.path("missing/v.f32");
@@ -237,7 +237,8 @@ fn a_failed_conversion_or_query_leaves_every_earlier_file() {
         let city = folder.path("city.adumbra");
         let (code, error) = bake(&folder.generate("city"), &city, &["--resolution", "512"]);
         assert_eq!(code, 0, "{error}");
-        // A limit on file sizes has the effect of a full disk: the file is larger than one block of 512 bytes.
+        // A limit on file sizes has the effect of a full disk: the file is larger than one block of 512
+        // bytes.
         let limited = "ulimit -f 1; exec \"$@\"";
         let convert = ["convert", &city, "--encoding", "raw", "-o", &raw];
         let output =
@@ -276,7 +277,7 @@ fn interrupts_leave_no_temporary_files() {
 
 #[cfg(unix)]
 #[test]
-fn a_bake_keeps_the_permissions_of_what_it_replaces() {
+fn bake_keeps_the_permissions_of_the_replaced_file() {
     use std::os::unix::fs::PermissionsExt;
     let BakedBoard { folder: _folder, scene, file } = baked();
     fs::set_permissions(&file, fs::Permissions::from_mode(0o600)).unwrap();
@@ -309,7 +310,7 @@ fn output_that_is_a_symbolic_link_is_followed() {
 }
 
 #[test]
-fn query_counts_what_is_not_finite() {
+fn query_reports_non_finite_points_and_normals() {
     let BakedBoard { folder, file, .. } = baked();
     let (nan, inf) = (f32::NAN, f32::INFINITY);
     // Four invalid points, two in the board's shadow, one in the sun.
@@ -346,7 +347,7 @@ fn query_counts_what_is_not_finite() {
 }
 
 #[test]
-fn bounds_that_hold_nothing_are_said() {
+fn warns_of_empty_bounds() {
     let BakedBoard { folder, scene, .. } = baked();
     let output = folder.path("b.adumbra");
     let beside = ["--bounds", "100,0,100,110,5,110"];
@@ -371,7 +372,7 @@ fn bounds_that_hold_nothing_are_said() {
 }
 
 #[test]
-fn options_out_of_range_are_errors_of_usage() {
+fn options_out_of_range_are_usage_errors() {
     let BakedBoard { folder, scene, file } = baked();
     let output = folder.path("b.adumbra");
     for (options, says) in [

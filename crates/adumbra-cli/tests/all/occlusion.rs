@@ -1,4 +1,5 @@
-//! Ambient occlusion drawn by the program: every name, its layer, its figures, frames, and the messages about mistakes.
+//! Ambient occlusion drawn by the program: every name, its layer, its figures, frames, and the messages about
+//! mistakes.
 
 #![cfg(feature = "render")]
 
@@ -60,7 +61,8 @@ fn render_draws_the_layer_of_ambient_visibility_alone() {
         assert!(raw.iter().all(|v| (0.0..=1.0).contains(v)));
         let mean = raw.iter().sum::<f32>() / PIXELS as f32;
         assert!(mean > 0.8 && mean < 0.995, "{ao}: {mean}");
-        // A picture has the same values, without a tone curve. Shadows and the choice of the device have no influence.
+        // A picture has the same values, without a tone curve. Shadows and the choice of the device have no
+        // influence.
         draw(ao, "ao.png", &["--antialias", "1", "--shadow", "pcf:size=256"]);
         let png = image::open(folder.path("ao.png")).unwrap().into_rgb8();
         for (pixel, v) in png.pixels().zip(&raw) {
@@ -75,13 +77,13 @@ fn render_draws_the_layer_of_ambient_visibility_alone() {
     };
     let [one, three] = [mean("1"), mean("3")];
     assert!((one - three).abs() < 0.01, "{one} {three}");
-    // Without a radius a note gives the one that is used: 0.02 of the scene's usual diagonal.
+    // Without a radius, a note states the radius that is used: 0.02 of the scene's usual diagonal.
     let said = draw("gtao", "ao.png", &[]);
     assert!(said.contains("note: --ao gtao: the radius is ") && said.contains("2 % of the"), "{said}");
 }
 
 #[test]
-fn render_gives_the_figures_of_ambient_occlusion() {
+fn render_reports_the_figures_of_ambient_occlusion() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let output = folder.path("a.png");
@@ -103,7 +105,7 @@ fn render_gives_the_figures_of_ambient_occlusion() {
 }
 
 #[test]
-fn frames_of_a_call_reuse_those_before() {
+fn frames_reuse_earlier_frames_of_the_same_call() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let draw = |reuse: &str, shadows: &[&str]| {
@@ -130,7 +132,7 @@ fn frames_of_a_call_reuse_those_before() {
 }
 
 #[test]
-fn mistakes_of_ambient_occlusion_are_told_and_nothing_is_drawn() {
+fn invalid_ambient_occlusion_is_rejected_without_a_picture() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let output = folder.path("a.png");

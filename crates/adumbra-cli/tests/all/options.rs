@@ -6,7 +6,7 @@ use std::process::Command;
 use adumbra_testing::{Folder, adumbra, json, program, stderr};
 
 #[test]
-fn values_out_of_range_are_wrong_calls() {
+fn values_out_of_range_are_usage_errors() {
     let folder = Folder::new();
     let (scene, out, picture) = (folder.generate("primitives"), folder.path("out"), folder.path("a.png"));
     let bake = ["bake", &scene, "-o", &out];
@@ -25,13 +25,13 @@ fn values_out_of_range_are_wrong_calls() {
 }
 
 #[test]
-fn threads_memory_and_json_go_with_every_long_verb() {
+fn every_long_verb_takes_threads_memory_and_json() {
     threads_memory_and_json_go_with(false);
 }
 
 #[test]
 #[ignore = "slow: the whole demo"]
-fn threads_memory_and_json_go_with_the_demo() {
+fn demo_takes_threads_memory_and_json() {
     threads_memory_and_json_go_with(true);
 }
 
@@ -112,7 +112,7 @@ fn render_with_json_prints_one_object_for_several_pictures() {
 }
 
 #[test]
-fn render_bakes_on_the_way_what_a_technique_reads() {
+fn render_bakes_the_file_that_a_technique_needs() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let draw = |shadow: &str, more: &[&str], name: &str| {
@@ -141,7 +141,7 @@ fn render_bakes_on_the_way_what_a_technique_reads() {
 }
 
 #[test]
-fn drivers_write_nothing_about_a_runtime_folder_that_is_not_set() {
+fn unset_runtime_folder_causes_no_driver_messages() {
     let folder = Folder::new();
     let (scene, picture) = (folder.generate("primitives"), folder.path("a.png"));
     let output = Command::new(program())

@@ -1,4 +1,4 @@
-//! Where stdout and stderr lead to: what cannot be written is an error, and never a panic.
+//! Full or closed stdout and stderr: a failed write is an error, never a panic.
 
 use std::fs::File;
 use std::process::{Command, Output, Stdio};
@@ -42,7 +42,7 @@ fn file_is_whole(path: &str) -> bool {
 }
 
 #[test]
-fn errors_that_cannot_be_printed_keep_their_codes() {
+fn exit_codes_stay_when_stderr_cannot_be_written() {
     let folder = Folder::new();
     let (scene, file) = (folder.generate("primitives"), folder.path("p.adumbra"));
     let missing = folder.path("none.adumbra");
@@ -63,9 +63,9 @@ fn closed() -> Stdio {
     std::io::pipe().unwrap().1.into()
 }
 
-/// `head` closes its end when it has what it wants.
+/// `head` closes its end when it has read enough.
 #[test]
-fn a_reader_that_has_enough_is_no_error() {
+fn reader_that_closes_stdout_early_is_no_error() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let output = run(&["inspect", &scene, "--json"], closed(), Stdio::piped());
@@ -98,9 +98,9 @@ fn messages_have_no_numbers_of_hundreds_of_digits() {
     }
 }
 
-/// The system's own links to a pipe lead to no path.
+/// Links of the system, such as `/dev/stdout`, do not resolve to a path if they lead to a pipe.
 #[test]
-fn stdout_is_no_output() {
+fn rejects_stdout_as_output() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let output =

@@ -1,4 +1,4 @@
-//! Sun paths: `bake --sun-path` and `--suns`, and what the other verbs make of their files.
+//! Sun paths: `bake --sun-path` and `--suns`, and the other verbs on their files.
 
 use std::fs;
 use std::process::Command;

@@ -1,4 +1,5 @@
-//! The program as its users see it: verbs, exit codes, JSON fields, and the files that remain when something fails.
+//! The program as its users see it: verbs, exit codes, JSON fields, and the files that remain when something
+//! fails.
 
 use std::fs;
 use std::process::{Command, Stdio};
@@ -80,7 +81,8 @@ fn bake_info_verify_query_and_render_work_together() {
     let (code, error) = adumbra(&of_level("2"));
     assert!(code == 2 && error.contains("are 0 to 1"), "{error}");
 
-    // A point high above everything is lit, and so is one next to the grid, far beyond the edge of the ground.
+    // A point high above everything is lit, and so is one next to the grid, far beyond the edge of the
+    // ground.
     let points = folder.write_f32("points.f32", &[0.0, 500.0, 0.0, 9000.0, 0.0, 0.0]);
     let normals = folder.write_f32("normals.f32", &[0.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
     let output = folder.path("v.f32");
@@ -155,7 +157,7 @@ fn verify_exits_with_1_when_the_scene_is_another() {
 }
 
 #[test]
-fn usage_faults_exit_with_2() {
+fn usage_errors_exit_with_2() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let file = folder.path("p.adumbra");
@@ -186,7 +188,7 @@ fn usage_faults_exit_with_2() {
 }
 
 #[test]
-fn bad_inputs_exit_with_3_and_say_what_where_and_the_mend() {
+fn bad_inputs_exit_with_3_and_name_the_fault_and_the_fix() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let whole = fs::read(&scene).unwrap();
@@ -395,7 +397,7 @@ fn demo_leaves_the_file_pictures_and_a_report() {
 }
 
 #[test]
-fn bake_into_a_scene_names_the_file_there_and_leaves_it_loadable() {
+fn link_in_names_the_file_and_keeps_the_scene_loadable() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let before = json(&["inspect", &scene, "--json"]);

@@ -55,7 +55,7 @@ fn a_world_in_regions_answers_as_one_file_does() {
     let (one, cut) = (query(&whole), query(&world));
     let differ = one.iter().zip(&cut).filter(|(a, b)| a != b).count();
     let dark = one.iter().filter(|&&visibility| visibility == 0.0).count();
-    // Inside solids either answer will do, and the root blocks decide.
+    // Inside solids either answer is valid, and depends on the root blocks.
     assert!(differ * 200 < one.len() && dark * 20 > one.len(), "{differ} differ, {dark} are dark");
 
     let info = json(&["info", &world, "--json"]);
@@ -69,7 +69,7 @@ fn a_world_in_regions_answers_as_one_file_does() {
 }
 
 #[test]
-fn shares_of_a_world_give_the_files_of_all_of_it() {
+fn shards_of_a_world_write_the_files_of_one_bake() {
     let folder = Folder::new();
     let (scene, all, shared) =
         (folder.generate("primitives"), folder.path("all.json"), folder.path("shared.json"));
@@ -91,7 +91,7 @@ fn shares_of_a_world_give_the_files_of_all_of_it() {
         files += 1;
     }
     assert_eq!(files, regions);
-    // Edits touch a few regions, and the cache has the rest.
+    // An edit touches a few regions; the others come from the cache.
     let edit = folder.write("edit.json", br#"{ "removed": [4] }"#);
     let edited = || {
         let words = ["bake", &scene, "--voxel-size", "0.05", "--regions=1024", "--cache", &cache];
@@ -137,7 +137,7 @@ fn wrong_regions_are_refused() {
     let region = files[0].to_str().unwrap();
     let (code, error) = adumbra(&["verify", region, "--scene", &scene]);
     assert!(code == 2 && error.contains("manifest"), "{code}: {error}");
-    // The files of two regions are exchanged, and one is lost.
+    // The file of one region replaces that of another; then that file is missing.
     let points = folder.write_f32("points", &[0.0; 3]);
     let query = || adumbra(&["query", &world, "--points", &points, "-o", &folder.path("answers")]);
     let own = fs::read(&files[0]).unwrap();

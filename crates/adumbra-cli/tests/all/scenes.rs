@@ -29,7 +29,7 @@ fn folder_with_a_secret() -> Folder {
 }
 
 #[test]
-fn hostile_scenes_end_soon_with_their_exit_codes() {
+fn hostile_scenes_end_soon_with_the_right_exit_codes() {
     let folder = folder_with_a_secret();
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
         element face 1\nproperty list uint int vertex_indices\nend_header\n";
@@ -57,7 +57,7 @@ fn hostile_scenes_end_soon_with_their_exit_codes() {
     ];
     for (name, bytes, code, part) in cases {
         let scene = folder.write(name, &bytes);
-        // What waits for a pipe, a device or a server would never end.
+        // A program that waited for a pipe, a device or a server would never end.
         let (said, message) = adumbra(&["inspect", &scene]);
         assert_eq!(said, code, "{name}: {message}");
         assert!(message.contains(part), "{name}: {message}");
@@ -65,7 +65,7 @@ fn hostile_scenes_end_soon_with_their_exit_codes() {
 }
 
 #[test]
-fn files_outside_are_read_where_every_verb_allows_it() {
+fn every_verb_reads_outside_files_only_with_allow_outside() {
     let folder = folder_with_a_secret();
     let scene = folder.write("sub/trav.gltf", &gltf("../secret.bin"));
     let (file, picture) = (folder.path("t.adumbra"), folder.path("t.png"));
@@ -91,7 +91,7 @@ fn files_outside_are_read_where_every_verb_allows_it() {
 
 #[cfg(unix)]
 #[test]
-fn a_pipe_is_no_scene() {
+fn rejects_a_pipe_as_scene() {
     let folder = Folder::new();
     for ending in ["glb", "gltf", "obj", "ply"] {
         let pipe = folder.path(&format!("pipe.{ending}"));
@@ -102,8 +102,8 @@ fn a_pipe_is_no_scene() {
     }
 }
 
-/// Returns a GLB with `entries` image entries that all refer to one transparent image. Each masks a triangle of its
-/// own.
+/// Returns a GLB with `entries` image entries that all refer to one transparent image. Each masks a triangle
+/// of its own.
 fn bomb(entries: usize, side: u32) -> Vec<u8> {
     let mut png = std::io::Cursor::new(Vec::new());
     image::GrayAlphaImage::new(side, side).write_to(&mut png, image::ImageFormat::Png).unwrap();
@@ -135,7 +135,8 @@ fn a_scene_beyond_the_memory_allowed_exits_with_4() {
     let folder = Folder::new();
     let scene = folder.write("bomb.glb", &bomb(200, 4_000));
     let (file, picture) = (folder.path("b.adumbra"), folder.path("b.png"));
-    // Decoded once, the image takes 48 MB for a moment and 16 MB afterwards. Decoded per entry it would take 3.2 GB.
+    // Decoded once, the image takes 48 MB for a moment and 16 MB afterwards. Decoded per entry it would take
+    // 3.2 GB.
     let verbs: [&[&str]; 3] = [
         &["inspect", &scene],
         &["bake", &scene, "--resolution", "64", "--progress", "none", "-o", &file],

@@ -1,4 +1,5 @@
-//! `sun-hours` and `sky`: every format holds the same points, whatever the threads, and wrong calls say what to give.
+//! `sun-hours` and `sky`: every format holds the same points, whatever the threads, and wrong calls name the
+//! options to give.
 
 use std::process::Command;
 #[cfg(unix)]
@@ -22,7 +23,7 @@ const DAY: [&str; 12] = [
     "18",
 ];
 
-/// The schema of a file that a verb writes. Those of what verbs print are checked by `json`.
+/// Returns the schema of a file that a verb writes. `json` checks printed output against its schema.
 fn schema(of: &str) -> Value {
     let output = Command::new(program()).args(["schema", of]).output().unwrap();
     assert!(output.status.success(), "{of}");

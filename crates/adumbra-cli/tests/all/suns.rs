@@ -1,12 +1,13 @@
-//! The sun of a verb: from `--sun`, from the shadow file, from the scene's first directional light above the horizon,
-//! or the default; and what every verb says about it.
+//! The sun of a verb: from `--sun`, from the shadow file, from the scene's first directional light above the
+//! horizon, or the default; and the messages of every verb about it.
 
 use std::process::Command;
 
 use adumbra_testing::{Folder, adumbra, json, program, stderr};
 use serde_json::{Value, json};
 
-/// A rotation that turns +Z, where a light's node looks away from, by this angle about X towards +Y, in degrees.
+/// A rotation that turns +Z, where a light's node looks away from, by this angle about X towards +Y, in
+/// degrees.
 fn turned_up(degrees: f64) -> Value {
     let (sin, cos) = (-degrees.to_radians() / 2.0).sin_cos();
     json!([sin, 0.0, 0.0, cos])
@@ -67,7 +68,7 @@ fn light_of_the_scene_is_the_default_sun_of_every_verb() {
     let lights = &json(&inspect)["lights"];
     assert_eq!((&lights[0]["name"], &lights[1]["name"]), (&json!("Sun"), &json!("Moon")));
     assert!(near(&lights[1]["towards"], [0.0, HALF, HIGH]), "{lights}");
-    // The options go before it, and the shadow file before both.
+    // Options take precedence over the light, and the shadow file over both.
     for call in [&bake[..], &render] {
         for (option, sun) in [
             (&["--sun", "-1,2,0"][..], [-1.0, 2.0, 0.0]),
@@ -126,7 +127,7 @@ fn light_that_cannot_be_the_sun_is_named_and_the_next_one_is_taken() {
 }
 
 #[test]
-fn what_the_loader_left_out_is_said_once_and_strict_refuses_it() {
+fn loader_omissions_are_reported_once_and_rejected_by_strict() {
     let folder = Folder::new();
     let obj = folder.write("lines.obj", b"v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\nl 1 2\nl 2 3\nl 1 3\n");
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\

@@ -22,26 +22,27 @@ fn bake(folder: &Folder, scene: &str, day: &str, more: &[&str]) -> String {
     file
 }
 
-/// What is swept, and what is asked of it.
+/// A sweep, and the limits that its figures must keep.
 struct Sweep<'a> {
     /// A generated scene.
     kind: &'a str,
-    /// Of its sun path.
+    /// The resolution of its sun path.
     resolution: &'a str,
     camera: &'a str,
     size: &'a str,
     steps: &'a str,
     pixels: u64,
-    /// The most that are wrong of the pixels between keys, that change more often than with rays, and by which the share of those
-    /// that change is off.
+    /// The largest share of pixels that are wrong between keys, the largest share that change more often than
+    /// with rays, and the largest error of the share that change.
     most: [f64; 3],
-    /// The most that change without shadows, and how many times more are wrong then.
+    /// The largest share of pixels that change without shadows, and how many times more pixels are wrong
+    /// then.
     without: [f64; 2],
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
+fn path_between_keys_is_accurate_and_changes_like_rays() {
     a_path_is_as_right_as_a_file_and_changes_as_rays_do(&Sweep {
         kind: "city",
         resolution: "2048",
@@ -55,7 +56,7 @@ fn a_path_between_its_keys_is_as_right_as_a_file_and_changes_as_rays_do() {
 }
 
 #[test]
-fn a_coarse_path_between_its_keys_is_about_as_right_as_a_file_and_changes_as_rays_do() {
+fn coarse_path_between_keys_is_accurate_and_changes_like_rays() {
     a_path_is_as_right_as_a_file_and_changes_as_rays_do(&Sweep {
         kind: "primitives",
         resolution: "512",
@@ -69,7 +70,7 @@ fn a_coarse_path_between_its_keys_is_about_as_right_as_a_file_and_changes_as_ray
 }
 
 #[test]
-fn a_moment_of_an_hour_is_drawn_and_none_of_a_file() {
+fn render_draws_a_moment_of_a_path_but_not_of_a_file() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let hour = "lat=48,lon=11,date=2026-03-20,from=11:30,to=12:30,step=300";
@@ -137,7 +138,7 @@ fn a_path_is_as_right_as_a_file_and_changes_as_rays_do(asked: &Sweep<'_>) {
         share(path, "excess") < excess && (share(path, "changes") - rays).abs() < apart,
         "{rays} change with rays: {path}"
     );
-    // Without shadows next to nothing changes, and what the rays find dark is wrong.
+    // Without shadows hardly any pixel changes, and pixels that are dark according to rays are wrong.
     let [changes, times] = asked.without;
     assert!(["changes", "excess", "more_often"].iter().all(|field| share(none, field) < changes), "{none}");
     let is_far_less = |row: &&Value| share(none, "wrong") > times * share(row, "wrong");
@@ -159,7 +160,7 @@ fn a_path_is_as_right_as_a_file_and_changes_as_rays_do(asked: &Sweep<'_>) {
 }
 
 #[test]
-fn a_sweep_bakes_what_it_needs_and_leaves_the_night_out() {
+fn sweep_bakes_its_path_and_skips_the_night() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("primitives"), folder.path("out"));
     let compare = |day: &str, shadow: &str, steps: &str| {
@@ -197,7 +198,7 @@ fn a_sweep_bakes_what_it_needs_and_leaves_the_night_out() {
 }
 
 #[test]
-fn sweeps_that_make_no_sense_are_refused() {
+fn rejects_invalid_sweeps() {
     let folder = Folder::new();
     let (scene, out) = (folder.generate("primitives"), folder.path("out"));
     let day = bake(

@@ -4,7 +4,8 @@ use std::fs;
 
 use adumbra_testing::{Folder, adumbra, json};
 
-/// A town of 80 × 80 in which Z points up, a ground and two towers, as an OBJ file of its corners after `turn`.
+/// A town of 80 × 80 in which Z points up, a ground and two towers, as an OBJ file of its corners after
+/// `turn`.
 fn town(turn: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<u8> {
     let mut text = String::new();
     let mut count = 0;
@@ -30,7 +31,7 @@ fn town(turn: impl Fn([f64; 3]) -> [f64; 3]) -> Vec<u8> {
 }
 
 #[test]
-fn a_town_with_z_up_bakes_and_verifies_as_the_town_with_y_up() {
+fn scene_with_z_up_bakes_and_verifies_like_one_with_y_up() {
     let folder = Folder::new();
     let z_up = folder.write("z.obj", &town(|p| p));
     let y_up = folder.write("y.obj", &town(|[x, y, z]| [x, z, 0.0 - y]));
@@ -54,19 +55,19 @@ fn a_town_with_z_up_bakes_and_verifies_as_the_town_with_y_up() {
     assert!(z == y);
     assert_eq!(json(&["info", &from_z, "--json"])["settings"]["scene_is_z_up"], true);
 
-    // The file says how its scene is loaded; an option says otherwise.
+    // The file records how its scene was loaded; an option overrides it.
     let verify = |more: &[&str]| {
         let words = ["verify", &from_z, "--scene", &z_up, "--samples", "20000"];
         adumbra(&[&words, more].concat())
     };
     assert_eq!([verify(&[]).0, verify(&["--up", "z"]).0], [0, 0]);
-    // Read otherwise it has the same casters, but looks like another scene.
+    // Loaded with Y up, the scene has the same casters, but looks like another scene.
     let (code, said) = verify(&["--up", "y"]);
     assert!(
         code == 1 && said.contains("is this the scene") && !said.contains("warning: the file was baked from"),
         "{said}"
     );
-    // It is of the same world as the town with Y up.
+    // The file also fits the town with Y up.
     assert_eq!(adumbra(&["verify", &from_z, "--scene", &y_up, "--up", "y", "--samples", "20000"]).0, 0);
 
     // Machines that share a bake take the axis from the plan.
@@ -83,7 +84,7 @@ fn a_town_with_z_up_bakes_and_verifies_as_the_town_with_y_up() {
 }
 
 #[test]
-fn a_town_that_stands_like_a_wall_is_noticed() {
+fn warns_of_a_scene_that_seems_to_have_z_up() {
     let folder = Folder::new();
     let scene = folder.write("z.obj", &town(|p| p));
     let file = folder.path("z.adumbra");
@@ -96,13 +97,13 @@ fn a_town_that_stands_like_a_wall_is_noticed() {
     let (code, said) = bake(&["--up", "y"]);
     assert!(code == 0 && !said.contains("--up z"), "{said}");
 
-    // A sun from the south in coordinates with Z up. What the error asks for works.
+    // A sun from the south in coordinates with Z up. The options that the error suggests work.
     let (code, said) = bake(&["--sun", "0,-1,1"]);
     assert!(code == 2 && said.contains("if Z points up in the scene, give --up z --sun 0,1,1"), "{said}");
     assert_eq!(bake(&["--up", "z", "--sun", "0,1,1"]).0, 0);
     let (code, said) = bake(&["--up", "z", "--sun", "0,-1,1"]);
     assert!(code == 2 && said.contains("there the direction is 0,1,1"), "{said}");
-    // Nothing is asked for where it would not help.
+    // The error does not suggest --up where it would not help.
     for words in [&["--up", "y", "--sun", "0,-1,1"][..], &["--sun", "0,-1,-1"], &["--elevation", "-5"]] {
         let (code, said) = bake(words);
         assert!(code == 2 && !said.contains("--up z"), "{said}");

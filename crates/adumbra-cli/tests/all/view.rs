@@ -1,8 +1,8 @@
-//! Tests of the window under a virtual display: its keys, its pictures compared with those of `render`, and its
-//! reaction to a broken file.
+//! Tests of the window under a virtual display: its keys, its pictures compared with those of `render`, and
+//! its reaction to a broken file.
 //!
-//! Needs Xvfb and xdotool. Without them the tests print a note and pass, unless `ADUMBRA_REQUIRE_TOOLS` is set, as
-//! `cargo xtask test` does.
+//! Needs Xvfb and xdotool. Without them the tests print a note and pass, unless
+//! `ADUMBRA_REQUIRE_TOOLS` is set, as `cargo xtask test` does.
 
 #![cfg(feature = "view")]
 
@@ -26,7 +26,8 @@ fn picture(path: &str) -> Picture {
     Picture { width, height, rgb: image.into_raw(), difference_share: None }
 }
 
-/// Returns the mean FLIP difference of two pictures, and the share of their bytes that differ by more than two steps.
+/// Returns the mean FLIP difference of two pictures, and the share of their bytes that differ by more than
+/// two steps.
 fn apart(a: &str, b: &str) -> (f64, f64) {
     let (a, b) = (picture(a), picture(b));
     let off = a.rgb.iter().zip(&b.rgb).filter(|(x, y)| x.abs_diff(**y) > 2).count();
@@ -135,8 +136,8 @@ fn view_streams_a_file_that_needs_more_than_the_budget() {
     // Pixels far away have a coarser level, whose texels are no larger than they are.
     let (flip, _) = apart(&streamed, &drawn);
     assert!(flip > 0.0 && flip <= MAX_FLIP, "streamed: FLIP {flip}");
-    // The finest level is red, the next one orange; a whole file has no such layer, and the picture is shown in its
-    // place.
+    // The finest level is red, the next one orange; a whole file has no such layer, and the picture is shown
+    // in its place.
     let colors = |path: &str| {
         let Picture { rgb, .. } = picture(path);
         let tinted = |is: &dyn Fn(&[u8]) -> bool| rgb.chunks(3).filter(|p| is(p)).count();
@@ -200,7 +201,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
     assert!(said.contains("broken.glb") && said.contains("torn.adumbra"), "{said}");
     let sizes = [&first, &second, &third].map(|p| (picture(p).width, picture(p).height));
     assert_eq!(sizes, [(480, 300), (640, 400), (400, 300)]);
-    // The bake in the background gives what bake gives.
+    // The bake in the background gives the same picture as a file of `bake`.
     let (file, drawn) = (folder.path("primitives.adumbra"), folder.path("render.png"));
     let (code, error) = adumbra(&["bake", &scene, "--resolution", "1024", "-o", &file]);
     assert_eq!(code, 0, "{error}");
@@ -221,7 +222,7 @@ fn view_takes_keys_sizes_and_broken_files_and_closes() {
 
 #[test]
 #[ignore = "slow: bakes in a window"]
-fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
+fn view_rebakes_for_a_moved_sun_and_keeps_finished_levels() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
     let scene = folder.generate("primitives");
@@ -240,7 +241,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
         {"split": 0.5},
         {"wait": "traced"},
         {"screenshot": split},
-        // A finer bake that is stopped on its way: what landed stays.
+        // Stop a finer bake midway: its completed levels stay.
         "single",
         {"bake": 131072},
         {"wait": {"frames": 1}},
@@ -308,7 +309,7 @@ fn view_bakes_anew_where_the_sun_moves_and_keeps_what_landed() {
 }
 
 #[test]
-fn view_s_script_ends_where_a_step_cannot_be_done() {
+fn view_script_ends_at_a_step_that_cannot_be_done() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
     let scene = folder.generate("primitives");
@@ -333,7 +334,7 @@ fn view_s_script_ends_where_a_step_cannot_be_done() {
 
 #[test]
 #[ignore = "slow: opens windows"]
-fn view_keeps_what_comes_before_its_scene() {
+fn view_keeps_camera_and_file_given_before_its_scene_loads() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
     let (scene, other) = (folder.generate("primitives"), folder.generate("spheres"));
@@ -353,7 +354,8 @@ fn view_keeps_what_comes_before_its_scene() {
         "say_line",
         {"sun": {"azimuth": 10.0, "elevation": 50.0}},
         "say_line",
-        // Back to the sun that the view began with. The file was not there at that time, but it is for that sun.
+        // Back to the sun that the view began with. The file was not there at that time, but it is for that
+        // sun.
         "reset_sun",
         {"wait": "baked"},
         "say_line",
@@ -382,7 +384,7 @@ fn view_keeps_what_comes_before_its_scene() {
 }
 
 #[test]
-fn view_tells_a_fault_of_its_script_before_a_window_opens() {
+fn view_rejects_a_faulty_script_before_opening_a_window() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let script = folder.write("script.json", br#"["quit", {"lair": "shadow"}]"#);
@@ -424,7 +426,7 @@ fn view_without_a_display_says_what_is_missing() {
 
 #[test]
 #[ignore = "slow: opens windows"]
-fn view_keeps_its_script_and_what_its_scene_names() {
+fn view_does_not_overwrite_its_script_or_scene_files() {
     let Some(display) = display() else { return };
     let folder = Folder::new();
     let scene = folder.write("a.obj", b"mtllib a.mtl\nv 0 0 0\nv 0 0 9\nv 9 0 0\nf 1 2 3\n");
@@ -511,7 +513,7 @@ fn view_plays_a_day_as_render_draws_it() {
     assert_eq!(code, 0, "{said}");
     let (_, hour) = said.split_once("--day-length 100 --hour ").expect(&said);
     let hour: f64 = hour.split_whitespace().next().and_then(|hour| hour.parse().ok()).expect(&said);
-    // It plays 0.48 hours in two seconds; how much later it stops depends on the machine.
+    // The view plays 0.48 hours in two seconds. How much later it stops depends on the machine.
     assert!((12.7..=15.0).contains(&hour) && !said.contains("--azimuth"), "{said}");
     let steps = json!([
         {"wait": "loaded"},
@@ -529,7 +531,7 @@ fn view_plays_a_day_as_render_draws_it() {
     assert_eq!(code, 0, "{error}");
     let (flip, off) = apart(&shots[2], &shots[3]);
     assert!(flip <= MAX_FLIP && off <= 0.002, "read: FLIP {flip}, {off} off");
-    // The keys that are baked at run time are others.
+    // Keys that are baked at run time are not those of the file.
     let (flip, off) = apart(&shots[0], &shots[3]);
     assert!(flip <= MAX_FLIP && off <= 0.02, "baked: FLIP {flip}, {off} off");
     let (_, off) = apart(&shots[0], &shots[1]);

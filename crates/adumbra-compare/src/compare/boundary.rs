@@ -1,9 +1,9 @@
 //! How much finer a hybrid-resolution map is at the edges of the true shadow.
 //!
-//! A compared pixel is *at an edge* if it is within one coarsest texel, in the light's plane, of an edge in the traced
-//! picture ([`super::near_edges`]). A look-up that ends `level` levels above the finest of `merges` + 1 has texels
-//! 2^(`merges` - `level`) times finer than the coarsest. The gain is the mean of this ratio over the pixels at edges,
-//! minus 1. A map with coarsest texels only has a gain of 0.
+//! A compared pixel is *at an edge* if it is within one coarsest texel, in the light's plane, of an edge in
+//! the traced picture ([`super::near_edges`]). A look-up that ends `level` levels above the finest of
+//! `merges` + 1 has texels 2^(`merges` - `level`) times finer than the coarsest. The gain is the mean of this
+//! ratio over the pixels at edges, minus 1. A map with coarsest texels only has a gain of 0.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -13,14 +13,15 @@ use serde::{Deserialize, Serialize};
 pub struct BoundaryGain {
     /// Number of pixels at edges.
     pub pixels: u64,
-    /// Mean ratio of the coarsest texel size to the texel size, minus 1: 0 if all look-ups end at the coarsest level.
+    /// Mean ratio of the coarsest texel size to the texel size, minus 1: 0 if all look-ups end at the
+    /// coarsest level.
     pub gain: f64,
     /// Share of the pixels whose look-up ends at the finest level.
     pub at_finest: f64,
 }
 
-/// Returns the gain at `pixels` of a map of `merges` + 1 levels. `levels` holds [`adumbra_render::Answer::Level`] of
-/// each pixel of the picture.
+/// Returns the gain at `pixels` of a map of `merges` + 1 levels.
+/// `levels` holds [`adumbra_render::Answer::Level`] of each pixel of the picture.
 ///
 /// Pixels outside the map are skipped. If none remains, all values are zero.
 pub fn boundary_gain(levels: &[f32], merges: u32, pixels: &[usize]) -> BoundaryGain {

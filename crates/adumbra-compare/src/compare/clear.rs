@@ -1,5 +1,5 @@
-//! Errors away from shadow edges, over a sample of the compared pixels. Wrong pixels and the total are counted over the
-//! same sample.
+//! Errors away from shadow edges, over a sample of the compared pixels. Wrong pixels and the total are
+//! counted over the same sample.
 
 use rayon::prelude::*;
 
@@ -12,10 +12,11 @@ pub const CLEAR_TEXELS: f64 = 2.0;
 /// Largest number of pixels examined. Of more pixels, every second, third, … is examined.
 const MAX_PIXELS: usize = 1 << 16;
 
-/// Returns the errors of `factors` at the compared pixels that are more than [`CLEAR_TEXELS`] texels from an edge.
+/// Returns the errors of `factors` at the compared pixels that are more than [`CLEAR_TEXELS`] texels from an
+/// edge.
 ///
-/// `texel_world` gives the texel size at a pixel in world units. Returns `None` if there is no such pixel, or if a
-/// compared pixel has no texel size.
+/// `texel_world` gives the texel size at a pixel in world units. Returns `None` if there is no such pixel, or
+/// if a compared pixel has no texel size.
 ///
 /// Cost: up to 17 rays per pixel, for at most 65,536 pixels.
 pub(crate) fn clear_errors(

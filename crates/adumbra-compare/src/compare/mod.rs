@@ -1,4 +1,5 @@
-//! Comparison of techniques with the truth: the renderer draws each at one camera, and every pixel is compared.
+//! Comparison of techniques with the truth: the renderer draws each at one camera, and every pixel is
+//! compared.
 
 mod boundary;
 mod clear;
@@ -49,8 +50,8 @@ pub struct Reference<'a, 's> {
 pub struct Contender {
     /// The technique, as requested.
     pub spec: TechniqueSpec,
-    /// Its pipelines. `None` for the technique `truth`, which is drawn with the true factors. It shows how far the
-    /// renderer's picture is from the ray-traced one for reasons other than a shadow technique.
+    /// Its pipelines. `None` for the technique `truth`, which is drawn with the true factors. It shows how
+    /// far the renderer's picture is from the ray-traced one for reasons other than a shadow technique.
     pub prepared: Option<Prepared>,
     /// The truth that it is compared with.
     pub truth: TruthKind,
@@ -86,14 +87,15 @@ pub fn truth_for(spec: &TechniqueSpec) -> TruthKind {
     }
 }
 
-/// Draws every contender at `camera` and compares it with the truth. The first frame of each is not timed. Median times
-/// are over the `frames` (at least 1) after it.
+/// Draws every contender at `camera` and compares it with the truth. The first frame of each is not timed.
+/// Median times are over the `frames` (at least 1) after it.
 ///
-/// Cost: the frames, the truth unless it is cached, and about 3 µs per pixel and contender for the picture metrics.
+/// Cost: the frames, the truth unless it is cached, and about 3 µs per pixel and contender for the picture
+/// metrics.
 ///
 /// # Errors
-/// Returns the errors of the renderer, and [`crate::Error::PictureTooSmall`] if the camera has fewer than 11 pixels in
-/// width or height.
+/// Returns the errors of the renderer, and [`crate::Error::PictureTooSmall`] if the camera has fewer than 11
+/// pixels in width or height.
 pub fn compare(
     renderer: &mut Renderer,
     reference: &Reference<'_, '_>,
@@ -165,7 +167,8 @@ impl Traced {
 }
 
 impl Reference<'_, '_> {
-    /// Counts the pixels by what rays and the G-buffer see there. Also returns for each pixel whether it is compared.
+    /// Counts the pixels by what rays and the G-buffer see there. Also returns for each pixel whether it is
+    /// compared.
     pub fn count(&self, surfaces: &Surfaces, drawn: &SurfaceImage) -> (PixelCounts, Vec<bool>) {
         let mut counts = PixelCounts::default();
         let compared = (0..surfaces.pixels()).map(|i| {

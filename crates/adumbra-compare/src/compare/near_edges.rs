@@ -1,10 +1,10 @@
-//! Edges of the true shadow in a picture: between neighbouring pixels of which rays find one lit and the other
-//! shadowed.
+//! Edges of the true shadow in a picture: between neighbouring pixels of which rays find one lit and the
+//! other shadowed.
 //!
-//! [`crate::truth::EdgeProbe`] traces rays around a point from its tangent plane. It takes the folds of a bumpy surface
-//! for edges, because points of that plane are below the surface there. Here an edge is one that the picture shows, so
-//! folds that cast no shadow are not edges. However, edges that the camera does not see are missed. If pixels are
-//! larger than the radius, so are shadows that fall between them.
+//! [`crate::truth::EdgeProbe`] traces rays around a point from its tangent plane. It takes the folds of a
+//! bumpy surface for edges, because points of that plane are below the surface there. Here an edge is one
+//! that the picture shows, so folds that cast no shadow are not edges. However, edges that the camera does
+//! not see are missed. If pixels are larger than the radius, so are shadows that fall between them.
 
 use std::collections::HashMap;
 
@@ -13,8 +13,8 @@ use crate::report::ClearErrors;
 use crate::truth::Surfaces;
 use crate::vector::{cross, dot, normalize};
 
-/// Returns for each pixel whether it is within `radius_world`, in the light's plane, of a pixel at an edge of the hard
-/// shadow `truth`. Pixels without a surface are not.
+/// Returns for each pixel whether it is within `radius_world`, in the light's plane, of a pixel at an edge of
+/// the hard shadow `truth`. Pixels without a surface are not.
 ///
 /// Cost: one pass over the picture, plus a search of the edges near each pixel.
 pub fn near_edges(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], radius_world: f64) -> Vec<bool> {
@@ -35,7 +35,8 @@ pub fn near_edges(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
     let mut edges: HashMap<[i64; 2], Vec<[f64; 2]>> = HashMap::new();
     for i in (0..surfaces.pixels()).filter(|&i| surfaces.is_valid(i)) {
         for j in neighbours(i).filter(|&j| is_lit(truth[i]) != is_lit(truth[j])) {
-            // Neighbours that are far apart in the world are on both sides of a silhouette, not of a shadow edge.
+            // Neighbours that are far apart in the world are on both sides of a silhouette, not of a shadow
+            // edge.
             if apart(flat(i), flat(j)) <= radius_world.max(3.0 * spacing(i).min(spacing(j))) {
                 edges.entry(cell(flat(i))).or_default().push(flat(i));
                 break;
@@ -51,8 +52,8 @@ pub fn near_edges(surfaces: &Surfaces, truth: &[f32], towards_sun: [f64; 3], rad
     (0..surfaces.pixels()).map(|i| surfaces.is_valid(i) && near(i)).collect()
 }
 
-/// Returns the errors of `factors` at the compared pixels that are not `near` an edge: acne and leaks. Returns
-/// `None` if there is no such pixel.
+/// Returns the errors of `factors` at the compared pixels that are not `near` an edge: acne and leaks.
+/// Returns `None` if there is no such pixel.
 pub fn errors_off_edges(
     factors: &[f32],
     truth: &[f32],
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn folds_that_cast_no_shadow_are_no_edges() {
+    fn folds_without_a_shadow_are_not_edges() {
         let (surfaces, factors, near) = ball(0.04);
         // The top of the ball, where the sun is high above every dimple.
         let top = (0..surfaces.pixels()).filter(|&i| surfaces.is_valid(i) && surfaces.position[i][1] > 1.9);
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn both_sides_of_an_edge_are_near_it_and_more_so_within_a_larger_radius() {
+    fn near_edges_has_both_sides_and_grows_with_the_radius() {
         let count = |radius| {
             let (_, factors, near) = ball(radius);
             let sides = [true, false]

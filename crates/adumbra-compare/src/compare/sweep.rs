@@ -1,4 +1,4 @@
-//! Errors and changes while the sun moves and the camera stands still.
+//! Errors and changes while the sun moves and the camera is fixed.
 
 use adumbra_render::{Answer, Renderer, Shot};
 use adumbra_scene::Camera;
@@ -21,7 +21,7 @@ pub struct Swept {
     pub pictures: Vec<Picture>,
 }
 
-/// What is known of a technique, or of rays, after some steps.
+/// The results of a technique, or of rays, accumulated over the steps.
 struct Track {
     changes: Changes,
     by_step: Vec<Option<f64>>,
@@ -40,7 +40,7 @@ impl Track {
         Ok(())
     }
 
-    /// Returns the figures beside those of rays.
+    /// Returns the row of the report, compared with the changes of rays.
     fn row(self, name: String, seconds: &[f64], rays: &Changes) -> Result<SweepRow> {
         let wrong = || self.wrong.iter().zip(seconds).filter_map(|(wrong, at)| Some(((*wrong)?, *at)));
         let worst = wrong().max_by(|a, b| a.0.total_cmp(&b.0));
@@ -62,13 +62,15 @@ impl Track {
     }
 }
 
-/// Moves `sun` step by step, draws every contender at `camera` each time, and compares each pixel with one ray towards the
-/// sun's centre. Steps in which the sun is below the horizon are left out. Contenders without pipelines are skipped.
+/// Moves `sun` step by step, draws every contender at `camera` each time, and compares each pixel with one
+/// ray towards the sun's centre. Skips steps in which the sun is below the horizon, and contenders without
+/// pipelines.
 ///
-/// A pixel is left out where G-buffer and rays see different surfaces, and in the steps in which it faces away from the sun.
+/// Pixels where G-buffer and rays see different surfaces are excluded, and so are pixels that face away from
+/// the sun in the current step.
 ///
-/// Cost: a frame per step and contender, and a ray per pixel and step. Rays are not cached. Memory: 12 bytes per pixel and
-/// contender, whatever the number of steps.
+/// Cost: a frame per step and contender, and a ray per pixel and step. Rays are not cached. Memory: 12 bytes
+/// per pixel and contender, for any number of steps.
 ///
 /// # Errors
 /// Returns the errors of the renderer, and an error if a key of the sun's path cannot be read.

@@ -1,16 +1,17 @@
-//! Timing of several techniques on a machine with other load. Their frames are interleaved, so that a disturbance slows
-//! all of them.
+//! Timing of several techniques on a machine with other load. Their frames are interleaved, so that a
+//! disturbance slows all of them.
 
 use adumbra_render::{Answer, FrameTimes, Prepared, Renderer, Shot};
 
 use crate::error::Result;
 use crate::report::median;
 
-/// Draws frame k of every technique before frame k + 1 of any, and returns the times of each technique's `frames`
-/// frames.
+/// Draws frame k of every technique before frame k + 1 of any, and returns the times of each technique's
+/// `frames` frames.
 ///
-/// Each round begins with another technique, and every other round runs backwards, so that no technique is always drawn
-/// after the same one. The first frame is timed too. To exclude resources created on first use, draw a frame before.
+/// Each round begins with another technique, and every other round runs backwards, so that no technique is
+/// always drawn after the same one. The first frame is timed too. To exclude resources created on first use,
+/// draw a frame before.
 ///
 /// # Errors
 /// Returns the errors of the renderer.
@@ -23,8 +24,8 @@ pub fn interleaved(
     take_turns(techniques.len(), frames, |at| Ok(renderer.draw(shot, techniques[at], Answer::Visibility)?))
 }
 
-/// Calls `draw` with the indices 0 to `count` - 1 in the interleaved order of [`interleaved`], `frames` times each, and
-/// returns the times by index.
+/// Calls `draw` with the indices 0 to `count` - 1 in the interleaved order of [`interleaved`], `frames` times
+/// each, and returns the times by index.
 ///
 /// # Errors
 /// Returns the errors of `draw`.
@@ -55,14 +56,14 @@ pub fn median_time(times: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f
     median(times.iter().map(what).collect())
 }
 
-/// Returns the median over frames k of the ratio of `what` in frame k of `times` to that in frame k of `beside`, NaN if
-/// there are no frames.
+/// Returns the median over frames k of the ratio of `what` in frame k of `times` to that in frame k of
+/// `beside`, NaN if there are no frames.
 pub fn median_ratio(times: &[FrameTimes], beside: &[FrameTimes], what: impl Fn(&FrameTimes) -> f64) -> f64 {
     median(times.iter().zip(beside).map(|(a, b)| what(a) / what(b)).collect())
 }
 
-/// Returns the smallest and the largest of the ratios whose median is [`median_ratio`], or +∞ and -∞ if there are no
-/// frames.
+/// Returns the smallest and the largest of the ratios whose median is [`median_ratio`], or +∞ and -∞ if there
+/// are no frames.
 pub fn ratio_range(
     times: &[FrameTimes],
     beside: &[FrameTimes],
@@ -88,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn median_ratio_is_blind_to_what_slows_both() {
+    fn median_ratio_ignores_a_slowdown_of_both() {
         let (a, b) = (frames(&[1.0, 8.0, 2.0]), frames(&[2.0, 16.0, 4.0]));
         assert_eq!(median_ratio(&a, &b, |t| t.of(Stage::Lookup)), 0.5);
         assert_eq!(median_time(&a, |t| t.of(Stage::Lookup)), 2.0);
@@ -98,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn turns_hold_each_once_and_begin_elsewhere_every_round() {
+    fn turns_have_each_index_once_and_a_new_start_each_round() {
         let orders: Vec<Vec<usize>> = (0..4).map(|round| turns(round, 5).collect()).collect();
         assert_eq!(orders[0], [0, 1, 2, 3, 4]);
         assert_eq!(orders[1], [3, 2, 1, 0, 4]);

@@ -12,15 +12,17 @@ use crate::truth::EdgeProbe;
 
 /// Width in pixels of the picture that the followed points are taken from.
 const POINTS_ACROSS: u32 = 128;
-/// Points within this distance of an edge are near it. In pixels of the frames, measured in the light's plane.
+/// Points within this distance of an edge are near it. In pixels of the frames, measured in the light's
+/// plane.
 const EDGE_PIXELS: f64 = 4.0;
 
 /// Measures frame times and shimmer along `path` with pictures of `width` × `height` pixels.
 ///
-/// Every contender draws every frame once, and fixed points are followed from each frame to the next. Contenders
-/// without pipelines are skipped.
+/// Every contender draws every frame once, and fixed points are followed from each frame to the next.
+/// Contenders without pipelines are skipped.
 ///
-/// Cost: the frames, two look-ups of about 9,000 points per frame and contender, and 17 rays per point and frame.
+/// Cost: the frames, two look-ups of about 9,000 points per frame and contender, and 17 rays per point and
+/// frame.
 ///
 /// # Errors
 /// Returns the errors of the renderer.
@@ -141,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn cheaper_counts_frames_beside_the_first_cascades() {
+    fn cheaper_compares_frames_with_the_first_cascades() {
         let rows = [
             row("voxel:filter=9", &[1.0, 2.0, 3.0, 4.0]),
             row("csm", &[2.0, 2.0, 4.0, 9.0]),

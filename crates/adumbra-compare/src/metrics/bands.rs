@@ -20,10 +20,11 @@ pub struct Band {
     pub errors: FactorErrors,
 }
 
-/// Returns the errors of the pixels for which `counts` holds, by view depth. The nearest band is first, and no band is
-/// empty.
+/// Returns the errors of the pixels for which `counts` holds, by view depth. The nearest band is first, and
+/// no band is empty.
 ///
-/// `depths` holds one view depth per pixel, in world units. Pixels whose depth is not finite and above 0 are skipped.
+/// `depths` holds one view depth per pixel, in world units. Pixels whose depth is not finite and above 0 are
+/// skipped.
 ///
 /// # Errors
 /// Returns [`crate::Error::Sizes`] if factors and truth differ in length.
@@ -83,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_part_the_pixels() {
+    fn bands_partition_the_pixels() {
         let depths = [1.0, 1.9, 2.0, 7.0, 9.0, f64::INFINITY];
         let truth = [1.0; 6];
         let factors = [1.0, 0.0, 1.0, 0.0, 1.0, 0.0];
@@ -94,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_beyond_the_most_join_the_first() {
+    fn surplus_bands_merge_into_the_first() {
         let depths: Vec<f64> = (0..14).map(|i| f64::from(1 << i) * 1.5).collect();
         let found = bands(&[1.0; 14], &[1.0; 14], &depths, |_| true).unwrap();
         assert!(found.len() <= MAX_BANDS && found[0].from_world == 0.0);

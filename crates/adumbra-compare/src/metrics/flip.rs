@@ -1,12 +1,12 @@
-//! FLIP for low-dynamic-range pictures: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild, *FLIP: A
-//! Difference Evaluator for Alternating Images*, 2020. Implemented from the paper and tested against its authors'
-//! program.
+//! FLIP for low-dynamic-range pictures: Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild,
+//! *FLIP: A Difference Evaluator for Alternating Images*, 2020. Implemented from the paper and tested against
+//! its authors' program.
 //!
-//! Each pixel goes through two pipelines. The colour pipeline filters both pictures with the contrast sensitivity of
-//! the eye, compares them in CIELAB, and maps the distance to 0…1. The feature pipeline finds edges and points of the
-//! luminance with derivatives of a Gaussian. The feature difference amplifies the colour difference:
-//! `ΔE = ΔEc^(1 - ΔEf)`. Unlike in the paper, every filter runs as separable passes, which is equivalent because the
-//! filters are separable.
+//! Each pixel goes through two pipelines. The colour pipeline filters both pictures with the contrast
+//! sensitivity of the eye, compares them in CIELAB, and maps the distance to 0…1. The feature pipeline finds
+//! edges and points of the luminance with derivatives of a Gaussian. The feature difference amplifies the
+//! colour difference: `ΔE = ΔEc^(1 - ΔEf)`. Unlike in the paper, every filter runs as separable passes, which
+//! is equivalent because the filters are separable.
 
 mod color;
 mod filter;
@@ -23,13 +23,14 @@ use crate::error::{Error, Result};
 /// Pixels per degree of visual angle: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 67.0;
 
-/// Heights and widths (degrees²) of the Gaussians whose sums are the eye's contrast sensitivity to luminance, red-green
-/// and blue-yellow.
+/// Heights and widths (degrees²) of the Gaussians whose sums are the eye's contrast sensitivity to luminance,
+/// red-green and blue-yellow.
 const SENSITIVITY: [[[f64; 2]; 2]; 3] =
     [[[1.0, 0.0047], [0.0, 1e-5]], [[1.0, 0.0053], [0.0, 1e-5]], [[34.1, 0.04], [13.5, 0.025]]];
 /// Exponent of colour distances.
 const Q_COLOR: f32 = 0.7;
-/// Share of the largest distance below which distances map linearly to 0…[`P_TOP`]. Larger ones map to the rest.
+/// Share of the largest distance below which distances map linearly to 0…[`P_TOP`]. Larger ones map to the
+/// rest.
 const P_LARGE: f32 = 0.4;
 const P_TOP: f32 = 0.95;
 /// Exponent of feature differences.
@@ -37,8 +38,8 @@ const Q_FEATURE: f32 = 0.5;
 /// Width of a feature, in degrees of visual angle.
 const FEATURE_DEGREES: f64 = 0.082;
 
-/// Returns the mean difference that a viewer at [`PIXELS_PER_DEGREE`] sees when flipping between two pictures: 0 for
-/// equal ones, 1 for black and white.
+/// Returns the mean difference that a viewer at [`PIXELS_PER_DEGREE`] sees when flipping between two
+/// pictures: 0 for equal ones, 1 for black and white.
 ///
 /// Cost: about 1 µs per pixel. Runs on the current rayon pool.
 ///

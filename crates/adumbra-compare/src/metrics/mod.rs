@@ -1,7 +1,7 @@
 //! Metrics of the error of shadows with respect to the truth.
 //!
-//! RMSE and the shares of wrong pixels are of shadow factors, [`ssim()`] and [`flip()`] of composited sRGB pictures. A
-//! factor above 1/2 is lit, in the result as in the truth.
+//! RMSE and the shares of wrong pixels are of shadow factors, [`ssim()`] and [`flip()`] of composited sRGB
+//! pictures. A factor above 1/2 is lit, in the result as in the truth.
 
 mod bands;
 pub mod flip;
@@ -42,8 +42,8 @@ pub fn is_lit(factor: f32) -> bool {
     factor > 0.5
 }
 
-/// Compares `factors` with `truth`, one of each per pixel, over the pixels for whose index `counts` holds. Returns
-/// `None` if there is no such pixel.
+/// Compares `factors` with `truth`, one of each per pixel, over the pixels for whose index
+/// `counts` holds. Returns `None` if there is no such pixel.
 ///
 /// # Errors
 /// Returns [`Error::Sizes`] if the two differ in length.
@@ -92,13 +92,13 @@ mod tests {
     }
 
     #[test]
-    fn factor_errors_count_only_what_is_asked_for() {
+    fn factor_errors_count_only_selected_pixels() {
         let e = factor_errors(&[1.0, 0.0], &[0.0, 0.0], |i| i == 1).unwrap();
         assert_eq!(e, Some(FactorErrors { pixels: 1, ..FactorErrors::default() }));
     }
 
     #[test]
-    fn nothing_compared_has_no_figures() {
+    fn factor_errors_without_pixels_are_none() {
         assert_eq!(factor_errors(&[1.0], &[0.0], |_| false).unwrap(), None);
     }
 

@@ -1,9 +1,9 @@
-//! Structural similarity: Wang, Bovik, Sheikh, Simoncelli, *Image Quality Assessment: From Error Visibility to
-//! Structural Similarity*, 2004.
+//! Structural similarity: Wang, Bovik, Sheikh, Simoncelli, *Image Quality Assessment: From Error Visibility
+//! to Structural Similarity*, 2004.
 //!
-//! As in the paper: luma of 8-bit pictures (0.299 R + 0.587 G + 0.114 B), windows of 11 × 11 pixels weighted by a
-//! Gaussian of σ 1.5, K1 = 0.01, K2 = 0.03, and the mean over every window that is entirely inside the picture. No
-//! pixel is excluded.
+//! As in the paper: luma of 8-bit pictures (0.299 R + 0.587 G + 0.114 B), windows of 11 × 11 pixels weighted
+//! by a Gaussian of σ 1.5, K1 = 0.01, K2 = 0.03, and the mean over every window that is entirely inside the
+//! picture. No pixel is excluded.
 
 use adumbra_truth::picture::Picture;
 use rayon::prelude::*;
@@ -21,8 +21,8 @@ const C2: f64 = (0.03 * 255.0) * (0.03 * 255.0);
 /// Cost: about 0.1 µs per pixel.
 ///
 /// # Errors
-/// Returns [`Error::Sizes`] if the pictures differ in size, and [`Error::PictureTooSmall`] if they are less than 11
-/// pixels wide or high.
+/// Returns [`Error::Sizes`] if the pictures differ in size, and [`Error::PictureTooSmall`] if they are less
+/// than 11 pixels wide or high.
 pub fn ssim(a: &Picture, b: &Picture) -> Result<f64> {
     Error::check_pictures(a, b)?;
     let (width, height) = (a.width as usize, a.height as usize);
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn ssim_refuses_what_holds_no_window() {
+    fn ssim_rejects_pictures_smaller_than_its_window() {
         let a = picture(10, 40, |_, _| 0);
         assert!(matches!(ssim(&a, &a), Err(Error::PictureTooSmall { .. })));
         assert!(matches!(ssim(&a, &picture(11, 40, |_, _| 0)), Err(Error::Sizes { .. })));

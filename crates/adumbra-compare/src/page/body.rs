@@ -46,8 +46,8 @@ impl Body {
         &self.parts
     }
 
-    /// Appends the heading of a part of the section, which the table of contents lists. `id` must be unique in the
-    /// page.
+    /// Appends the heading of a part of the section, which the table of contents lists. `id` must be unique
+    /// in the page.
     pub fn part(&mut self, id: &str, title: &str) {
         let _ = writeln!(self.html, "<h3 id=\"{}\">{}</h3>", escape(id), words(title));
         self.parts.push((id.to_owned(), title.to_owned()));
@@ -108,8 +108,8 @@ impl Body {
         );
     }
 
-    /// Appends two pictures with a divider. They should have equal size; the right one is shown at the size of the left
-    /// one.
+    /// Appends two pictures with a divider. They should have equal size; the right one is shown at the size
+    /// of the left one.
     pub fn pair(&mut self, pair: &Pair<'_>) {
         let Pair { left, right, caption } = pair;
         let side = |class: &str, (picture, name): &(&Embedded, &str)| {
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn body_plot_leaves_out_what_belongs_to_a_file() {
+    fn body_plot_drops_the_xml_declaration() {
         let mut body = Body::default();
         body.plot("<?xml version=\"1.0\"?>\n<svg></svg>", "times", "Times");
         assert!(body.html().contains("<svg></svg>") && !body.html().contains("<?xml"));

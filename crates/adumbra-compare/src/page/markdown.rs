@@ -6,8 +6,9 @@ use super::table::scroll_box;
 
 /// Returns the text as HTML.
 ///
-/// Headings are `down` levels lower, tables are in boxes that scroll, and raw HTML is shown as text. Pictures are
-/// omitted, because a page shows them in its own way. Links are kept only if they are absolute (`https://`).
+/// Headings are `down` levels lower, tables are in boxes that scroll, and raw HTML is shown as text. Pictures
+/// are omitted, because a page shows them in its own way. Links are kept only if they are absolute
+/// (`https://`).
 pub(super) fn html(text: &str, down: usize) -> String {
     let mut inside_picture = 0_u32;
     let mut links = Vec::new();

@@ -1,8 +1,8 @@
 //! Self-contained pages: text, tables, plots and pictures in one HTML file, which makes no network requests.
 //!
-//! The input is strings and the output is a string; this module does no I/O. A page works without scripts (pairs of
-//! pictures are then shown side by side), in print, in dark and light mode, and on narrow screens, where tables and
-//! plots scroll in their own boxes.
+//! The input is strings and the output is a string; this module does no I/O. A page works without scripts
+//! (pairs of pictures are then shown side by side), in print, in dark and light mode, and on narrow screens,
+//! where tables and plots scroll in their own boxes.
 
 mod body;
 mod markdown;
@@ -75,8 +75,8 @@ impl Page {
         page
     }
 
-    /// Returns the table of contents, with links to the sections and their parts; empty if there are fewer than two
-    /// sections.
+    /// Returns the table of contents, with links to the sections and their parts; empty if there are fewer
+    /// than two sections.
     fn contents(&self) -> String {
         if self.sections.len() < 2 {
             return String::new();
@@ -142,14 +142,14 @@ mod tests {
     }
 
     #[test]
-    fn page_takes_text_as_text() {
+    fn page_escapes_text() {
         let html = page().html();
         assert!(html.contains("<h1>&quot;Shadows&quot;</h1>"));
         assert!(html.contains("&lt;b&gt;not bold&lt;/b&gt;") && !html.contains("<b>not"));
     }
 
     #[test]
-    fn page_asks_no_server() {
+    fn page_makes_no_network_requests() {
         let html = page().html();
         for from_elsewhere in ["src=\"http", "href=\"http", "url(", "@import"] {
             assert!(!html.contains(from_elsewhere), "{from_elsewhere}");

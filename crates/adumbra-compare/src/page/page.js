@@ -1,5 +1,5 @@
 "use strict";
-// Moves the dividers, by the range below a pair or by the pointer upon it; opens what is folded for print.
+// Moves dividers with the range input below a pair or the pointer on it; opens folded sections for printing.
 document.documentElement.classList.add("live");
 for (const pair of document.querySelectorAll("figure.pair")) {
   const frame = pair.querySelector(".frame");

@@ -31,13 +31,14 @@ pub struct Embedded {
 }
 
 impl Embedded {
-    /// Encodes a PNG, or its `part` `[x, y, width, height]` in pixels, clipped to the picture. Pictures wider than
-    /// `widest` pixels are scaled down to that width.
+    /// Encodes a PNG, or its `part` `[x, y, width, height]` in pixels, clipped to the picture. Pictures wider
+    /// than `widest` pixels are scaled down to that width.
     ///
     /// Cost: tens of milliseconds per megapixel.
     ///
     /// # Errors
-    /// Returns [`Error::Picture`] if the bytes are not a picture, and [`Error::Encode`] if it cannot be encoded.
+    /// Returns [`Error::Picture`] if the bytes are not a picture, and [`Error::Encode`] if it cannot be
+    /// encoded.
     pub fn from_png(
         bytes: &[u8],
         part: Option<[u32; 4]>,
@@ -103,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn embedded_picture_is_lossless_or_small() {
+    fn embedded_picture_is_lossless_or_scaled_or_cropped() {
         let whole = Embedded::from_png(&gradient(), None, 100, PictureEncoding::Lossless).unwrap();
         assert_eq!((whole.width, whole.height), (100, 50));
         let bytes = STANDARD.decode(whole.uri.split_once(',').unwrap().1).unwrap();
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn embedded_picture_refuses_what_is_none() {
+    fn embedded_picture_rejects_non_pictures() {
         assert!(matches!(
             Embedded::from_png(b"not a png", None, 9, PictureEncoding::Lossless),
             Err(Error::Picture { .. })

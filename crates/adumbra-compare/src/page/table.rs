@@ -104,7 +104,8 @@ impl Table {
     }
 }
 
-/// Returns the opening tag of a box that scrolls. It takes the keyboard focus, so that the arrow keys scroll it.
+/// Returns the opening tag of a box that scrolls. It takes the keyboard focus, so that the arrow keys scroll
+/// it.
 pub(super) fn scroll_box(name: &str) -> String {
     format!("<div class=\"scroll\" role=\"group\" tabindex=\"0\" aria-label=\"{}\">\n", escape(name))
 }
@@ -158,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn table_words_keep_a_lonely_backquote() {
+    fn table_keeps_an_unpaired_backquote() {
         assert_eq!(words("a `b` c"), "a <code>b</code> c");
         assert_eq!(words("a ` b"), "a ` b");
         assert_eq!(words("`<` and `>`"), "<code>&lt;</code> and <code>&gt;</code>");

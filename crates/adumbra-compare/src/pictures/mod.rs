@@ -22,9 +22,9 @@ const SKIPPED_GREY: f32 = 0.08;
 
 /// Returns a picture that shows where `factors` differ from the truth.
 ///
-/// Factors on the wrong side of 1/2 are red if the truth is lit, blue if it is shadowed. Elsewhere the picture shows
-/// the truth in grey, blended towards red or blue by half of the absolute difference. Pixels for which `counts` does
-/// not hold are nearly black.
+/// Factors on the wrong side of 1/2 are red if the truth is lit, blue if it is shadowed. Elsewhere the
+/// picture shows the truth in grey, blended towards red or blue by half of the absolute difference. Pixels
+/// for which `counts` does not hold are nearly black.
 ///
 /// # Errors
 /// Returns [`Error::Sizes`] if the sizes of factors, truth and picture do not match.
@@ -52,9 +52,9 @@ pub(crate) fn difference_picture(
     Ok(Picture { width, height, rgb, difference_share: None })
 }
 
-/// Returns a picture that shows which pixels change more often (red) or less often (blue) than they should, by `beyond`: the
-/// number of changes more, or less below 0. Four changes give the full colour. Pixels that were not compared are nearly
-/// black.
+/// Returns a picture that shows which pixels change more often (red) or less often (blue) than they should,
+/// by `beyond`: the number of changes more, or less below 0. Four changes give the full colour. Pixels that
+/// were not compared are nearly black.
 ///
 /// # Errors
 /// Returns [`Error::Sizes`] if the sizes do not match.
@@ -76,8 +76,8 @@ pub fn picture_of_rgba([width, height]: [u32; 2], rgba: &[u8]) -> Picture {
     Picture { width, height, rgb, difference_share: None }
 }
 
-/// Returns the part of a picture with the top left corner `from` and the given `size` in pixels, clipped to the picture
-/// and enlarged `times` times without interpolation.
+/// Returns the part of a picture with the top left corner `from` and the given `size` in pixels, clipped to
+/// the picture and enlarged `times` times without interpolation.
 pub fn enlarged(picture: &Picture, from: [u32; 2], size: [u32; 2], times: u32) -> Picture {
     let part = |a: usize, whole: u32| size[a].min(whole.saturating_sub(from[a]));
     let [width, height] = [part(0, picture.width) * times, part(1, picture.height) * times];
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_picture_marks_pixels_that_change_too_often_or_too_seldom() {
+    fn changes_picture_marks_too_frequent_and_too_rare_changes() {
         let beyond = [Some(4), Some(1), Some(0), Some(-4), None, Some(99)];
         let picture = changes_picture([3, 2], &beyond).unwrap();
         let p = picture.rgb.as_chunks::<3>().0;
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn enlarged_part_is_the_picture_s() {
+    fn enlarged_repeats_the_pixels_of_the_part() {
         let picture = picture_of_rgba([3, 2], &std::array::from_fn::<u8, 24, _>(|i| i as u8 / 4 * 10));
         let part = enlarged(&picture, [1, 0], [9, 1], 2);
         assert_eq!((part.width, part.height), (4, 2));
@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn png_gives_the_pixels_back() {
+    fn png_round_trips_pixels() {
         let picture = picture_of_rgba([2, 1], &[1, 2, 3, 255, 4, 5, 6, 0]);
         let image = image::load_from_memory(&png(&picture).unwrap()).unwrap().into_rgb8();
         assert_eq!(image.into_raw(), [1, 2, 3, 4, 5, 6]);

@@ -18,7 +18,8 @@ pub struct Cell<'a> {
     pub caption: Vec<String>,
 }
 
-/// Returns a sheet of the cells in rows of `columns` (at least 1), with no picture wider than `widest` pixels.
+/// Returns a sheet of the cells in rows of `columns` (at least 1), with no picture wider than `widest`
+/// pixels.
 pub fn sheet(cells: &[Cell<'_>], columns: usize, widest: u32) -> Picture {
     let columns = columns.max(1).min(cells.len().max(1));
     let small: Vec<Picture> = cells.iter().map(|c| smaller(c.picture, widest)).collect();
@@ -51,8 +52,8 @@ fn place(whole: &mut Picture, part: &Picture, [x, y]: [u32; 2]) {
     }
 }
 
-/// Scales a picture down to at most `widest` pixels of width. Each pixel is the mean of n × n pixels, for the smallest
-/// n possible.
+/// Scales a picture down to at most `widest` pixels of width. Each pixel is the mean of n × n pixels, for the
+/// smallest n possible.
 fn smaller(picture: &Picture, widest: u32) -> Picture {
     let n = picture.width.div_ceil(widest.max(1)).max(1);
     let [width, height] = [picture.width / n, picture.height / n];

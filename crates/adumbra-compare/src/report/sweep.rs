@@ -26,8 +26,8 @@ pub struct SweepReport {
     pub pixels: u64,
     /// Number of pixels that are left out because G-buffer and rays see different surfaces.
     pub excluded: u64,
-    /// Share of the pixels that change between lit and dark from one step to the next with rays, the mean; `None` without
-    /// pixels.
+    /// Share of the pixels that change between lit and dark from one step to the next with rays, the mean;
+    /// `None` without pixels.
     pub rays_changes: Option<f64>,
     /// The same share for each moment; `None` at the first one and after a night.
     pub rays_changes_by_step: Vec<Option<f64>>,
@@ -52,7 +52,8 @@ pub struct SweepRow {
     pub changes: Option<f64>,
     /// The same share for each moment; `None` at the first one and after a night.
     pub changes_by_step: Vec<Option<f64>>,
-    /// Changes in excess of those of rays, per pixel and step, summed over the pixels that change more often than with rays.
+    /// Changes in excess of those of rays, per pixel and step, summed over the pixels that change more often
+    /// than with rays.
     pub excess: Option<f64>,
     /// The part of the excess at pixels that never change with rays.
     pub steady_excess: Option<f64>,
@@ -68,10 +69,11 @@ impl SweepReport {
         clock(seconds, self.utc_offset_seconds.unwrap_or_default(), self.utc_offset_seconds.is_some())
     }
 
-    /// Returns the hour that the clock shows at a moment, or hours since the first moment if there is no clock.
+    /// Returns the hour that the clock shows at a moment, or hours since the first moment if there is no
+    /// clock.
     pub fn hour(&self, seconds: f64) -> f64 {
         match (self.utc_offset_seconds, self.seconds.first()) {
-            // Hours go on after midnight.
+            // Hours continue past 24 after midnight.
             (Some(offset), Some(first)) => {
                 let midnight = ((first + f64::from(offset)) / 86_400.0).floor() * 86_400.0;
                 (seconds + f64::from(offset) - midnight) / 3600.0
@@ -80,7 +82,7 @@ impl SweepReport {
         }
     }
 
-    /// Returns a table with one row per technique, after one of rays.
+    /// Returns a table with a row for rays, then one row per technique.
     pub fn markdown(&self) -> String {
         let head = [
             "technique",

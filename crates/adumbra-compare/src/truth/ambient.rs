@@ -1,4 +1,5 @@
-//! Ray-traced truth of ambient occlusion at each pixel: cosine-weighted rays up to a radius, against every caster.
+//! Ray-traced truth of ambient occlusion at each pixel: cosine-weighted rays up to a radius, against every
+//! caster.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -10,13 +11,14 @@ use super::{Surfaces, TruthTracer};
 const SECOND: u64 = 1 << 40;
 
 impl TruthTracer<'_> {
-    /// Returns the ambient visibility of each pixel: the cosine-weighted share of the hemisphere above its surface in
-    /// which no caster is within `radius_world`.
+    /// Returns the ambient visibility of each pixel: the cosine-weighted share of the hemisphere above its
+    /// surface in which no caster is within `radius_world`.
     ///
-    /// It traces `rays` cosine-weighted rays from [`Surfaces::lifted`], seeded by the pixel's index. Pixels without a
-    /// surface have 1, and so do all pixels if `rays` is 0 or the radius is not above 0.
+    /// It traces `rays` cosine-weighted rays from [`Surfaces::lifted`], seeded by the pixel's index. Pixels
+    /// without a surface have 1, and so do all pixels if `rays` is 0 or the radius is not above 0.
     ///
-    /// Cost: `rays` rays per pixel with a surface, about 0.3 µs each. Rows run in parallel on the current rayon pool.
+    /// Cost: `rays` rays per pixel with a surface, about 0.3 µs each. Rows run in parallel on the current
+    /// rayon pool.
     pub fn ambient(&self, surfaces: &Surfaces, radius_world: f64, rays: u32) -> Vec<f32> {
         self.ambient_unless(surfaces, radius_world, rays, &AtomicBool::new(false))
     }
@@ -43,8 +45,8 @@ impl TruthTracer<'_> {
 
     /// Measures the standard error of [`Self::ambient`].
     ///
-    /// Every `every`-th pixel with a surface is traced a second time with other rays. The error is the root-mean-square
-    /// difference between both, divided by √2. Returns `None` if no pixel is traced.
+    /// Every `every`-th pixel with a surface is traced a second time with other rays. The error is the
+    /// root-mean-square difference between both, divided by √2. Returns `None` if no pixel is traced.
     ///
     /// Cost: `rays` rays per traced pixel.
     pub fn measured_error(
@@ -76,8 +78,8 @@ impl TruthTracer<'_> {
     }
 }
 
-/// Returns an upper bound of the standard error of visibility that was measured with `rays` rays per pixel, over the
-/// pixels for whose index `counts` holds.
+/// Returns an upper bound of the standard error of visibility that was measured with `rays` rays per pixel,
+/// over the pixels for whose index `counts` holds.
 ///
 /// It is the root of the mean of p (1 - p) / `rays`, the error of independent rays. The stratified rays of
 /// [`TruthTracer::ambient`] have a smaller error. The bound is 0 if no pixel counts.

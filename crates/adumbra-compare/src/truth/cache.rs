@@ -1,8 +1,9 @@
 //! Cache of ray-traced truth on disk, keyed by everything that the truth depends on.
 //!
-//! An entry is a file named after its key. It holds `"adumbraT"`, the version, the key, the payload's length, its
-//! BLAKE3 hash, and the payload. An entry that is truncated, changed, or of another version or key counts as absent.
-//! Failure to write an entry is not an error. The modification time of an entry is the time of its last use.
+//! An entry is a file named after its key. It holds `"adumbraT"`, the version, the key, the payload's length,
+//! its BLAKE3 hash, and the payload. An entry that is truncated, changed, or of another version or key counts
+//! as absent. Failure to write an entry is not an error. The modification time of an entry is the time of its
+//! last use.
 
 use std::fs::File;
 use std::io::Write;
@@ -17,7 +18,8 @@ use super::{SunShape, Surfaces, TruthTracer};
 /// File extension of entries.
 const ENDING: &str = "truth";
 const MAGIC: &[u8; 8] = b"adumbraT";
-/// Version of entries. Increase it whenever a change of the rays or of the format changes what an entry holds.
+/// Version of entries. Increase it whenever a change of the rays or of the format changes what an entry
+/// holds.
 const VERSION: u32 = 2;
 const HEADER_BYTES: usize = 8 + 4 + 32 + 8 + 32;
 /// Bytes per pixel of [`Surfaces`]: view depth, position, lift and normal.
@@ -27,8 +29,8 @@ const SURFACE_BYTES: usize = 8 + 24 + 8 + 12;
 #[derive(Clone, Debug)]
 pub struct Key(blake3::Hasher);
 
-/// Returns the scene's part of a key: everything that rays see of the scene, independent of its source file. Colours
-/// and names are not included.
+/// Returns the scene's part of a key: everything that rays see of the scene, independent of its source file.
+/// Colours and names are not included.
 ///
 /// Cost: hashing the meshes and the alpha of masked textures.
 pub fn scene_key(scene: &Scene, ignore_alpha: bool) -> Key {
@@ -64,7 +66,8 @@ impl Key {
         Self(blake3::Hasher::new()).with(&VERSION.to_le_bytes())
     }
 
-    /// Appends a part, preceded by its length, so that different sequences of parts do not have the same bytes.
+    /// Appends a part, preceded by its length, so that different sequences of parts do not have the same
+    /// bytes.
     #[must_use]
     fn with(mut self, part: &[u8]) -> Self {
         self.0.update(&(part.len() as u64).to_le_bytes());
@@ -124,8 +127,8 @@ impl Cache {
     /// Default size limit in bytes: enough for about 20 cameras of 1280 × 720 pixels.
     pub const DEFAULT_LIMIT_BYTES: u64 = 1 << 30;
 
-    /// Creates a cache in `folder`, which is created with the first entry. The entries take at most `limit_bytes`: the
-    /// least recently used ones are removed first.
+    /// Creates a cache in `folder`, which is created with the first entry. The entries take at most
+    /// `limit_bytes`: the least recently used ones are removed first.
     pub fn in_folder(folder: PathBuf, limit_bytes: u64) -> Self {
         Self { folder: Some(folder), limit_bytes }
     }
@@ -147,7 +150,8 @@ impl Cache {
         surfaces
     }
 
-    /// Returns [`TruthTracer::factors`] of the `surfaces` of the same camera, cached by `scene`, camera, sun and shape.
+    /// Returns [`TruthTracer::factors`] of the `surfaces` of the same camera, cached by `scene`, camera, sun
+    /// and shape.
     pub fn factors(
         &self,
         truth: &TruthTracer<'_>,
@@ -161,8 +165,8 @@ impl Cache {
         self.singles(&key, surfaces.pixels(), || truth.factors(surfaces, towards_sun, shape))
     }
 
-    /// Returns [`TruthTracer::ambient`] of the `surfaces` of the same camera, cached by `scene`, camera, radius and
-    /// rays.
+    /// Returns [`TruthTracer::ambient`] of the `surfaces` of the same camera, cached by `scene`, camera,
+    /// radius and rays.
     pub fn ambient(
         &self,
         truth: &TruthTracer<'_>,
@@ -177,7 +181,7 @@ impl Cache {
         self.singles(&key, surfaces.pixels(), || truth.ambient(surfaces, radius_world, rays))
     }
 
-    /// Returns the entry of `count` numbers, or what `trace` returns, which becomes the entry.
+    /// Returns the entry of `count` numbers. Without a valid entry, stores and returns the result of `trace`.
     fn singles(&self, key: &Key, count: usize, trace: impl FnOnce() -> Vec<f32>) -> Vec<f32> {
         let key = key.finish();
         if let Some(bytes) = self.read(&key, count * 4) {

@@ -1,8 +1,8 @@
 //! Truth files: the truth of another renderer, with its camera, as NumPy `.npz`.
 //!
-//! The arrays are pos and normal (H, W, 3), ndotl, sun and ao (H, W), all `f32`, valid (H, W, bool), and camera. The
-//! latter is JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height), `sun` (direction towards it)
-//! and `ao_radius` (world units).
+//! The arrays are pos and normal (H, W, 3), ndotl, sun and ao (H, W), all `f32`, valid (H, W, bool), and
+//! camera. The latter is JSON text with `eye`, `target`, `fov_y` (degrees), `size` (width, height), `sun`
+//! (direction towards it) and `ao_radius` (world units).
 
 use std::fs::File;
 use std::io::BufReader;
@@ -65,8 +65,8 @@ impl TruthView {
     /// Reads a truth file.
     ///
     /// # Errors
-    /// Returns [`Error::TruthFile`] if the file is absent, has no camera with a sun above the horizon, or has no
-    /// `ao_radius`, and if an array is absent, of another type, or not of the camera's size.
+    /// Returns [`Error::TruthFile`] if the file is absent, has no camera with a sun above the horizon, or has
+    /// no `ao_radius`, and if an array is absent, of another type, or not of the camera's size.
     pub fn read(path: &Path) -> Result<Self> {
         let text = camera_text(path)?;
         let (camera, sun) = camera_and_sun(path, &text)?;

@@ -1,9 +1,10 @@
 //! Test of whether a point is clear of shadow edges.
 //!
-//! The definition is that of *interior* in `adumbra_truth::verify`: rays give the same visibility of the sun at the
-//! point and at its neighbours. The neighbours are offset in the light's plane and then projected along the light onto
-//! the point's tangent plane. Here they form two rings of eight, at the full radius and at half of it. The inner ring
-//! is rotated by a sixteenth of a circle, so that thin shadows do not fall between the neighbours.
+//! The definition is that of *interior* in `adumbra_truth::verify`: rays give the same visibility of the sun
+//! at the point and at its neighbours. The neighbours are offset in the light's plane and then projected
+//! along the light onto the point's tangent plane. Here they form two rings of eight, at the full radius and
+//! at half of it. The inner ring is rotated by a sixteenth of a circle, so that thin shadows do not fall
+//! between the neighbours.
 
 use adumbra::MAX_SLOPE;
 use rayon::prelude::*;
@@ -31,10 +32,11 @@ impl<'a, 's> EdgeProbe<'a, 's> {
         Self { truth, towards_sun, sides: [x, cross(towards_sun, x)] }
     }
 
-    /// Whether a point is more than `radius_world` from an edge of the true hard shadow, measured in the light's plane.
+    /// Whether a point is more than `radius_world` from an edge of the true hard shadow, measured in the
+    /// light's plane.
     ///
-    /// The point is at `lifted_world`, just above a surface with the unit `normal`. The result is false for points that
-    /// face away from the sun.
+    /// The point is at `lifted_world`, just above a surface with the unit `normal`. The result is false for
+    /// points that face away from the sun.
     ///
     /// Cost: up to 17 rays.
     pub fn is_clear(&self, lifted_world: [f64; 3], normal: [f64; 3], radius_world: f64) -> bool {
@@ -63,7 +65,8 @@ impl<'a, 's> EdgeProbe<'a, 's> {
         ring(radius_world, 0.0) && ring(0.5 * radius_world, 0.5)
     }
 
-    /// Returns [`EdgeProbe::is_clear`] for each pixel. `radius_world` gives the radius of a pixel in world units.
+    /// Returns [`EdgeProbe::is_clear`] for each pixel. `radius_world` gives the radius of a pixel in world
+    /// units.
     ///
     /// The result is false at pixels without a surface or with a radius that is not finite.
     ///

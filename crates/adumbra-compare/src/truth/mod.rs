@@ -1,9 +1,10 @@
 //! Ray-traced truth at each pixel of a camera, by rays through the pixel centres.
 //!
-//! The first step finds the [`Surfaces`] that the camera sees. The second computes the visibility of the sun there, as
-//! a point or a disc, or the ambient visibility. The conventions are those of the G-buffer: the geometric normal faces
-//! the viewer, the sun's visibility is 0 on surfaces that face away from it, and the sky is 1. Secondary rays start
-//! [`Tracer::lift_world`] along the normal. [`TruthTracer::picture`] renders the result without a GPU.
+//! The first step finds the [`Surfaces`] that the camera sees. The second computes the visibility of the sun
+//! there, as a point or a disc, or the ambient visibility. The conventions are those of the G-buffer: the
+//! geometric normal faces the viewer, the sun's visibility is 0 on surfaces that face away from it, and the
+//! sky is 1. Secondary rays start [`Tracer::lift_world`] along the normal. [`TruthTracer::picture`] renders
+//! the result without a GPU.
 
 mod ambient;
 mod cache;
@@ -149,8 +150,8 @@ impl<'s> TruthTracer<'s> {
     /// Renders the `surfaces` of the same camera with `factors` as the visibility of the sun.
     ///
     /// Geometry, normals and colours come from rays. Lighting and display are those of the renderer
-    /// (`adumbra_truth::picture`). Base colours are rounded like the texels of a G-buffer. Otherwise that rounding
-    /// alone would cause a mean FLIP of 0.02.
+    /// (`adumbra_truth::picture`). Base colours are rounded like the texels of a G-buffer. Otherwise that
+    /// rounding alone would cause a mean FLIP of 0.02.
     ///
     /// Cost: one ray per pixel, plus the mip levels of the textures on the first call.
     pub fn picture(
@@ -189,8 +190,8 @@ impl<'s> TruthTracer<'s> {
         (origin, direction, self.tracer.nearest_surface(&ray))
     }
 
-    /// Returns the visibility of the sun at each pixel: 1 without a surface, 0 on surfaces that face away from the
-    /// sun's centre. The samples of a disc are seeded by the pixel's index.
+    /// Returns the visibility of the sun at each pixel: 1 without a surface, 0 on surfaces that face away
+    /// from the sun's centre. The samples of a disc are seeded by the pixel's index.
     ///
     /// Cost: 1 or `samples` rays per pixel that faces the sun.
     pub fn factors(&self, surfaces: &Surfaces, towards_sun: [f64; 3], shape: SunShape) -> Vec<f32> {

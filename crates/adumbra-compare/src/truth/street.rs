@@ -1,10 +1,10 @@
 //! Selection of a street-level camera for any scene, by ray tracing. The result is deterministic.
 //!
-//! Candidate places are the ground points below a grid of rays from the sky. Places above their surroundings (roofs)
-//! and in nearly closed yards are rejected. The others are ranked by the share of their surroundings that is higher,
-//! minus twice the share that is lower. From the best places, small pictures are traced in eight directions. The winner
-//! shows walls, ground, a long view ahead, and both light and shadow with many edges. Lengths scale with the eye
-//! height.
+//! Candidate places are the ground points below a grid of rays from the sky. Places above their surroundings
+//! (roofs) and in nearly closed yards are rejected. The others are ranked by the share of their surroundings
+//! that is higher, minus twice the share that is lower. From the best places, small pictures are traced in
+//! eight directions. The winner shows walls, ground, a long view ahead, and both light and shadow with many
+//! edges. Lengths scale with the eye height.
 
 use adumbra_scene::{Camera, Projection, View};
 use adumbra_truth::trace::{Hit, Ray, Tracer};
@@ -45,7 +45,7 @@ const AROUND: u32 = 12;
 const RINGS: [f64; 3] = [5.0, 12.0, 25.0];
 /// Width and height of the small pictures in pixels.
 const SMALL: [u32; 2] = [32, 18];
-/// Free distance ahead, in eye heights, from which on a view counts as one along a street.
+/// Smallest free distance ahead, in eye heights, of a view along a street.
 const LONG: f64 = 40.0;
 /// Smallest cosine between the normal of a ground surface and straight up.
 const LEVEL: f64 = 0.85;
@@ -147,8 +147,8 @@ impl Scout<'_, '_> {
         Camera { eye, target, projection: Projection::Perspective { fov_degrees }, width, height }
     }
 
-    /// Returns the score of a view, or `None` if it is blocked nearby, shows too little ground, or lacks light or
-    /// shadow.
+    /// Returns the score of a view, or `None` if it is blocked nearby, shows too little ground, or lacks
+    /// light or shadow.
     fn score(&self, camera: &Camera) -> Option<f64> {
         let [width, height] = SMALL;
         let view = Camera { width, height, ..*camera }.view();
@@ -204,8 +204,8 @@ impl Scout<'_, '_> {
     }
 }
 
-/// Returns sine and cosine of the `i`th of `of` equal steps of a full turn. The angles are slightly off the axes:
-/// streets run along the axes, and the places of the grid are rarely in the middle of a street.
+/// Returns sine and cosine of the `i`th of `of` equal steps of a full turn. The angles are slightly off the
+/// axes: streets run along the axes, and the places of the grid are rarely in the middle of a street.
 fn turn(i: u32, of: u32) -> (f64, f64) {
     libm::sincos((f64::from(i) + 0.15) * std::f64::consts::TAU / f64::from(of))
 }

@@ -7,12 +7,12 @@ use adumbra_render::Techniques;
 
 use crate::baked::MoreFiles;
 
-/// What a program offers besides the verbs themselves.
+/// The techniques and files that a program adds to the verbs.
 #[derive(Clone, Copy)]
 pub struct Offer<'a> {
     /// The techniques.
     pub techniques: Techniques,
-    /// Returns an empty set of the files of further kinds that its techniques read.
+    /// Returns an empty set for the further kinds of files that the techniques read.
     pub more_files: &'a (dyn Fn() -> Option<Box<dyn MoreFiles>> + Sync),
 }
 

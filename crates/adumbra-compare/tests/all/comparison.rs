@@ -1,8 +1,8 @@
-//! A comparison on a small generated scene: errors, pictures, the walk, and the report's format. Also checks that baked
-//! voxels have smaller errors than cascades, as required.
+//! A comparison on a small generated scene: errors, pictures, the walk, and the report's format. Also checks
+//! that baked voxels have smaller errors than cascades, as required.
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_compare::compare::{Comparison, Contender, Reference, camera_figures, compare, truth_for, walk};
 use adumbra_compare::paths::CameraPath;
 use adumbra_compare::report::{BakedFigures, Report, TruthKind};
@@ -13,7 +13,6 @@ use adumbra_render::{
     Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, TechniqueSpec, build,
 };
 use adumbra_scene::{Camera, GeneratedKind, LoadOptions, Projection, Scene, generate, load};
-use adumbra_testing::bake_file;
 use adumbra_testing::{full, scene_file, shared};
 
 const SIZE: [u32; 2] = [96, 64];
@@ -81,7 +80,8 @@ fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
     for truth in &compared[1..] {
         let row = &truth.row;
         assert_eq!([row.rmse, row.wrong_lit, row.wrong_shadowed], [Some(0.0); 3]);
-        // The rasterizer snaps vertices to a fraction of a pixel, and small triangles have normals of their own.
+        // The rasterizer snaps vertices to a fraction of a pixel, and neighbouring small triangles differ in
+        // normal.
         assert!(row.ssim.unwrap() > 0.998 && row.flip.unwrap() < 0.005 && row.gpu_ms.is_none(), "{row:?}");
     }
     let soft = compared[2].factors.iter().filter(|f| **f > 0.0 && **f < 1.0).count();
@@ -90,7 +90,7 @@ fn comparison_of_no_shadows_is_wrong_where_the_truth_is_shadowed() {
 }
 
 #[test]
-fn a_camera_at_the_sky_gives_no_technique_a_figure() {
+fn camera_at_the_sky_gives_no_figures() {
     let world = World::new();
     let mut renderer = renderer(&world.scene);
     let mut contenders = ["none", "sm", "csm"].map(|name| contender(&renderer, name, TruthKind::Hard));
@@ -105,7 +105,7 @@ fn a_camera_at_the_sky_gives_no_technique_a_figure() {
 }
 
 #[test]
-fn pictures_are_judged_by_the_geometry_and_colours_that_rays_see() {
+fn picture_metrics_detect_other_colours_and_geometry() {
     let world = World::new();
     // The truth's own shadows are used, so that only geometry, normals and colours can differ.
     let figures = |drawn: &Scene| {
@@ -133,7 +133,7 @@ fn pictures_are_judged_by_the_geometry_and_colours_that_rays_see() {
 }
 
 #[test]
-fn noise_of_the_screen_shimmers() {
+fn screen_space_noise_shimmers() {
     let world = World::new();
     let mut renderer = renderer(&world.scene);
     let names = ["pcf", "pcf:filter=poisson:radius=6"];
@@ -195,7 +195,7 @@ fn walk_gives_times_and_shimmer_of_every_technique() {
 }
 
 #[test]
-fn techniques_are_judged_by_the_truth_that_they_aim_at() {
+fn soft_techniques_compare_with_the_disc_and_hard_ones_do_not() {
     let kind = |name: &str| truth_for(&name.parse().unwrap());
     for soft in ["pcss", "pcss:size=1024", "voxel:soft", "blur", "blur-dilate", "blur-bilateral"] {
         assert_eq!(kind(soft), TruthKind::Disc, "{soft}");
@@ -206,7 +206,7 @@ fn techniques_are_judged_by_the_truth_that_they_aim_at() {
 }
 
 #[test]
-fn report_keeps_its_form() {
+fn report_json_keeps_its_fields() {
     let world = World::new();
     let mut renderer = renderer(&world.scene);
     let mut contenders = [contender(&renderer, "none", TruthKind::Hard)];
@@ -292,7 +292,8 @@ fn voxels_of_a_city_are_wrong_at_fewer_pixels_than_cascades() {
     let scene = generate(GeneratedKind::City, 1);
     let truth = TruthTracer::build(&scene, false);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let file = bake_file(&scene, &BakeOptions::new(sun, Size::Resolution(2048))).unwrap();
+    let file =
+        Bake::with_options(&scene, &BakeOptions::new(sun, Size::Resolution(2048))).in_memory().unwrap();
     let camera = Camera { width: SIZE[0], height: SIZE[1], ..Camera::overview(&scene.bounds(), 45.0) };
     // An eighth as many texels along a side, as with 2048 beside a file of 16384.
     let [cascades, voxels] = cascades_and_voxels("csm:filter=5:size=256", &scene, &truth, &file, &camera);
@@ -314,14 +315,16 @@ fn shared_voxels_are_wrong_at_fewer_pixels_than_cascades() {
         let truth = TruthTracer::build(&scene, false);
         let (given, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
         let options = BakeOptions::new(sun, Size::Resolution(16384));
-        let file = bake_file(&scene, &options).unwrap();
+        let file = Bake::with_options(&scene, &options).in_memory().unwrap();
         let options = StreetOptions { width, height, ..StreetOptions::default() };
         let street = street_camera(&truth, sun.towards(), &options).unwrap();
         for (from, camera) in [("truth camera", Camera { width, height, ..given }), ("street", street)] {
-            // By default there are 4 cascades of 2048², with a practical split at 0.5, as far as the scene is in view.
+            // By default there are 4 cascades of 2048², with a practical split at 0.5, as far as the scene is
+            // in view.
             let [cascades, voxels] = cascades_and_voxels("csm:filter=5", &scene, &truth, &file, &camera);
             eprintln!("{name}, {from}: cascades {cascades:.3} %, voxels {voxels:.3} %");
-            // At street level the nearest cascade's texels may be finer than the voxels. The tables show where.
+            // At street level the nearest cascade's texels may be finer than the voxels. The tables show
+            // where.
             assert!(voxels < cascades || from == "street", "{name}, {from}: {voxels} and {cascades}");
         }
     }

@@ -1,4 +1,5 @@
-//! Every shadow-map technique compared with rays, away from shadow edges, on a generated city and the shared scenes.
+//! Every shadow-map technique compared with rays, away from shadow edges, on a generated city and the shared
+//! scenes.
 
 use adumbra::Sun;
 use adumbra_compare::metrics::is_lit;
@@ -62,7 +63,7 @@ impl<'s> View<'s> {
         let facing: Vec<usize> = (0..surfaces.pixels()).filter(faces).collect();
         let sum: f64 = facing.iter().map(|&i| f64::from((answers[i] - truth[i]).abs())).sum();
         let mean_difference = sum / facing.len() as f64;
-        // The share of them that is compared, estimated from every 29th.
+        // The compared share of the facing pixels, estimated from every 29th pixel.
         let sample: Vec<usize> = facing.iter().copied().step_by(29).collect();
         let judged_share = sample.par_iter().filter(|&&i| clear(i)).count() as f64 / sample.len() as f64;
         let wrong = |lit: bool| {
@@ -116,7 +117,8 @@ fn check(file: &str, street: bool) {
     for technique in MOMENTS {
         let wrong = view.reference(technique);
         assert!(wrong.shadowed <= MAX_SHADOWED, "{what}, {technique}: {} wrong-shadowed", wrong.shadowed);
-        // Compared from afar with four splits, both against the hard shadow.
+        // From the distant camera, csm-vsm must be at least as close to the hard shadow as csm, with four
+        // splits each.
         if *technique == "csm-vsm" && !street {
             assert!(
                 wrong.mean_difference <= csm_difference,
@@ -141,7 +143,7 @@ fn hold(name: &str, view: &mut View<'_>, techniques: &[&str]) -> f64 {
 }
 
 #[test]
-fn a_city_is_right_away_from_edges() {
+fn city_has_no_errors_off_shadow_edges() {
     let scene = generate(GeneratedKind::City, 1);
     let projection = Projection::Perspective { fov_degrees: 60.0 };
     let camera = Camera {
@@ -157,26 +159,26 @@ fn a_city_is_right_away_from_edges() {
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_zdm2_is_right_away_from_edges() {
+fn shared_zdm2_has_no_errors_off_shadow_edges() {
     check("zdm2.glb", false);
 }
 
 #[test]
 #[ignore = "slow: a real scene, both ways"]
-fn shared_kaykit_city_is_right_away_from_edges() {
+fn shared_kaykit_city_has_no_errors_off_shadow_edges() {
     check("kaykit_city_21.glb", false);
     check("kaykit_city_21.glb", true);
 }
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_alpine_is_right_away_from_edges() {
+fn shared_alpine_has_no_errors_off_shadow_edges() {
     check("alpine-2.glb", false);
 }
 
 #[test]
 #[ignore = "slow: a real scene, both ways"]
-fn shared_auster_is_right_away_from_edges() {
+fn shared_auster_has_no_errors_off_shadow_edges() {
     check("auster.obj", false);
     check("auster.obj", true);
 }

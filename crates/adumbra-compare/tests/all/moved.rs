@@ -5,13 +5,12 @@
 use std::path::Path;
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_compare::compare::{Compared, Comparison};
 use adumbra_compare::paths::CameraPath;
 use adumbra_compare::truth::{StreetOptions, TruthTracer, street_camera};
 use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions};
 use adumbra_scene::{Camera, LoadOptions, Scene, load};
-use adumbra_testing::bake_file;
 use adumbra_testing::{scene_file, shared};
 
 use crate::compared;
@@ -80,7 +79,8 @@ fn check(scenes: &Path, name: &str) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let cameras = cameras(&scene, sun);
     assert_eq!(cameras.len(), 2, "{name}");
-    let file = bake_file(&scene, &BakeOptions::new(sun, Size::Resolution(2048))).unwrap();
+    let file =
+        Bake::with_options(&scene, &BakeOptions::new(sun, Size::Resolution(2048))).in_memory().unwrap();
     let plain = compare_at(&scene, &file, [0.0; 3], &cameras);
     let mut largest = (0.0_f64, String::new());
     for (number, (a, b)) in plain.iter().zip(compare_at(&scene, &file, PLACE, &cameras)).enumerate() {

@@ -1,15 +1,15 @@
 //! A camera's view does not depend on a scene's other content, nor on its position in the world.
 //!
-//! Compares pictures, shadows, ambient occlusion and errors against rays, of scenes that are wide, have a stray
-//! triangle, or are at map coordinates.
+//! Compares pictures, shadows, ambient occlusion and errors against rays, of scenes that are wide, have a
+//! stray triangle, or are at map coordinates.
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_compare::compare::Comparison;
 use adumbra_render::occlusion::{Estimator, OcclusionPasses, OcclusionSettings};
 use adumbra_render::{Answer, Given, Gpu, GpuOptions, Renderer, SceneOptions, Shot};
 use adumbra_scene::{Camera, GeneratedKind, Mesh, Projection, Scene, generate};
-use adumbra_testing::{add_box, add_quad, bake_file, full, scene_of};
+use adumbra_testing::{add_box, add_quad, full, scene_of};
 
 use crate::compared;
 
@@ -74,7 +74,8 @@ fn see(scene: &Scene, file: Option<&ShadowFile>, camera: &Camera, names: &[&str]
     }
 }
 
-/// Compares the view of a changed scene with that of the plain one, at the pixels where the plain one has a surface.
+/// Compares the view of a changed scene with that of the plain one, at the pixels where the plain one has a
+/// surface.
 fn assert_same(what: &str, plain: &RenderedView, changed: &RenderedView) {
     let surfaces: Vec<usize> =
         (0..plain.view_depth.len()).filter(|&i| plain.view_depth[i].is_finite()).collect();
@@ -114,7 +115,8 @@ fn a_stray_triangle_changes_nothing_near_the_camera() {
     let names = ["none", "csm", "csm:filter=1", "csm:filter=poisson", "csm-vsm", "csm-evsm"];
     let seen = |scene| see(scene, None, &street, &names);
     assert_same("stray", &seen(&plain), &seen(&strayed));
-    // From above no cascades are compared: the last one of the plain scene is limited to the scene, and so is finer.
+    // From above no cascades are compared: the last one of the plain scene is limited to the scene, and so is
+    // finer.
     let above = camera([18.0, 22.0, 30.0], [0.0; 3]);
     let seen = |scene| see(scene, None, &above, &["none"]);
     assert_same("stray from above", &seen(&plain), &seen(&strayed));
@@ -127,8 +129,8 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
     let seen = |half: f32, camera: &Camera, names: &[&str]| {
         see(&ground_and_boxes(half, &boxes, &[]), None, camera, names)
     };
-    // One camera looks down, so that all scenes show the same ground, which is wider than their cascades. The other
-    // looks to the horizon, just below which only wide scenes have ground.
+    // One camera looks down, so that all scenes show the same ground, which is wider than their cascades. The
+    // other looks to the horizon, just below which only wide scenes have ground.
     let down = camera([0.0, 7.0, 8.0], [0.0; 3]);
     let level = camera([0.0, 1.0, 5.2], [0.0, 1.0, 0.0]);
     let names = ["none", "csm", "csm:filter=1", "csm-evsm"];
@@ -140,12 +142,12 @@ fn ground_of_any_width_changes_nothing_near_the_camera() {
     }
 }
 
-/// Sees a city that stands at a place.
+/// Renders a city at `origin`.
 fn city_at(origin: [f64; 3], resolution: u64, names: &[&str]) -> RenderedView {
     let mut scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction(SUN).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(resolution));
-    let file = compared::moved(bake_file(&scene, &options).unwrap(), origin);
+    let file = compared::moved(Bake::with_options(&scene, &options).in_memory().unwrap(), origin);
     for instance in &mut scene.instances {
         (0..3).for_each(|a| instance.world_from_mesh[a][3] += origin[a]);
     }
@@ -155,14 +157,14 @@ fn city_at(origin: [f64; 3], resolution: u64, names: &[&str]) -> RenderedView {
 }
 
 #[test]
-fn a_coarse_town_at_map_coordinates_looks_as_at_zero() {
+fn coarse_town_looks_the_same_at_map_coordinates() {
     let at = |origin| city_at(origin, 512, &["none", "voxel"]);
     assert_same("a coarse town", &at([0.0; 3]), &at([10_000_000.0, 0.0, 10_000_000.0]));
 }
 
 #[test]
 #[ignore = "slow: traces and draws large scenes; both places with ADUMBRA_FULL"]
-fn a_town_at_map_coordinates_looks_as_at_zero() {
+fn town_looks_the_same_at_map_coordinates() {
     let at = |origin| city_at(origin, 4096, &["none", "voxel", "voxel:filter=5"]);
     let plain = at([0.0; 3]);
     let origins = [[10_000_000.0, 0.0, 10_000_000.0], [500_000.0, 0.0, 5_000_000.0]];
@@ -172,7 +174,7 @@ fn a_town_at_map_coordinates_looks_as_at_zero() {
 }
 
 #[test]
-fn a_camera_at_map_coordinates_moves_in_every_step() {
+fn camera_at_map_coordinates_moves_in_even_steps() {
     let origin = [500_000.0, 0.0, 5_000_000.0];
     let mut scene = ground_and_boxes(20.0, &[[0.0, 0.0]], &[]);
     (0..3).for_each(|a| scene.instances[0].world_from_mesh[a][3] = origin[a]);

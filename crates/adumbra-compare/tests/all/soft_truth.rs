@@ -1,18 +1,17 @@
 //! Penumbrae from baked switch depths compared with rays to a sun's disc, on shared scenes.
 
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_compare::truth::{StreetOptions, SunShape, TruthTracer, street_camera, truth_camera};
 use adumbra_render::{
     Answer, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, TechniqueSpec, build,
 };
 use adumbra_scene::{Camera, LoadOptions, load};
-use adumbra_testing::bake_file;
 use adumbra_testing::{full, scene_file, shared};
 
 /// Compares RMSE over the pixels that face the sun, at street level, under a sun of two degrees.
 #[test]
 #[ignore = "slow: a real scene; in pictures of full size with ADUMBRA_FULL"]
-fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
+fn shared_soft_voxels_beat_fixed_filters_on_a_sun_disc() {
     let (Some(scenes), Some(truths)) = (shared("scenes"), shared("truth")) else { return };
     let name = "kaykit_city_21";
     let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).unwrap();
@@ -20,7 +19,7 @@ fn shared_soft_voxels_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
     let truth = TruthTracer::build(&scene, false);
     let street = street_camera(&truth, sun.towards(), &StreetOptions::default()).unwrap();
     let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(8192)) };
-    let baked = bake_file(&scene, &options).unwrap();
+    let baked = Bake::with_options(&scene, &options).in_memory().unwrap();
     let gpu = Gpu::request(&GpuOptions::default()).unwrap();
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
     for (view, camera) in [("afar", camera), ("street", street)] {

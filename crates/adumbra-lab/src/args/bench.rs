@@ -12,50 +12,54 @@ use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
 /// The benchmarks, with their options.
 #[derive(Subcommand)]
 pub enum BenchVerb {
-    /// Time, memory and file size of bakes by scene, resolution and option; writes bake.md and bake.json. With --suite
-    /// fast: the requirements on the fast bake; writes fast.md and fast.json; exit code 1 if one is not met
+    /// Time, memory and file size of bakes by scene, resolution and option; writes bake.md and bake.json.
+    /// With --suite fast: the requirements on the fast bake; writes fast.md and fast.json; exit code 1 if one
+    /// is not met
     #[command(
         after_help = "Example: adumbra-lab bench bake --scenes scenes --resolutions 1024,4096 -o docs/bench\n\n\
         Example: adumbra-lab bench bake --suite fast --only 8192,query --scenes scenes -o docs/bench"
     )]
     Bake(BenchBake),
-    /// Every scene checked against rays, under seven suns and in the layouts packed and depths; writes verify.md and verify.json
+    /// Every scene checked against rays, under seven suns and in the layouts packed and depths; writes
+    /// verify.md and verify.json
     #[command(
         after_help = "Example: adumbra-lab bench verify --scenes scenes --resolution 8192 -o docs/bench"
     )]
     Verify(BenchVerify),
-    /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json, plots and
-    /// pictures
+    /// The world-aligned tree: builders, reductions, frames, options, filters; writes tree.md, tree.json,
+    /// plots and pictures
     #[command(after_help = "Example: adumbra-lab bench tree --scenes scenes -o docs/bench")]
     Tree(BenchTree),
-    /// The screen-space blur: milliseconds by sample count, and its halo and gap; writes blur.md, blur.json and a plot
+    /// The screen-space blur: milliseconds by sample count, and its halo and gap; writes blur.md, blur.json
+    /// and a plot
     #[command(after_help = "Example: adumbra-lab bench blur --size 1280x720 -o docs/bench")]
     Blur(BenchBlur),
-    /// Baked voxels and real-time techniques compared with ray-traced truth, from above and at street level; writes
-    /// shadows.md and shadows.json
+    /// Baked voxels and real-time techniques compared with ray-traced truth, from above and at street level;
+    /// writes shadows.md and shadows.json
     #[command(after_help = "Example: adumbra-lab bench shadows --scenes scenes --truth truth -o docs/bench")]
     Shadows(BenchShadows),
-    /// What baked look-ups read: words per pixel, and sectors of 32 bytes per group of 8 × 4 pixels, by scene, view,
-    /// frame, layout and filter; writes lookup.md and lookup.json
+    /// What baked look-ups read: words per pixel, and sectors of 32 bytes per group of 8 × 4 pixels, by
+    /// scene, view, frame, layout and filter; writes lookup.md and lookup.json
     #[command(after_help = "Example: adumbra-lab bench lookup --scenes scenes --truth truth -o docs/bench")]
     Lookup(BenchLookup),
-    /// Every technique's passes on the GPU at hand, in generated scenes: filters, frames, layouts, resolutions, hybrid maps,
-    /// ambient occlusion, and a large city; writes gpu-ADAPTER.md and gpu-ADAPTER.json
+    /// Every technique's passes on the GPU at hand, in generated scenes: filters, frames, layouts,
+    /// resolutions, hybrid maps, ambient occlusion, and a large city; writes gpu-ADAPTER.md and
+    /// gpu-ADAPTER.json
     #[command(after_help = "Example: adumbra-lab bench gpu -o docs/bench")]
     Gpu(BenchGpu),
     /// Every technique at the truth cameras, compared with current engines; writes peers.md and peers.json
     #[command(after_help = "Example: adumbra-lab bench peers --scenes scenes --truth truth -o docs/bench")]
     Peers(BenchPeers),
-    /// Hybrid-resolution shadow maps compared with plain ones, as in their paper; writes hrsm.md, hrsm.json and
-    /// pictures
+    /// Hybrid-resolution shadow maps compared with plain ones, as in their paper; writes hrsm.md, hrsm.json
+    /// and pictures
     #[command(after_help = "Example: adumbra-lab bench hrsm --scenes scenes -o docs/bench")]
     Hrsm(BenchHrsm),
-    /// Every ambient-occlusion estimator compared with rays, on eight scenes; writes ao.md, ao.json, a plot and
-    /// pictures
+    /// Every ambient-occlusion estimator compared with rays, on eight scenes; writes ao.md, ao.json, a plot
+    /// and pictures
     #[command(after_help = "Example: adumbra-lab bench ao --scenes scenes --truth truth -o docs/bench")]
     Ao(BenchAo),
-    /// A flight through a streamed file: what the first picture takes, which pixels are coarser than wanted, and what is
-    /// wrong at rest; writes stream-SCENE.md, stream-SCENE.json and a plot
+    /// A flight through a streamed file: what the first picture takes, which pixels are coarser than wanted,
+    /// and what is wrong at rest; writes stream-SCENE.md, stream-SCENE.json and a plot
     #[command(
         after_help = "Example: adumbra-lab bench stream --scene city.glb --file city.adumbra -o docs/bench"
     )]
@@ -176,7 +180,8 @@ pub struct BenchVerify {
     /// Filter widths; each gets its own row
     #[arg(long, value_name = "K,...", value_delimiter = ',', default_value = "1")]
     pub(crate) filter: Vec<u32>,
-    /// Sample points in free space instead of points on surfaces, on files that keep shadows below the last surface
+    /// Sample points in free space instead of points on surfaces, on files that keep shadows below the last
+    /// surface
     #[arg(long)]
     pub(crate) volume: bool,
     /// Folder for the tables
@@ -359,8 +364,8 @@ pub struct BenchHrsm {
     size.help("Size of the still pictures in pixels; those of the camera path have half the width and height")
 }))]
 pub struct BenchAo {
-    /// Folder of scenes: dragon_202k, bunny_69k, armadillo, dream_apartment, zdm2, kaykit_city_21, bridge_garden,
-    /// box-city-5k
+    /// Folder of scenes: dragon_202k, bunny_69k, armadillo, dream_apartment, zdm2, kaykit_city_21,
+    /// bridge_garden, box-city-5k
     #[arg(long, value_name = "DIR")]
     pub(crate) scenes: PathBuf,
     /// Folder of truth files, for the comparison with current engines [default: skip that table]

@@ -1,4 +1,5 @@
-//! Arguments of `compare` and `render`, which are those of `adumbra`, and of the files that the papers' techniques read.
+//! Arguments of `compare` and `render`, which are those of `adumbra`, and of the files that the papers'
+//! techniques read.
 
 use adumbra_compare::baked::{BakedFiles, MoreFiles};
 use adumbra_compare::verbs;

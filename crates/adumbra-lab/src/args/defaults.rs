@@ -39,7 +39,7 @@ fn name(value: &impl ValueEnum) -> String {
     value.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
 }
 
-/// The default of an option without one.
+/// Returns the text of an option without a default.
 fn nothing<T>(value: Option<&T>) -> String {
     assert!(value.is_none());
     String::new()
@@ -67,7 +67,8 @@ fn cache(args: &CacheArgs) -> Used {
     vec![("--cache", format!("{name} in the output folder")), ("--cache-limit", limit)]
 }
 
-/// The defaults of arguments that `adumbra` takes too. Its tests compare them with the values that are used.
+/// Returns the defaults of arguments that `adumbra` also accepts. The tests of `adumbra` compare these
+/// defaults with the values that are used.
 fn of_adumbra<A: clap::Args>() -> Used {
     let stated = stated_defaults(&A::augment_args(Command::new("adumbra")));
     stated.into_iter().map(|(option, text)| (&*option.leak(), text.unwrap_or_default())).collect()
@@ -282,7 +283,7 @@ fn used(verb: &Verb) -> Used {
     }
 }
 
-/// What must be given to a verb.
+/// Returns the required arguments of a verb.
 fn required(verb: &str) -> &'static [&'static str] {
     match verb {
         "report" => &["-o", "OUT"],
@@ -306,7 +307,7 @@ fn required(verb: &str) -> &'static [&'static str] {
 }
 
 #[test]
-fn defaults_in_the_help_are_those_that_are_used() {
+fn defaults_in_help_match_used_values() {
     Program::command().debug_assert();
     for (name, command) in verbs_of(&Program::command()) {
         let words = ["adumbra-lab"].into_iter().chain(name.split(' ')).chain(required(&name).iter().copied());

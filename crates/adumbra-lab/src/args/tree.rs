@@ -224,8 +224,8 @@ pub struct TreeQuery {
     /// How the taps are weighted
     #[arg(long, value_enum, default_value = "mean")]
     pub(crate) weights: WeightsArg,
-    /// Also write the width of the sun's penumbra in world units: one little-endian float32 per point, NaN away from
-    /// shadow borders; for files baked with --attribute penumbra
+    /// Also write the width of the sun's penumbra in world units: one little-endian float32 per point, NaN
+    /// away from shadow borders; for files baked with --attribute penumbra
     #[arg(long, value_name = "FILE")]
     pub(crate) penumbra: Option<PathBuf>,
 }

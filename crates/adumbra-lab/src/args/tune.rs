@@ -19,8 +19,8 @@ pub struct TuneAo {
     /// Tune only these estimators; the others keep their entries if those are for the same scenes and options
     #[arg(long, value_name = "NAME", value_delimiter = ',', value_parser = estimator)]
     pub(crate) only: Vec<Estimator>,
-    /// Tune an estimator with fixed values for parameters that take names or are not searched; may be repeated; prints
-    /// the results and records nothing
+    /// Tune an estimator with fixed values for parameters that take names or are not searched; may be
+    /// repeated; prints the results and records nothing
     #[arg(long, value_name = "NAME:KEY=VALUE...", conflicts_with = "only", value_parser = variant)]
     pub(crate) variant: Vec<SpecText>,
     /// Record to update; the program is built with it

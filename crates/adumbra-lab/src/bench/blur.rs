@@ -1,4 +1,5 @@
-//! `adumbra-lab bench blur`: cost of the screen-space blur by samples, passes and weights, and the bleeding it causes.
+//! `adumbra-lab bench blur`: cost of the screen-space blur by samples, passes and weights, and the bleeding
+//! it causes.
 
 use std::fmt::Write as _;
 
@@ -133,7 +134,8 @@ pub(super) fn run(args: &BenchBlur) -> Result<Code> {
 }
 
 impl Bench<'_> {
-    /// Measures median milliseconds by variant and samples, and returns with them whether they are wall times.
+    /// Measures median milliseconds by variant and samples, and returns with them whether they are wall
+    /// times.
     fn costs(&mut self, variants: &[(&str, &str)]) -> Result<(Vec<Cost>, bool)> {
         let mut rows = Vec::new();
         let mut wall_time = false;

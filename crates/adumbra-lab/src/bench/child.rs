@@ -1,4 +1,4 @@
-//! Runs `adumbra`, or this program, in a process of its own, so that its peak memory is measured separately.
+//! Runs `adumbra`, or this program, in a separate process, so that its peak memory is measured separately.
 
 use adumbra::IoError;
 use std::ffi::OsStr;
@@ -21,7 +21,8 @@ pub(super) fn shadow_file() -> Result<NamedTempFile> {
 /// The sun of the tables.
 const SUN: [&str; 2] = ["--sun", "0.5,0.8,0.35"];
 
-/// Bakes `scene` under the tables' sun, with additional options, into a temporary file. Returns the bake's JSON report.
+/// Bakes `scene` under the tables' sun, with additional options, into a temporary file. Returns the bake's
+/// JSON report.
 pub(super) fn bake(scene: &Path, options: &[&str]) -> Result<Value> {
     bake_into(shadow_file()?.path(), scene, &[&SUN, options].concat())
 }
@@ -31,7 +32,8 @@ pub(super) fn bake_into(file: &Path, scene: &Path, options: &[&str]) -> Result<V
     json(Program::Product, &[&words(&["bake"])[..], &baking(file, scene), &words(options)].concat())
 }
 
-/// Bakes `scene` under the tables' sun, with additional options, into a temporary tree. Returns the bake's JSON report.
+/// Bakes `scene` under the tables' sun, with additional options, into a temporary tree. Returns the bake's
+/// JSON report.
 pub(super) fn bake_tree(scene: &Path, options: &[&str]) -> Result<Value> {
     let file = shadow_file()?;
     let bake = words(&["tree", "bake"]);
@@ -46,7 +48,8 @@ fn baking<'a>(file: &'a Path, scene: &'a Path) -> [&'a OsStr; 5] {
     [scene.as_ref(), "-o".as_ref(), file.as_ref(), "--progress".as_ref(), "none".as_ref()]
 }
 
-/// Compares `file` with rays through `scene` at `samples` points. Returns `verify`'s report whatever the agreement.
+/// Compares `file` with rays through `scene` at `samples` points. Returns the report of `verify` even if a
+/// check fails.
 pub(super) fn verify(file: &Path, scene: &Path, samples: u64) -> Result<Value> {
     let samples = samples.to_string();
     let options = ["--min-interior", "0", "--samples", &samples];

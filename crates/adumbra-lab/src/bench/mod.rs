@@ -1,6 +1,7 @@
 //! The benchmarks, one module each: measurements, checks, tables and pictures.
 //!
-//! A benchmark writes `NAME.md` and `NAME.json` into the output folder, with its plots and pictures next to them.
+//! A benchmark writes `NAME.md` and `NAME.json` into the output folder, with its plots and pictures next to
+//! them.
 
 pub(crate) mod ao;
 pub(crate) mod bake;
@@ -61,7 +62,8 @@ fn write(folder: &Path, name: &str, markdown: &str, figures: &impl Serialize) ->
     Ok(())
 }
 
-/// Writes a sheet of pictures into a benchmark's folder as `NAME.png`, and adds its file and caption to `sheets`.
+/// Writes a sheet of pictures into a benchmark's folder as `NAME.png`, and adds its file and caption to
+/// `sheets`.
 fn keep_sheet(
     folder: &Path,
     sheets: &mut Vec<[String; 2]>,
@@ -98,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn results_in_the_documents_are_read_as_their_types() {
+    fn recorded_results_round_trip_through_their_types() {
         read::<ao::AoResults>("ao.json");
         read::<bake::BakeResults>("bake.json");
         read::<blur::BlurResults>("blur.json");

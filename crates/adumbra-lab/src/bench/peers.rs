@@ -1,4 +1,5 @@
-//! `adumbra-lab bench peers`: every technique's two errors on the truth cameras, next to those of current engines.
+//! `adumbra-lab bench peers`: every technique's two errors on the truth cameras, next to those of current
+//! engines.
 
 use std::path::{Path, PathBuf};
 
@@ -126,7 +127,7 @@ fn measure(
     Ok(renderer.gpu().name())
 }
 
-/// Returns the path of the scene `name`, whatever its file extension.
+/// Returns the path of the scene `name`, with any supported file extension.
 pub(super) fn scene_file(folder: &Path, name: &str) -> Result<PathBuf> {
     let candidates = ["glb", "gltf", "obj", "ply"].map(|e| folder.join(format!("{name}.{e}")));
     let missing =

@@ -48,7 +48,7 @@ pub(super) fn run(args: &DagBake) -> Outcome {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumdag"));
-    // A wrong sun is refused before the scene is loaded.
+    // Refuse an invalid sun before loading the scene.
     args.sun.given_for(&args.scene, &args.load)?;
     refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
     check_output(&output)?;

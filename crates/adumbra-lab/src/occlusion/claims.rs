@@ -1,8 +1,8 @@
-//! The claims of Qiu et al. (2014) about their estimator as numbers: detail, self-occlusion, clean edges after
-//! filtering.
+//! The claims of Qiu et al. (2014) about their estimator as numbers: detail, self-occlusion, clean edges
+//! after filtering.
 //!
-//! The high pass of a picture is the picture minus its Gaussian mean over [`BLUR_PIXELS`]. The mean is taken only over
-//! pixels that count.
+//! The high pass of a picture is the picture minus its Gaussian mean over [`BLUR_PIXELS`]. The mean is taken
+//! only over pixels that count.
 
 use rayon::prelude::*;
 use schemars::JsonSchema;
@@ -32,7 +32,8 @@ pub const FLAT: f64 = 0.02;
 pub struct Claims {
     /// Correlation of the high pass with the truth's, -1 to 1.
     pub detail_correlation: Option<f64>,
-    /// Variance of the high pass divided by that of the truth's: below 1 is blurred, above 1 is noisy or too strong.
+    /// Variance of the high pass divided by that of the truth's: below 1 is blurred, above 1 is noisy or too
+    /// strong.
     pub detail_variance: Option<f64>,
     /// Mean occlusion, 1 - visibility, where truth is open.
     pub self_occlusion: Option<f64>,
@@ -74,7 +75,8 @@ impl<'a> ClaimProbe<'a> {
         [count(&self.edges) / whole, count(&self.flat) / whole]
     }
 
-    /// Returns the numbers of a picture. Those of the truth itself are the floor set by the noise of its rays.
+    /// Returns the numbers of a picture. Those of the truth itself are the floor set by the noise of its
+    /// rays.
     ///
     /// # Errors
     /// Returns [`Error::Sizes`] if the visibility and the truth differ in their number of pixels.
@@ -219,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_of_the_truth_itself_are_perfect() {
+    fn claims_of_truth_have_no_error() {
         let traced_view = traced_view();
         let probe = ClaimProbe::new(&traced_view, 10.0);
         let c = probe.claims(&traced_view.truth).unwrap();
@@ -234,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_tell_blur_noise_and_darkness() {
+    fn claims_detect_blur_noise_and_darkness() {
         let traced_view = traced_view();
         let probe = ClaimProbe::new(&traced_view, 10.0);
         let size = SIZE.map(|s| s as usize);
@@ -259,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_about_nothing_are_none() {
+    fn claims_without_counted_pixels_are_none() {
         let mut traced_view = traced_view();
         traced_view.counted.fill(false);
         let probe = ClaimProbe::new(&traced_view, 10.0);

@@ -1,4 +1,5 @@
-//! Errors of ambient visibility against the truth of the same radius, and the picture that SSIM and FLIP compare.
+//! Errors of ambient visibility against the truth of the same radius, and the picture that SSIM and FLIP
+//! compare.
 
 use adumbra_truth::picture::Picture;
 use schemars::JsonSchema;
@@ -19,7 +20,8 @@ pub struct OcclusionErrors {
     pub mean_absolute: f64,
 }
 
-/// Compares `visibility` with `truth`, one value per pixel each, over the pixels for whose index `counts` is true.
+/// Compares `visibility` with `truth`, one value per pixel each, over the pixels for whose index `counts` is
+/// true.
 ///
 /// All errors are zero if no pixel counts.
 ///
@@ -53,7 +55,8 @@ pub fn occlusion_errors(
 
 /// Returns visibility as a grey picture, in which a byte is 255 times the visibility clamped to 0 to 1.
 ///
-/// No display transfer curve is applied, so that equal steps of visibility are equal steps of grey for image metrics.
+/// No display transfer curve is applied, so that equal steps of visibility are equal steps of grey for image
+/// metrics.
 ///
 /// # Errors
 /// Returns [`Error::Sizes`] if the number of visibility values differs from the number of pixels.
@@ -78,13 +81,13 @@ mod tests {
     }
 
     #[test]
-    fn occlusion_errors_of_nothing_are_none_and_of_unlike_sizes_refused() {
+    fn occlusion_errors_without_pixels_are_zero_and_sizes_must_match() {
         assert_eq!(occlusion_errors(&[0.3], &[0.1], |_| false).unwrap(), OcclusionErrors::default());
         assert!(matches!(occlusion_errors(&[0.3], &[], |_| true), Err(Error::Sizes { .. })));
     }
 
     #[test]
-    fn grey_picture_is_visibility_as_data() {
+    fn grey_picture_maps_visibility_linearly() {
         let picture = grey_picture([3, 1], &[-0.5, 0.5, 2.0]).unwrap();
         assert_eq!(picture.rgb, [0, 0, 0, 128, 128, 128, 255, 255, 255]);
         assert!(grey_picture([2, 1], &[0.0; 3]).is_err());

@@ -1,14 +1,16 @@
-//! Flicker: the change of ambient visibility from frame to frame at fixed points of the world while the camera moves.
+//! Flicker: the change of ambient visibility from frame to frame at fixed points of the world while the
+//! camera moves.
 //!
-//! Definition: each pixel with a surface represents the point hit by the ray through its centre. The point is projected
-//! into the previous frame. It counts if each of the four pixels whose centres surround the projection shows the same
-//! surface. For that, the cosine between the normals must be at least [`MIN_COSINE`], and the pixel's view depth must
-//! be within [`DEPTH_SHARE`] of the depth at which its ray intersects the plane through the point. Surfaces seen at a
-//! grazing angle thus count as well as those seen head-on.
+//! Definition: each pixel with a surface represents the point hit by the ray through its centre. The point is
+//! projected into the previous frame. It counts if each of the four pixels whose centres surround the
+//! projection shows the same surface. For that, the cosine between the normals must be at least
+//! [`MIN_COSINE`], and the pixel's view depth must be within [`DEPTH_SHARE`] of the depth at which its ray
+//! intersects the plane through the point. Surfaces seen at a grazing angle thus count as well as those seen
+//! head-on.
 //!
-//! The change is the absolute difference between the point's visibility and that of the previous frame, interpolated
-//! bilinearly between the four pixels. Nothing in the world moves, so the correct value is 0. The truth's own pictures
-//! give the floor set by resampling.
+//! The change is the absolute difference between the point's visibility and that of the previous frame,
+//! interpolated bilinearly between the four pixels. Nothing in the world moves, so the correct value is 0.
+//! The truth's own pictures give the floor set by resampling.
 
 use adumbra_scene::{Camera, View};
 use rayon::prelude::*;
@@ -122,7 +124,8 @@ impl FlickerFrame<'_> {
         depth.is_finite().then(|| std::array::from_fn(|a| origin[a] + t * direction[a]))
     }
 
-    /// Returns the visibility at the world point `p` with this `normal`, if all pixels around it show its surface.
+    /// Returns the visibility at the world point `p` with this `normal`, if all pixels around it show its
+    /// surface.
     fn resampled(&self, view: &View, p: [f64; 3], normal: [f64; 3]) -> Option<f64> {
         if view.depth(p) <= 0.0 {
             return None;
@@ -180,7 +183,8 @@ mod tests {
         normal: Vec<[f32; 3]>,
     }
 
-    /// Returns the ground at y = 0 seen from `eye_x`, two metres up. Pixels near and above the horizon have no surface.
+    /// Returns the ground at y = 0 seen from `eye_x`, two metres up. Pixels near and above the horizon have
+    /// no surface.
     fn ground(eye_x: f64) -> GBuffer {
         let projection = Projection::Perspective { fov_degrees: 60.0 };
         let [width, height] = SIZE;
@@ -228,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn flicker_of_a_picture_that_stands_still_is_zero() {
+    fn flicker_of_still_picture_is_zero() {
         let seen = ground(0.0);
         let picture = noise(1);
         let f = flicker(&seen.frame(&picture), &seen.frame(&picture)).unwrap();
@@ -238,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn flicker_of_one_value_is_zero_however_the_camera_moves() {
+    fn flicker_of_constant_visibility_is_zero_under_motion() {
         let (before, after) = (ground(0.0), ground(0.13));
         let picture = vec![0.37; before.normal.len()];
         let f = flicker(&before.frame(&picture), &after.frame(&picture)).unwrap();
@@ -247,7 +251,7 @@ mod tests {
     }
 
     #[test]
-    fn flicker_of_something_fixed_to_the_world_is_small() {
+    fn flicker_of_world_fixed_pattern_is_small() {
         let (before, after) = (ground(0.0), ground(0.13));
         // Waves of eight metres in length along x.
         let painted = |seen: &GBuffer| -> Vec<f32> {
@@ -264,17 +268,18 @@ mod tests {
     }
 
     #[test]
-    fn flicker_of_noise_is_its_mean_difference() {
+    fn flicker_of_noise_equals_its_mean_difference() {
         let seen = ground(0.0);
         let (a, b) = (noise(1), noise(2));
         let f = flicker(&seen.frame(&a), &seen.frame(&b)).unwrap();
-        // For two uniform values the mean difference is a third, and the probability of less than c is 1 - (1 - c)².
+        // For two uniform values the mean difference is a third, and the probability of less than c is 1 -
+        // (1 - c)².
         assert!((f.mean - 1.0 / 3.0).abs() < 0.025, "{f:?}");
         assert!((f.share - 0.95 * 0.95).abs() < 0.025, "{f:?}");
     }
 
     #[test]
-    fn flicker_leaves_out_what_another_surface_hid() {
+    fn flicker_ignores_points_of_other_surfaces() {
         let (near, far) = (ground(0.0), ground(0.0));
         let wall = GBuffer {
             view_depth: vec![1.5; near.view_depth.len()],

@@ -1,4 +1,5 @@
-//! The stage on which estimators are measured: a scene drawn on a device, and the ray-traced truth of a camera's view.
+//! The stage on which estimators are measured: a scene drawn on a device, and the ray-traced truth of a
+//! camera's view.
 
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{
@@ -37,7 +38,7 @@ pub struct OcclusionReference<'a, 's> {
     pub rays: u32,
 }
 
-/// The truth of what a stage's camera sees, one value per pixel.
+/// The truth for the view of a stage's camera, one value per pixel.
 pub struct TracedView {
     /// Surfaces hit by rays.
     pub surfaces: Surfaces,
@@ -45,12 +46,13 @@ pub struct TracedView {
     pub truth: Vec<f32>,
     /// Whether rays and G-buffer see the same surface, within [`SAME_SURFACE`].
     pub counted: Vec<bool>,
-    /// Counts of these pixels and of the others by reason. None are facing away, because the sky has no direction.
+    /// Counts of these pixels and of the others by reason. No pixel counts as facing away, because the sky
+    /// has no direction.
     pub pixels: PixelCounts,
 }
 
 impl OcclusionStage {
-    /// Uploads a scene and draws what `camera` sees of it.
+    /// Uploads a scene and draws the view of `camera`.
     ///
     /// # Errors
     /// Returns the errors of the renderer.
@@ -63,7 +65,7 @@ impl OcclusionStage {
         Ok(stage)
     }
 
-    /// Draws what `camera` sees, as frame `number`.
+    /// Draws the view of `camera`, as frame `number`.
     ///
     /// # Errors
     /// Returns the errors of the renderer.
@@ -99,8 +101,8 @@ impl OcclusionStage {
         Ok(self.renderer.occlude(&self.shot, passes)?)
     }
 
-    /// Runs each of `passes` on the current view for `frames` frames, in alternation, and returns the times of each. Each
-    /// round begins with another one, so that none always runs first.
+    /// Runs each of `passes` on the current view for `frames` frames, in alternation, and returns the times
+    /// of each. Each round begins with a different pass, so that no pass always runs first.
     ///
     /// # Errors
     /// Returns the errors of the device.
@@ -119,7 +121,7 @@ impl OcclusionStage {
 }
 
 impl OcclusionReference<'_, '_> {
-    /// Returns the truth of what the stage's camera sees.
+    /// Returns the truth for the view of the stage's camera.
     ///
     /// Cost: that of [`TruthTracer::ambient`], if it is not cached yet.
     ///

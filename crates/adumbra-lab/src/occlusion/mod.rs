@@ -1,5 +1,6 @@
-//! Ambient occlusion compared with ray-traced truth: errors of visibility, flicker along a camera path, the paper's
-//! claims as numbers, the eight scenes of `bench ao`, and the tuner that gives every estimator an equal chance on them.
+//! Ambient occlusion compared with ray-traced truth: errors of visibility, flicker along a camera path, the
+//! paper's claims as numbers, the eight scenes of `bench ao`, and the tuner that gives every estimator an
+//! equal chance on them.
 //!
 //! All values are visibility: 1 = unoccluded.
 

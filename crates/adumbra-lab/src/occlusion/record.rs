@@ -87,7 +87,8 @@ impl TunedOn {
         }
     }
 
-    /// Returns the half that excludes the named scene, so that the scene is measured with settings not tuned on it.
+    /// Returns the half that excludes the named scene, so that the scene is measured with settings not tuned
+    /// on it.
     ///
     /// Returns [`Self::All`] if neither half has the scene.
     pub fn without(scene: &str) -> Self {
@@ -121,7 +122,8 @@ impl Record {
 
     /// Returns an estimator's parameters as tuned by a run.
     ///
-    /// Returns `None` if there is no entry, or if it names other parameters than those that the tuner varies today.
+    /// Returns `None` if there is no entry, or if it names other parameters than those that the tuner varies
+    /// today.
     pub fn shape(&self, estimator: Estimator, on: TunedOn) -> Option<[f64; MAX_PARAMETERS]> {
         let entry = self.entry(estimator, on)?;
         let mut shape = OcclusionSettings::new(estimator, 1.0).shape;
@@ -135,7 +137,8 @@ impl Record {
         (varied == entry.settings.len()).then_some(shape)
     }
 
-    /// Returns this record with entries replaced by those of `other` if both have the same scenes and options.
+    /// Returns this record with entries replaced by those of `other` if both have the same scenes and
+    /// options.
     ///
     /// Otherwise returns `other`.
     #[must_use]
@@ -228,13 +231,15 @@ fn at_an_end(estimator: &str, name: &str, value: f64) -> bool {
     !(0.01..=0.99).contains(&place)
 }
 
-/// Returns an estimator's parameters as tuned `on` those scenes, or its defaults if [`Record::shape`] has none.
+/// Returns an estimator's parameters as tuned `on` those scenes, or its defaults if [`Record::shape`] has
+/// none.
 pub fn tuned(estimator: Estimator, on: TunedOn) -> [f64; MAX_PARAMETERS] {
     let defaults = || OcclusionSettings::new(estimator, 1.0).shape;
     Record::embedded().shape(estimator, on).unwrap_or_else(defaults)
 }
 
-/// Returns `settings` with the parameters that the tuner varies as tuned `on` those scenes. All others are unchanged.
+/// Returns `settings` with the parameters that the tuner varies as tuned `on` those scenes. All others are
+/// unchanged.
 #[must_use]
 pub fn with_tuned(mut settings: OcclusionSettings, on: TunedOn) -> OcclusionSettings {
     let shape = tuned(settings.estimator, on);
@@ -263,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn tuned_settings_of_a_scene_are_of_the_half_that_lacks_it() {
+    fn tuned_settings_come_from_half_without_the_scene() {
         assert_eq!(TunedOn::without("dragon"), TunedOn::FoldB);
         assert_eq!(TunedOn::without("bunny"), TunedOn::FoldA);
         assert_eq!(TunedOn::without("box-city-5k"), TunedOn::All);
@@ -273,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn tuned_record_with_other_parameters_counts_nothing() {
+    fn tuned_record_with_other_parameters_is_ignored() {
         let mut record =
             Record { entries: vec![entry(Estimator::Issao, TunedOn::All, 0.25)], ..Record::default() };
         let shape = record.shape(Estimator::Issao, TunedOn::All).unwrap();
@@ -288,7 +293,7 @@ mod tests {
     }
 
     #[test]
-    fn tuned_settings_at_an_end_are_marked() {
+    fn tuned_settings_at_range_ends_are_marked() {
         let p = Estimator::Issao.parameters().iter().find(|p| p.search.is_some()).unwrap();
         let Some(Search::Even(low, high) | Search::Factors(low, high)) = p.search else { return };
         let at = |value| at_an_end("issao", p.name, value);
@@ -299,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn tuned_records_join_where_they_are_of_one_kind() {
+    fn tuned_records_join_only_with_equal_options() {
         let of = |budget, entries| Record { budget, entries, ..Record::default() };
         let old = of(
             9,
@@ -315,7 +320,7 @@ mod tests {
     }
 
     #[test]
-    fn tuned_record_is_readable() {
+    fn tuned_record_round_trips_as_json() {
         let text = include_str!("../../data/ao_tuning.json");
         let record: Record = serde_json::from_str(text).unwrap();
         assert_eq!(record.json().unwrap(), text);

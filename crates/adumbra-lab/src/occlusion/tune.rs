@@ -1,13 +1,15 @@
-//! Tunes the parameters of every estimator of ambient occlusion with the same search, for `adumbra-lab tune-ao`.
+//! Tunes the parameters of every estimator of ambient occlusion with the same search, for
+//! `adumbra-lab tune-ao`.
 //!
 //! Each estimator varies the parameters that its own list marks for search
-//! ([`adumbra_render::occlusion::ShapeParameter::search`]). Radius, samples, noise and filter are the same for all. The
-//! objective to minimise is the mean over scenes of RMSE after the filter, divided by that of open sky everywhere.
+//! ([`adumbra_render::occlusion::ShapeParameter::search`]). Radius, samples, noise and filter are the same
+//! for all. The objective to minimise is the mean over scenes of RMSE after the filter, divided by that of
+//! open sky everywhere.
 //!
-//! A run is a fixed number of evaluations. A third of them cover the whole box of parameters along a sequence that
-//! fills it evenly (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). The rest are Nelder
-//! and Mead's simplex method, which starts at the best of these points. The search is deterministic, so a run is
-//! repeatable on the same adapter.
+//! A run is a fixed number of evaluations. A third of them cover the whole box of parameters along a sequence
+//! that fills it evenly (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). The
+//! rest are Nelder and Mead's simplex method, which starts at the best of these points. The search is
+//! deterministic, so a run is repeatable on the same adapter.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -57,8 +59,7 @@ pub struct TuneScene {
 }
 
 impl TuneScene {
-    /// Draws the scene on a device of its own, or on one shared with other scenes ([`Gpu::sharing`]), and traces its
-    /// truth.
+    /// Draws the scene on `gpu`, which other scenes may share ([`Gpu::sharing`]), and traces its truth.
     ///
     /// # Errors
     /// Returns the errors of the renderer.
@@ -109,10 +110,10 @@ impl TuneScene {
 
 /// Tunes estimators on fold A, fold B and all scenes, and calls `done` with each run's entry.
 ///
-/// Each of `settings` supplies what does not vary. The scenes must be on one device.
+/// Each of `settings` supplies the parameters that do not vary. The scenes must be on one device.
 ///
-/// Cost: at most 5 · budget · scenes / 3 pictures per estimator, because the run on all scenes reuses both folds'
-/// evaluations over the whole box.
+/// Cost: at most 5 · budget · scenes / 3 pictures per estimator, because the run on all scenes reuses both
+/// folds' evaluations over the whole box.
 ///
 /// # Errors
 /// Returns the errors of the device.
@@ -342,7 +343,7 @@ mod tests {
     }
 
     #[test]
-    fn tuner_points_fill_the_box() {
+    fn tuner_points_cover_unit_box_evenly() {
         for dimensions in 1..=6 {
             let points: Vec<Vec<f64>> = sequence(dimensions).take(256).collect();
             assert!(points.iter().flatten().all(|u| (0.0..1.0).contains(u)));

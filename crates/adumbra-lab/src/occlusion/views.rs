@@ -1,8 +1,9 @@
-//! The eight scenes on which ambient occlusion is measured: source, camera, radius of occlusion, and path for flicker.
+//! The eight scenes on which ambient occlusion is measured: source, camera, radius of occlusion, and path for
+//! flicker.
 //!
-//! The scanned models are placed on a ground. Their lengths are shares of their longest extent, because their files
-//! have no meaningful unit. Lengths of all other scenes are in the scene's units. Two scenes use the cameras of the
-//! truth files of `bench peers`.
+//! The scanned models are placed on a ground. Their lengths are shares of their longest extent, because their
+//! files have no meaningful unit. Lengths of all other scenes are in the scene's units. Two scenes use the
+//! cameras of the truth files of `bench peers`.
 
 use std::path::Path;
 
@@ -14,7 +15,8 @@ use adumbra_compare::error::Result;
 
 /// Number of frames of a path.
 pub const PATH_FRAMES: u32 = 16;
-/// Motion per frame of the path at the target's distance, in pixels of a picture that is [`STEP_HEIGHT`] high.
+/// Motion per frame of the path at the target's distance, in pixels of a picture that is [`STEP_HEIGHT`]
+/// high.
 const STEP_PIXELS: f64 = 4.0;
 const STEP_HEIGHT: f64 = 360.0;
 /// Side length of a model's ground, in multiples of the model's longest extent.
@@ -219,7 +221,7 @@ mod tests {
     use adumbra_compare::truth::TruthTracer;
 
     #[test]
-    fn occlusion_scenes_are_eight_in_two_halves() {
+    fn occlusion_scenes_are_unique_and_four_per_half() {
         let count = |fold| SCENES.iter().filter(|s| s.fold == fold).count();
         assert_eq!((count(Fold::A), count(Fold::B)), (4, 4));
         for (i, scene) in SCENES.iter().enumerate() {
@@ -230,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn occlusion_path_goes_sideways_a_few_pixels_a_frame() {
+    fn occlusion_path_moves_sideways_by_step_pixels_per_frame() {
         let view = scene_named("cornell").unwrap().open(Path::new("")).unwrap();
         let path = view.path([640, 360]);
         assert_eq!(path.len(), PATH_FRAMES as usize);
@@ -243,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn occlusion_of_the_cornell_box_has_corners_and_open_walls() {
+    fn cornell_box_view_has_occluded_corners_and_open_walls() {
         let view = scene_named("cornell").unwrap().open(Path::new("")).unwrap();
         let truth = TruthTracer::build(&view.scene, false);
         let surfaces = truth.surfaces(&view.camera([96, 54]));

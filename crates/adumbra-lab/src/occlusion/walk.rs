@@ -20,7 +20,8 @@ impl Frame {
     }
 }
 
-/// Measures the flicker of each of `passes` along the path of `cameras`: frame k of all before frame k + 1 of any.
+/// Measures the flicker of each of `passes` along the path of `cameras`: frame k of all before frame k + 1 of
+/// any.
 ///
 /// Returns one result per pass, `None` if no pixel was counted. The stage is left at the last camera.
 ///

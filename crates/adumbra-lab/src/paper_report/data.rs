@@ -32,7 +32,7 @@ impl Data {
         Self { folder: folder.to_owned(), recorded: HashSet::new(), pictures: HashMap::new(), way: 0 }
     }
 
-    /// Encodes pictures smaller from now on. Returns false if there is no smaller encoding.
+    /// Switches to the next smaller encoding of pictures. Returns false if there is none.
     pub(super) fn save_bytes(&mut self) -> bool {
         let more = self.way + 1 < WAYS.len();
         if more {
@@ -42,7 +42,8 @@ impl Data {
         more
     }
 
-    /// Marks a section as having a new record. From now on its files are read, and its pictures are read again.
+    /// Marks a section as having a new record. From now on its files are read, and its pictures are read
+    /// again.
     pub(super) fn recorded(&mut self, section: &str) {
         self.recorded.insert(section.to_owned());
         let below = format!("{section}/");
@@ -55,7 +56,8 @@ impl Data {
         self.recorded.contains(section).then(|| std::fs::read(file).ok())?
     }
 
-    /// Returns the results in a JSON file below `data`, or `None` if there is no such file or it has another format.
+    /// Returns the results in a JSON file below `data`, or `None` if there is no such file or it has another
+    /// format.
     pub(super) fn results<T: DeserializeOwned>(&self, path: &str) -> Option<T> {
         serde_json::from_slice(&self.read(path)?).ok()
     }
@@ -87,7 +89,7 @@ mod tests {
     use adumbra_program::output::write_png;
 
     #[test]
-    fn data_keeps_pictures_until_they_are_measured_again_or_take_too_much() {
+    fn data_rereads_pictures_after_new_record_or_smaller_encoding() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::create_dir_all(folder.path().join("data/ao")).unwrap();
         let path = folder.path().join("data/ao/a.png");

@@ -1,13 +1,14 @@
 //! A command with all processes that it starts.
 //!
-//! Benchmarks bake in processes of their own, which must not outlive a report.
+//! Benchmarks bake in child processes, which must not outlive a report.
 
 use std::io::Result;
 use std::process::{Child, ChildStderr, Command, ExitStatus};
 
-/// A process group of its own on Unix, the command alone elsewhere.
+/// A command and its child processes, in a separate process group on Unix; elsewhere, the command alone.
 ///
-/// A terminal's interrupt does not reach the group, so whoever waits for it must pass the interrupt on.
+/// A terminal's interrupt does not reach the group, so the code that waits for the group must forward the
+/// interrupt.
 pub(super) struct Group {
     leader: Child,
 }
@@ -35,7 +36,7 @@ impl Group {
         self.signal(rustix::process::Signal::TERM);
     }
 
-    /// Kills what is left of the group.
+    /// Kills all remaining processes of the group.
     pub(super) fn kill(&mut self) {
         #[cfg(unix)]
         self.signal(rustix::process::Signal::KILL);

@@ -1,4 +1,5 @@
-//! Content of the sections of the page: pictures, plots, commands and checks, or a note that they are missing.
+//! Content of the sections of the page: pictures, plots, commands and checks, or a note that they are
+//! missing.
 
 use super::data::Data;
 use super::record::Record;
@@ -18,7 +19,7 @@ impl PageInputs<'_> {
         let named = |name: &str| -> Vec<&str> {
             measured.steps.iter().filter(|s| s.name == name).map(|s| s.command.as_str()).collect()
         };
-        // Full runs measure in one command what quick runs split into several.
+        // A full run measures a section in one command, a quick run in several.
         let commands = Some(named(step)).filter(|c| !c.is_empty()).unwrap_or_else(|| named(section));
         if !commands.is_empty() {
             body.code("Command", &commands.join("\n"));
@@ -88,7 +89,8 @@ impl PageInputs<'_> {
         self.shown(section, pictures, [left.1, right.1], caption, body);
     }
 
-    /// Adds a pair of parts of one picture, each `[x, y, width, height]` in pixels, or a note that it is missing.
+    /// Adds a pair of parts of one picture, each `[x, y, width, height]` in pixels, or a note that it is
+    /// missing.
     pub(super) fn pair_of_parts(
         &mut self,
         section: &str,

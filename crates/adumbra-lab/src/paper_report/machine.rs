@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn machine_unlike_names_what_differs() {
+    fn machine_unlike_lists_differing_rows() {
         let here = Machine { adumbra: "1.0".to_owned(), adapter: "one".to_owned(), ..Machine::default() };
         let later = Machine { date: "2026-02-01".to_owned(), ..here.clone() };
         assert_eq!(later.unlike(&here), None);
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn date_knows_leap_days() {
+    fn date_handles_leap_days() {
         assert_eq!(date(0), "1970-01-01");
         assert_eq!(date(11_016), "2000-02-29");
         assert_eq!(date(20_454), "2026-01-01");

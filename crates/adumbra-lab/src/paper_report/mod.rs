@@ -1,9 +1,9 @@
-//! `adumbra-lab report`: measurements of every paper implemented here, and one page that shows them next to the papers'
-//! own.
+//! `adumbra-lab report`: measurements of every paper implemented here, and one page that shows them next to
+//! the papers' own.
 //!
-//! A section is a list of commands of this program and of `adumbra`, each run in a process of its own. The page is made
-//! from the files that they write to the folder. Page and record are rewritten after each section, so that a later
-//! failure loses nothing.
+//! A section is a list of commands of this program and of `adumbra`, each run in a separate process. The page
+//! is made from the files that they write to the folder. Page and record are rewritten after each section, so
+//! that a later failure loses nothing.
 
 mod data;
 mod group;
@@ -47,8 +47,8 @@ const MAX_BYTES: u64 = 25_000_000;
 ///
 /// # Errors
 ///
-/// Returns an error if the arguments ask for something that cannot be measured, the program `adumbra` is missing, or
-/// the folder cannot be written. A section that fails is not an error; the page reports it.
+/// Returns an error if the arguments ask for something that cannot be measured, the program `adumbra` is
+/// missing, or the folder cannot be written. A section that fails is not an error; the page reports it.
 pub fn run(args: &Report) -> Result<Code> {
     args.check()?;
     // Checked before anything is written, because most sections run it.
@@ -87,7 +87,7 @@ pub fn run(args: &Report) -> Result<Code> {
         };
         let was_measured = record.section(name).is_some();
         let begun = SectionRecord::begun(name, args.full, &record.machine);
-        // Written first, so that no record is ever next to files that are not its own, even after a failure.
+        // Write the record first, so that even after a failure the record matches the files next to it.
         record.put(begun.clone(), &names);
         record.write(&args.output)?;
         if was_measured {
@@ -123,8 +123,8 @@ pub fn run(args: &Report) -> Result<Code> {
 
 /// Generates a scene unless the file exists.
 ///
-/// An existing file is never overwritten, because it may be the user's only copy. It must be identical, or the report
-/// would show another scene.
+/// An existing file is never overwritten, because it may be the user's only copy. It must be identical, or
+/// the report would show another scene.
 fn make_scene(kind: GeneratedKind, path: &Path) -> Result<(), Failure> {
     let bytes = to_glb(&generate(kind, SEED));
     match std::fs::read(path) {
@@ -153,7 +153,8 @@ fn places(args: &Report) -> Result<Places, Failure> {
     Ok(Places { folder: absolute(&args.output)?, variables })
 }
 
-/// Refuses scenes and truth inside the report's data folder, because a section is cleared before it is measured again.
+/// Refuses scenes and truth inside the report's data folder, because a section is cleared before it is
+/// measured again.
 fn refuse_measured(args: &Report, folder: &Path) -> Result<(), Failure> {
     let data = args.output.join("data");
     match (folder.canonicalize(), data.canonicalize()) {
@@ -260,7 +261,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn report_is_fine_if_all_is_measured_and_its_page_is_small_enough() {
+    fn report_code_is_fine_only_if_all_measured_and_page_fits() {
         let machine = Machine::default();
         let section = |outcome| SectionRecord { outcome, ..SectionRecord::begun("blur", false, &machine) };
         let record = |outcomes: &[Found]| Record {

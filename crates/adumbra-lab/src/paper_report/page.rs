@@ -28,7 +28,7 @@ const TABLES: [(&str, &[&str]); 9] = [
     ("fast", &["fast/fast.md"]),
 ];
 
-/// Returns the whole page of what was measured.
+/// Returns the whole page of the recorded measurements.
 pub(super) fn page(record: &Record, data: &mut Data) -> String {
     let mut inputs = PageInputs { record, data };
     let mut sections = vec![run(record)];
@@ -65,7 +65,7 @@ fn opening(record: &Record) -> Body {
     body
 }
 
-/// Returns the section on the machine and on what was run.
+/// Returns the section on the machine and on the sections that were run.
 fn run(record: &Record) -> Section {
     let m = &record.machine;
     let mut body = Body::default();

@@ -80,7 +80,7 @@ impl Outcome {
 }
 
 impl SectionRecord {
-    /// Returns a section of which nothing is measured yet, which remains on record if the run is cut off.
+    /// Returns a section without measurements. It remains in the record if the run is cut off.
     pub(super) fn begun(section: &str, full: bool, machine: &Machine) -> Self {
         Self {
             section: section.to_owned(),
@@ -101,7 +101,7 @@ impl Record {
     /// Reads the record of an earlier run in `folder`, or returns `None` if there is none.
     ///
     /// # Errors
-    /// Returns an error if a file of that name is something else.
+    /// Returns an error if a file of that name is not a record.
     pub(super) fn earlier(folder: &Path) -> Result<Option<Self>> {
         let path = folder.join(NAME);
         let bytes = match read_whole(&path, TEXT_BYTES) {
@@ -135,7 +135,8 @@ impl Record {
         self.section(name).and_then(|s| s.machine.unlike(&self.machine))
     }
 
-    /// Adds a section or replaces the earlier one of its name, then sorts the sections in the order of `names`.
+    /// Adds a section or replaces the earlier one of its name, then sorts the sections in the order of
+    /// `names`.
     pub(super) fn put(&mut self, section: SectionRecord, names: &[&str]) {
         self.sections.retain(|s| s.section != section.section);
         self.sections.push(section);

@@ -1,4 +1,4 @@
-//! One command of a report, run in a process of its own.
+//! One command of a report, run in a separate process.
 //!
 //! Its memory is freed when it ends, and the report survives if it crashes.
 
@@ -75,7 +75,7 @@ impl CommandStep {
         let mut group = Group::spawn(&mut command).map_err(IoError::at("run", &program))?;
         let said = group.stderr().map(|stderr| std::thread::spawn(move || pass_on(stderr)));
         let status = wait(&mut group, said.as_ref(), cancel).map_err(IoError::at("wait for", &program))?;
-        // A process that still holds the pipe is out of reach. It may go on writing, but is not waited for.
+        // A process that still holds the pipe cannot be killed. Do not wait for it.
         let said = said.filter(JoinHandle::is_finished).and_then(|s| s.join().ok()).unwrap_or_default();
         let outcome = if cancel.load(Ordering::Relaxed) {
             Outcome::Interrupted
@@ -123,8 +123,8 @@ fn pass_on(stderr: impl Read) -> VecDeque<String> {
 
 /// Waits until the command has ended and all processes that it started have closed the pipe.
 ///
-/// If interrupted, the group is asked to end. What is left of it [`GRACE`] after that, or after the command itself has
-/// ended, is killed.
+/// If interrupted, the group is asked to end. Processes of the group that still run [`GRACE`] after that, or
+/// after the command itself has ended, are killed.
 fn wait(group: &mut Group, said: Option<&Said>, cancel: &AtomicBool) -> std::io::Result<ExitStatus> {
     let mut asked = false;
     let mut status = None;

@@ -1,4 +1,5 @@
-//! Results of current engines at the truth cameras, next to ours: sun shadows here, ambient occlusion in [`occlusion`].
+//! Results of current engines at the truth cameras, next to ours: sun shadows here, ambient occlusion in
+//! [`occlusion`].
 
 pub mod occlusion;
 mod sun;

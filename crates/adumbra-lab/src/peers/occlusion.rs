@@ -1,8 +1,8 @@
 //! Ambient occlusion: the errors of current engines at the truth cameras, and a table of ours next to theirs.
 //!
-//! The pictures have 320 × 240 pixels without anti-aliasing, alpha masks are ignored, and every valid pixel counts. In
-//! rows that say "radius matched", the technique had the truth's radius in world units. The errors are the RMSE of
-//! visibility and the mean of visibility minus truth; above 0 is too light.
+//! The pictures have 320 × 240 pixels without anti-aliasing, alpha masks are ignored, and every valid pixel
+//! counts. In rows that say "radius matched", the technique had the truth's radius in world units. The errors
+//! are the RMSE of visibility and the mean of visibility minus truth; above 0 is too light.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -12,7 +12,8 @@ use crate::occlusion::occlusion_errors;
 use adumbra_compare::error::Result;
 use adumbra_compare::truth::TruthView;
 
-/// The scenes, in the order of the columns. On alpine-2 the radius is a pixel on the screen, so that scene is omitted.
+/// The scenes, in the order of the columns. On alpine-2 the radius is a pixel on the screen, so that scene is
+/// omitted.
 pub const SCENES: [&str; 3] = ["kaykit_city_21", "box-city-5k", "zdm2"];
 
 /// Both errors on one scene.
@@ -97,7 +98,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn occlusion_peers_stand_in_one_table() {
+    fn occlusion_peers_table_lists_engines_and_own_rows() {
         let mut rows = engines();
         rows.push(OcclusionRow { name: "issao".to_owned(), source: RowSource::Here, scenes: [None; 3] });
         let text = markdown(&rows);
@@ -110,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn occlusion_peers_figures_leave_out_the_sky() {
+    fn occlusion_peers_figures_ignore_sky() {
         // Neither the sun's side nor its shadows count.
         let (n_dot_l, visibility, ambient) = (vec![-0.5; 4], vec![0.0; 4], vec![0.5, 0.5, 0.5, 1.0]);
         let view = TruthView { n_dot_l, visibility, ambient, ..four_pixels() };

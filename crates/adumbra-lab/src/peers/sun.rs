@@ -1,8 +1,8 @@
 //! Sun shadows: the two errors of current engines at the truth cameras, and a table of ours next to theirs.
 //!
-//! The pictures have 320 × 240 pixels without anti-aliasing, alpha masks are ignored, and valid pixels with n·l > 0.1
-//! count. The first error is the share of pixels on the wrong side of 1/2, the second the mean |shadow factor - truth|,
-//! both in %. Quote both: the first does not show acne at half strength.
+//! The pictures have 320 × 240 pixels without anti-aliasing, alpha masks are ignored, and valid pixels with
+//! n·l > 0.1 count. The first error is the share of pixels on the wrong side of 1/2, the second the mean
+//! |shadow factor - truth|, both in %. Quote both: the first does not show acne at half strength.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -74,8 +74,8 @@ pub fn engines() -> Vec<PeerRow> {
     ELSEWHERE.into_iter().map(|r| row(RowSource::MeasuredElsewhere, r)).collect()
 }
 
-/// Returns both errors of shadow factors that were drawn with the view's camera, or `None` if no valid pixel has
-/// n·l > 0.1.
+/// Returns both errors of shadow factors that were drawn with the view's camera, or `None` if no valid pixel
+/// has n·l > 0.1.
 ///
 /// # Errors
 /// Returns [`adumbra_compare::Error::Sizes`] if there is not one factor per pixel of the view.
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn peers_stand_in_one_table() {
+    fn sun_peers_table_lists_engines_and_own_rows() {
         let mut rows = engines();
         rows.push(PeerRow { name: "voxel".to_owned(), source: RowSource::Here, scenes: [None; 4] });
         let text = markdown(&rows);
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn peers_figures_leave_out_what_is_not_judged() {
+    fn sun_peers_figures_ignore_invalid_and_grazing_pixels() {
         let (n_dot_l, visibility) = (vec![0.5, 0.5, 0.1, 0.5], vec![1.0, 0.0, 1.0, 1.0]);
         let view = TruthView { n_dot_l, visibility, ..four_pixels() };
         let f = figures(&[0.25, 0.25, 0.0, 0.0], &view).unwrap().unwrap();

@@ -109,7 +109,7 @@ pub(super) fn run(args: &TreeBake) -> Outcome {
     let start = Instant::now();
     let bad_input = |e: Failure| Failure::BadInput(e.to_string());
     let output = args.output.clone().unwrap_or_else(|| args.scene.with_extension("adumtree"));
-    // A wrong sun is refused before the scene is loaded.
+    // Refuse an invalid sun before loading the scene.
     args.sun.given_for(&args.scene, &args.load)?;
     refuse_inputs("--output", &output, [(SCENE, &*args.scene)]).map_err(bad_input)?;
     check_output(&output)?;
@@ -216,7 +216,7 @@ fn cubes(p: TreeProgress) -> Progress {
     }
 }
 
-/// Builds the file, with what `--lossy`, `--symmetry` and `--attribute` ask for.
+/// Builds the file, and applies `--lossy`, `--symmetry` and `--attribute`.
 fn finish(args: &TreeBake, prepared: PreparedTree, baked: BakedTree) -> Result<(TreeFile, Extras), Failure> {
     let wants_attribute = args.attribute.is_some();
     // The depth images may be large. They are dropped here unless the attribute needs them.
@@ -235,7 +235,7 @@ fn finish(args: &TreeBake, prepared: PreparedTree, baked: BakedTree) -> Result<(
             .push(format!("tree hash: {collisions} comparisons of different subtrees with the same hash"));
     }
     if let Some(share) = args.lossy {
-        // About what a round holds besides the tree: its blocks twice, and lists of similar ones.
+        // Approximate memory of a round besides the tree: its blocks twice, and lists of similar blocks.
         args.run.check_memory("merging similar subtrees", 0, 6 * tree.bytes())?;
         let merged = lossy::merge_similar(&tree, share)?;
         settings.lossy = Some(merged.change);

@@ -93,7 +93,7 @@ struct PictureContent {
     /// Levels of the tree: 2^depth voxels along each side.
     depth: u32,
     words: Vec<u32>,
-    /// What the file contains besides its words. Its first eight bytes are the file's magic.
+    /// The file without its words. The first eight bytes are the file's magic.
     rest: Vec<u8>,
     file_bytes: u64,
 }

@@ -25,7 +25,8 @@ pub(crate) struct TreeContents {
     body_bytes: u64,
     /// Number of inner nodes. A shared node counts once.
     nodes: u64,
-    /// The attribute that the file stores for each voxel of a leaf, next to the tree. Null without an attribute.
+    /// The attribute that the file stores for each voxel of a leaf, next to the tree. Null without an
+    /// attribute.
     #[schemars(with = "Option<mirrors::AttributeKind>")]
     attribute: Option<AttributeKind>,
     /// Bytes of the attribute. 0 if there is none.

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 #[test]
 #[ignore = "slow: a whole benchmark"]
-fn bench_writes_tables() {
+fn bench_bake_and_verify_write_tables() {
     let folder = Folder::new();
     folder.generate("primitives");
     let out = folder.path("bench");
@@ -51,7 +51,7 @@ fn bench_writes_tables() {
 }
 
 #[test]
-fn bench_bake_reads_files_outside_where_it_is_allowed() {
+fn bench_bake_reads_outside_files_only_if_allowed() {
     let folder = Folder::new();
     fs::create_dir(folder.path("sub")).unwrap();
     let scene = json!({

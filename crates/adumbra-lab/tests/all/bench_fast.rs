@@ -7,7 +7,7 @@ use serde_json::Value;
 
 #[test]
 #[ignore = "slow: a whole benchmark"]
-fn bench_fast_measures_one_row_and_says_what_was_not_measured() {
+fn bench_fast_measures_one_row_and_lists_unmeasured_ones() {
     let folder = Folder::new();
     fs::rename(folder.generate("city"), folder.path("box-city-5k.glb")).unwrap();
     let (scenes, out) = (folder.path(""), folder.path("out"));
@@ -54,7 +54,7 @@ fn bench_fast_measures_one_row_and_says_what_was_not_measured() {
 }
 
 #[test]
-fn bench_fast_refuses_rows_that_are_none() {
+fn bench_fast_rejects_unknown_rows() {
     let folder = Folder::new();
     let out = folder.path("out");
     let bench = |options: &[&str]| lab(&[&["bench", "bake", "--scenes", &out, "-o", &out], options].concat());

@@ -1,11 +1,11 @@
-//! `bench gpu` as users run it, on whatever adapter there is.
+//! `bench gpu` as users run it, on the available adapter.
 
 use std::fs;
 
 use adumbra_testing::{Folder, lab};
 use serde_json::Value;
 
-/// Runs it on small pictures and files. Returns the tables' JSON and text.
+/// Runs the benchmark on small pictures and files. Returns the tables' JSON and text.
 fn run(out: &str, options: &[&str]) -> (Value, String) {
     let small = ["--size", "96x64", "--frames", "1", "--resolution", "512", "--resolutions", "256,512"];
     let fixed = ["bench", "gpu", "--tiles", "2", "-o", out];
@@ -27,8 +27,9 @@ fn bench_gpu_measures_every_section() {
     let (document, text) = run(&folder.path("out"), &[]);
     let sections = document["sections"].as_array().unwrap();
     let rows: Vec<usize> = sections.iter().map(|s| s["rows"].as_array().unwrap().len()).collect();
-    // Filters: five in two frames and two layouts. The large city: four techniques. Resolutions: three filters of two.
-    // Hybrid maps: four at three sizes. Ambient occlusion: five estimators with and without a filter.
+    // Filters: five in two frames and two layouts. The large city: four techniques. Resolutions: three
+    // filters of two. Hybrid maps: four at three sizes. Ambient occlusion: five estimators with and without a
+    // filter.
     assert_eq!(rows[1..], [20, 4, 6, 12, 10], "{}", document["left_out"]);
     assert!(rows[0] >= 15, "every technique");
     assert_eq!(document["left_out"].as_array().unwrap().len(), 0, "{}", document["left_out"]);
@@ -50,7 +51,7 @@ fn bench_gpu_measures_every_section() {
 
 #[test]
 #[ignore = "slow: a whole benchmark"]
-fn bench_gpu_ends_in_time_and_says_what_it_left_out() {
+fn bench_gpu_ends_in_time_and_lists_omissions() {
     let folder = Folder::new();
     let (document, text) = run(&folder.path("out"), &["--seconds", "1"]);
     let left_out = document["left_out"].as_array().unwrap();

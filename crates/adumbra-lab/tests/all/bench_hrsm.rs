@@ -1,4 +1,5 @@
-//! `bench hrsm` as users run it, and requirements on hybrid maps, at a reduced size on the models that need no files.
+//! `bench hrsm` as users run it, and requirements on hybrid maps, at a reduced size on the models that need
+//! no files.
 
 use std::fs;
 
@@ -37,7 +38,7 @@ fn row<'a>(document: &'a Value, name: &str) -> &'a Value {
 
 #[test]
 #[ignore = "slow: a whole benchmark"]
-fn bench_hrsm_measures_spheres_and_holds() {
+fn bench_hrsm_meets_requirements_on_spheres() {
     let folder = Folder::new();
     let document = bench(&folder, "spheres", "240x136");
     assert_holds(&document, 1);
@@ -49,13 +50,14 @@ fn bench_hrsm_measures_spheres_and_holds() {
     {
         assert!(number(quarter, key) > 0.0, "{key}");
     }
-    // A cached map is smaller than a shadow map. One that is rebuilt every frame holds both.
+    // A cached map is smaller than a shadow map. A map that is rebuilt every frame holds both.
     assert!(number(quarter, "still_share") < 0.35 && number(quarter, "moving_share") > 1.0);
     let shares = quarter["levels"].as_array().unwrap();
     let shares: Vec<f64> = shares.iter().map(|s| s.as_f64().unwrap()).collect();
     assert!(shares.len() == 3 && shares.iter().all(|s| (0.0..=1.0).contains(s)), "{shares:?}");
     assert!(shares[0] > 0.0 && shares[2] > 0.9, "{shares:?}");
-    // The shares of the levels account for the map's size: the coarsest level, and four words per block that split.
+    // The shares of the levels account for the map's size: the coarsest level, and four words per block that
+    // split.
     let finest_blocks = shares[0] * 1024.0 * 1024.0 / 4.0;
     let middle_blocks = (shares[1] * 512.0 * 512.0 + finest_blocks) / 4.0;
     let expected = 4.0 * (256.0 * 256.0 + 4.0 * (finest_blocks + middle_blocks));
@@ -88,14 +90,14 @@ fn bench_hrsm_measures_spheres_and_holds() {
 
 #[test]
 #[ignore = "slow: a whole benchmark"]
-fn bench_hrsm_holds_on_the_ball() {
+fn bench_hrsm_meets_requirements_on_ball() {
     let folder = Folder::new();
     // Pixels are no larger than the two texels around an edge within which errors are not counted.
     assert_holds(&bench(&folder, "ball", "480x270"), 1);
 }
 
 #[test]
-fn bench_hrsm_refuses_a_start_that_is_no_size() {
+fn bench_hrsm_rejects_invalid_start() {
     let folder = Folder::new();
     let out = folder.path("out");
     let (code, error) = lab(&["bench", "hrsm", "--scenes", &out, "--starts", "1500", "-o", &out]);
@@ -103,7 +105,7 @@ fn bench_hrsm_refuses_a_start_that_is_no_size() {
 }
 
 #[test]
-fn bench_hrsm_says_which_model_is_missing() {
+fn bench_hrsm_names_missing_model() {
     let folder = Folder::new();
     let out = folder.path("out");
     let (code, error) =

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_bench_lookup_counts_what_every_file_reads() {
+fn shared_bench_lookup_counts_reads_of_every_file() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();
     let out = folder.path("out");
@@ -50,7 +50,7 @@ fn shared_bench_lookup_counts_what_every_file_reads() {
         assert!((1.0..40.0).contains(&number(row, "chain_per_group")), "{row}");
         assert!(number(row, "milliseconds") > 0.0, "{row}");
     }
-    // Nothing in the street is beside its cascade; few pixels blend two cascades.
+    // No pixel is outside its cascade, and few pixels blend two cascades.
     let cascades = document["cascades"].as_array().unwrap();
     assert_eq!(cascades.len(), 6);
     for row in cascades {

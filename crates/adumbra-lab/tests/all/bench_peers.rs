@@ -6,7 +6,7 @@ use adumbra_testing::{Folder, lab, shared};
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_bench_peers_stands_beside_the_engines() {
+fn shared_bench_peers_lists_engines_and_own_rows() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let folder = Folder::new();
     let out = folder.path("out");
@@ -37,7 +37,7 @@ fn shared_bench_peers_stands_beside_the_engines() {
 }
 
 #[test]
-fn bench_peers_says_which_scene_is_missing() {
+fn bench_peers_names_missing_scene() {
     let folder = Folder::new();
     let (scenes, out) = (folder.path(""), folder.path("out"));
     let (code, error) = lab(&["bench", "peers", "--scenes", &scenes, "--truth", &scenes, "-o", &out]);

@@ -51,7 +51,7 @@ fn bench_tree_writes_tables_plots_and_pictures() {
 }
 
 #[test]
-fn bench_tree_refuses_an_earlier_report_that_is_none() {
+fn bench_tree_rejects_invalid_earlier_results() {
     let folder = Folder::new();
     for content in ["[]", "null", "{", ""] {
         let earlier = folder.write("tree.json", content.as_bytes());

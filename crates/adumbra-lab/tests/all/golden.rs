@@ -1,17 +1,17 @@
 //! Compares pictures with those stored in `golden/`, with a mean FLIP of at most [`TOLERANCE`].
 //!
-//! There is one picture per technique of a generated scene with a moving ball, and one per ambient occlusion variant of
-//! the scene.
+//! There is one picture per technique of a generated scene with a moving ball, and one per ambient occlusion
+//! variant of the scene.
 //!
-//! `ADUMBRA_BLESS=1` rewrites the stored pictures. Inspect them before committing. Adapters round differently, so
-//! pictures are compared perceptually, not by bytes.
+//! `ADUMBRA_BLESS=1` rewrites the stored pictures. Inspect them before committing. Adapters round
+//! differently, so pictures are compared perceptually, not by bytes.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use adumbra::{ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch};
+use adumbra_bake::{Bake, BakeOptions, Size, Watch};
 use adumbra_compare::metrics::flip;
 use adumbra_lab::TECHNIQUES;
 use adumbra_lab::occlusion::grey_picture;
@@ -23,7 +23,6 @@ use adumbra_render::occlusion::{OcclusionPasses, OcclusionSettings};
 use adumbra_render::voxel::LightFile;
 use adumbra_render::{Answer, Gpu, GpuOptions, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, Scene, generate};
-use adumbra_testing::bake_file;
 use adumbra_truth::picture::Picture;
 use image::{ExtendedColorType, ImageEncoder};
 
@@ -41,7 +40,8 @@ const VARIANTS: &[&str] = &[
     "voxel-cubes:filter=5:weights=poisson",
     "hrsm:test=paper",
 ];
-/// Techniques whose golden pictures were made with an earlier default filter width, each with the equivalent name.
+/// Techniques whose golden pictures were made with an earlier default filter width, each with the equivalent
+/// name.
 const DRAWN_AS: [(&str, &str); 3] =
     [("voxel", "voxel:filter=9"), ("voxel+csm", "voxel+csm:filter=9"), ("voxel-dag", "voxel-dag:filter=9")];
 /// Pairs of pictures that must differ, as otherwise the feature that distinguishes the first is not visible.
@@ -118,7 +118,7 @@ fn color(renderer: &Renderer) -> Picture {
 }
 
 #[test]
-fn every_occlusion_draws_its_golden_picture() {
+fn every_occlusion_variant_matches_golden_picture() {
     let gpu = Gpu::request(&GpuOptions::default()).unwrap_or_else(|e| panic!("{e}"));
     let scene = generate(GeneratedKind::Primitives, 1);
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();
@@ -159,7 +159,7 @@ fn every_occlusion_draws_its_golden_picture() {
 
 /// Draws with techniques that need no file of a paper, and compares them with their golden pictures.
 #[test]
-fn some_techniques_draw_their_golden_pictures() {
+fn techniques_without_paper_files_match_golden_pictures() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let light = light_of(&scene);
     let baked = TechniqueFiles { light: Some(LightFile::Whole(&light)), ..TechniqueFiles::default() };
@@ -176,10 +176,10 @@ fn towards_sun() -> Sun {
 }
 
 fn light_of(scene: &Scene) -> ShadowFile {
-    bake_file(scene, &BakeOptions::new(towards_sun(), Size::Resolution(1024))).unwrap()
+    Bake::with_options(scene, &BakeOptions::new(towards_sun(), Size::Resolution(1024))).in_memory().unwrap()
 }
 
-/// Returns a renderer of a scene above whose free middle a ball moves.
+/// Returns a renderer of a scene with a ball that moves above its free middle.
 fn renderer(scene: &Scene) -> Renderer {
     let mut moving = scene.clone();
     moving.add_ball(1.3, BALL_COLOR, &[(0.0, [-1.5, 2.2, 1.5]), (1.0, [-1.5, 3.2, 1.5])]).unwrap();
@@ -201,7 +201,7 @@ fn drawn(renderer: &mut Renderer, name: &str, baked: TechniqueFiles<'_>) -> Pict
 
 #[test]
 #[ignore = "slow: draws with every technique"]
-fn every_technique_draws_its_golden_picture() {
+fn every_technique_matches_golden_picture() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let (sun, light) = (towards_sun(), light_of(&scene));
     let options = BakeOptions::new(sun, Size::Resolution(1024));

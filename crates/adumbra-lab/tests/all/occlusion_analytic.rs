@@ -1,7 +1,8 @@
-//! Ambient occlusion compared with exact integrals: a plane, the inside corner of two planes, a sphere on a plane.
+//! Ambient occlusion compared with exact integrals: a plane, the inside corner of two planes, a sphere on a
+//! plane.
 //!
-//! Visibility is cosine-weighted, within a radius R. Seen from above the surface, cosine-weighted directions fill the
-//! unit disc evenly, so visibility is the share of the disc whose rays hit nothing within R.
+//! Visibility is cosine-weighted, within a radius R. Seen from above the surface, cosine-weighted directions
+//! fill the unit disc evenly, so visibility is the share of the disc whose rays hit nothing within R.
 
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -74,7 +75,8 @@ fn inside(i: usize) -> bool {
 
 /// Compares truth and every estimator with `integral`.
 ///
-/// `integral` returns the visibility of a point with its normal, or `None` if the point is not to be compared.
+/// `integral` returns the visibility of a point with its normal, or `None` if the point is not to be
+/// compared.
 fn check(
     name: &str,
     scene: &Scene,
@@ -118,7 +120,7 @@ fn check(
 }
 
 #[test]
-fn occlusion_of_an_infinite_plane_is_none() {
+fn occlusion_of_infinite_plane_is_zero() {
     let scene = scene_of(vec![ground(4000.0)]);
     for (name, eye) in [("steep", [0.0, 10.0, 6.0]), ("grazing", [0.0, 0.6, 14.0]), ("low", [0.0, 0.15, 8.0])]
     {
@@ -141,15 +143,16 @@ fn occlusion_of_an_infinite_plane_is_none() {
 
 /// Returns the share of the disc that a wall occludes.
 ///
-/// A ray hits a plane that is `distance` away after distance / (the direction's component towards it). That is within R
-/// if the component is at least distance / R. The directions that hit are therefore the disc's segment beyond a chord.
+/// A ray hits a plane that is `distance` away after distance / (the direction's component towards it). That
+/// is within R if the component is at least distance / R. The directions that hit are therefore the disc's
+/// segment beyond a chord.
 fn wall(distance: f64, radius: f64) -> f64 {
     let chord = (distance / radius).min(1.0);
     (chord.acos() - chord * (1.0 - chord * chord).sqrt()) / PI
 }
 
 #[test]
-fn occlusion_of_an_inside_corner_is_its_integral() {
+fn occlusion_in_inside_corner_matches_integral() {
     let mut corner = ground(200.0);
     add_quad(&mut corner, [[-100.0, 0.0, 0.0], [100.0, 0.0, 0.0], [100.0, 100.0, 0.0], [-100.0, 100.0, 0.0]]);
     let radius = 1.0;
@@ -182,7 +185,7 @@ fn beside_sphere(distance: f64, a: f64, radius: f64) -> f64 {
 }
 
 #[test]
-fn occlusion_beside_a_sphere_is_its_integral() {
+fn occlusion_beside_sphere_matches_integral() {
     let (a, radius) = (1.0, 1.0);
     let mut mesh = ground(200.0);
     add_sphere(&mut mesh, [0.0, a, 0.0], a, 96);
@@ -202,7 +205,7 @@ fn occlusion_beside_a_sphere_is_its_integral() {
 }
 
 #[test]
-fn occlusion_in_the_cornell_box_gains_by_the_filter() {
+fn filter_reduces_error_and_flicker_in_cornell_box() {
     let view = scene_named("cornell").unwrap().open(Path::new("")).unwrap();
     let (truth, key, cache) =
         (TruthTracer::build(&view.scene, false), scene_key(&view.scene, false), Cache::none());

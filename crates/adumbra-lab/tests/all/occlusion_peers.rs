@@ -10,7 +10,7 @@ use adumbra_testing::{scene_file, shared};
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_issao_is_ahead_of_every_engine_on_the_truth_cameras() {
+fn shared_issao_has_lower_error_than_every_engine() {
     let (Some(truth), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let mut behind = Vec::new();
     for (i, name) in SCENES.into_iter().enumerate() {

@@ -23,7 +23,7 @@ fn scenes() -> Vec<TuneScene> {
 }
 
 #[test]
-fn tuner_repeats_itself_and_finds_less_error_within_the_ranges() {
+fn tuner_is_deterministic_and_reduces_error_within_ranges() {
     let scenes = scenes();
     let run = |options: &TuneOptions| {
         tune(&scenes, options, &[OcclusionSettings::new(Estimator::Issao, 1.0)], |_| ()).unwrap()
@@ -58,7 +58,7 @@ fn tuner_repeats_itself_and_finds_less_error_within_the_ranges() {
 }
 
 #[test]
-fn tuned_defaults_are_those_of_all_scenes() {
+fn estimator_defaults_match_record_tuned_on_all_scenes() {
     let record = Record::embedded();
     for estimator in Estimator::ALL {
         // A record with other parameters belongs to an older version of the estimator.

@@ -1,4 +1,4 @@
-//! `report`: the page as a browser shows it, and what is kept and reported when something fails.
+//! `report`: the page as a browser shows it, and the results kept and errors reported after failures.
 
 use std::fs;
 use std::process::{Child, Command, Output, Stdio};
@@ -44,7 +44,7 @@ fn earlier(folder: &Folder, sections: &[(&str, &str)]) {
 }
 
 #[test]
-fn report_refuses_what_it_cannot_measure() {
+fn report_rejects_arguments_it_cannot_measure() {
     let folder = Folder::new();
     let out = folder.path("r");
     for (options, word) in [
@@ -68,7 +68,7 @@ fn report_refuses_what_it_cannot_measure() {
 
 #[test]
 #[ignore = "slow: a report"]
-fn report_keeps_what_was_measured_and_says_what_failed() {
+fn report_keeps_measured_sections_and_lists_failures() {
     let folder = Folder::new();
     let out = folder.path("r");
     let (code, error) = lab(&["report", "-o", &out, "--only", "verify"]);
@@ -96,7 +96,7 @@ fn report_keeps_what_was_measured_and_says_what_failed() {
 }
 
 #[test]
-fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record() {
+fn report_marks_figures_of_other_runs_and_hides_unrecorded() {
     let folder = Folder::new();
     let out = folder.path("r");
     earlier(&folder, &[("verify", "measured"), ("blur", "interrupted")]);
@@ -125,12 +125,13 @@ fn report_says_which_figures_are_of_another_run_and_shows_none_without_a_record(
 }
 
 #[test]
-fn report_says_that_its_page_is_too_large() {
+fn report_fails_if_its_page_is_too_large() {
     let folder = Folder::new();
     earlier(&folder, &[("bake", "measured")]);
     let text = format!("# Bakes\n\n{}\n", "many words ".repeat(MAX_BYTES as usize / 11));
     folder.write("r/data/bake/bake.md", text.as_bytes());
-    // Without a driver the section fails at once. That alone is an exit code of 1 too, see the tests of the report's code.
+    // Without a driver the section fails at once. That alone also causes exit code 1; the unit tests of
+    // `code` cover the page size alone.
     let run = without_driver(&["report", "-o", &folder.path("r"), "--only", "blur"]);
     let error = adumbra_testing::stderr(&run);
     assert_eq!(run.status.code(), Some(1), "{error}");
@@ -148,7 +149,7 @@ fn report_names_the_revision_of_its_sources() {
         let output = output.ok().filter(|o| o.status.success());
         output.map_or_else(String::new, |o| String::from_utf8_lossy(&o.stdout).trim().to_owned())
     };
-    // Sources without a repository of their own have no revision.
+    // Sources outside their own repository have no revision.
     let own = !git(&["ls-files", "crates/adumbra-lab/build.rs"]).is_empty()
         && git(&["rev-parse", "--show-prefix"]).is_empty();
     let head = if own { git(&["rev-parse", "--short=12", "HEAD"]) } else { String::new() };
@@ -178,13 +179,13 @@ fn start_report(out: &str, options: &[&str]) -> Child {
 #[cfg(unix)]
 #[test]
 #[ignore = "slow: a report"]
-fn report_leaves_what_there_is_when_interrupted() {
+fn interrupted_report_keeps_finished_sections() {
     let folder = Folder::new();
     let mut child = start_report(&folder.path("r"), &["--only", "verify,tree"]);
     while !folder.exists("r/data/tree") {
         std::thread::sleep(Duration::from_millis(20));
     }
-    // The signal goes to this process alone. Its command must end with it.
+    // The signal goes to this process alone. The command that it runs must end too.
     signal("INT", child.id());
     assert_eq!(child.wait().unwrap().code(), Some(130));
     let record = record(&folder);
@@ -232,11 +233,11 @@ fn running(folder: &str) -> Vec<(u32, String)> {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn report_interrupted_ends_what_its_command_started() {
+fn interrupted_report_ends_processes_of_its_command() {
     let folder = Folder::new();
     let out = folder.path("r");
     let mut child = start_report(&out, &["--only", "bake"]);
-    // A bake that is stopped does not end when asked to.
+    // Stop the bake, so that it cannot react to a request to end.
     loop {
         std::thread::sleep(Duration::from_millis(5));
         let processes = if folder.exists("r") { running(&out) } else { Vec::new() };
@@ -250,7 +251,7 @@ fn report_interrupted_ends_what_its_command_started() {
     signal("TERM", child.id());
     let status = child.wait().unwrap();
     let left = running(&out);
-    // Killed before any assertion, as a failure would leave them behind.
+    // Kill the processes before any assertion, because a failure would leave them running.
     left.iter().map(|(process, _)| *process).for_each(|process| signal("KILL", process));
     assert_eq!(status.code(), Some(130));
     assert_eq!(left, []);
@@ -259,7 +260,7 @@ fn report_interrupted_ends_what_its_command_started() {
 
 #[test]
 #[ignore = "slow: a report in a browser"]
-fn report_browser_sees_a_page_that_stands_alone() {
+fn report_page_works_in_browser_without_other_files() {
     let Some(mut browser) = Browser::start() else { return };
     let folder = Folder::new();
     let out = folder.path("r");

@@ -1,4 +1,4 @@
-//! `report` preserves files that are not its own.
+//! `report` preserves files that it did not write.
 
 use std::fs;
 
@@ -18,7 +18,7 @@ fn report_keeps_scenes_that_it_did_not_make() {
         }
         fs::remove_file(&mine).unwrap();
     }
-    // A section's data are cleared before it is measured again, so scenes in there are refused.
+    // A section's data folder is cleared before a new measurement, so scenes in that folder are refused.
     let measured = folder.path("r/data/blur");
     fs::create_dir_all(&measured).unwrap();
     let (code, error) = lab(&["report", "-o", &out, "--only", "blur", "--scenes", &measured]);
@@ -27,7 +27,7 @@ fn report_keeps_scenes_that_it_did_not_make() {
 
 #[cfg(unix)]
 #[test]
-fn report_outputs_are_not_one_file() {
+fn report_rejects_outputs_that_are_one_file() {
     let folder = Folder::new();
     let mine = folder.write("report.html", b"earlier");
     std::os::unix::fs::symlink("report.html", folder.path("report.json")).unwrap();

@@ -52,7 +52,7 @@ fn tree_verbs_work_together() {
 }
 
 #[test]
-fn tree_is_the_same_file_however_it_is_built() {
+fn tree_file_does_not_depend_on_builder_or_reduction() {
     let folder = Folder::new();
     let scene = folder.generate("landscape");
     let first = folder.path("first.adumtree");
@@ -72,7 +72,7 @@ fn tree_is_the_same_file_however_it_is_built() {
 }
 
 #[test]
-fn tree_options_report_what_they_did() {
+fn tree_options_report_their_effect() {
     let folder = Folder::new();
     let scene = folder.generate("landscape");
     let plain = folder.path("plain.adumtree");
@@ -125,7 +125,7 @@ fn tree_options_report_what_they_did() {
     let (code, error) = query(&plain);
     assert_eq!(code, 3);
     assert!(error.contains("--attribute penumbra"), "{error}");
-    // One path for both results: neither is written, whether or not the file exists.
+    // If both results have the same path, neither is written, whether or not the file exists.
     let new = folder.path("one.f32");
     for path in [&new, &widths] {
         let earlier = fs::read(path).ok();
@@ -137,10 +137,10 @@ fn tree_options_report_what_they_did() {
     }
 }
 
-/// A thin board 10 m above a floor under a sun overhead, so that the penumbra of its outline is 10 m · 0.0093 wide. Its
-/// edge is off the planes of the cube, so that the border crosses single voxels.
+/// A thin board 10 m above a floor under a sun overhead, so that the penumbra of its outline is 10 m · 0.0093
+/// wide. Its edge is off the planes of the cube, so that the border crosses single voxels.
 #[test]
-fn tree_penumbra_is_as_wide_as_the_sun_makes_it() {
+fn tree_penumbra_width_matches_sun_size() {
     let folder = Folder::new();
     let obj = "v -8 0 -8\nv 8 0 -8\nv 8 0 8\nv -8 0 8\nv -2 10 -2\nv 1.99 10 -2\nv 1.99 10 2\nv -2 10 2\n\
         f 1 4 3\nf 1 3 2\nf 5 8 7\nf 5 7 6\n";
@@ -188,7 +188,7 @@ fn tree_regions_are_baked_and_shown() {
 }
 
 #[test]
-fn tree_texture_gives_the_same_file_back() {
+fn tree_texture_round_trip_restores_file() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let (file, page, back) = (folder.path("t.adumtree"), folder.path("t.png"), folder.path("b.adumtree"));
@@ -206,7 +206,7 @@ fn tree_texture_gives_the_same_file_back() {
 }
 
 #[test]
-fn tree_faults_have_their_exit_codes() {
+fn tree_errors_have_expected_exit_codes() {
     let folder = Folder::new();
     let scene = folder.generate("primitives");
     let output = folder.write("tree.adumtree", b"earlier");
@@ -234,7 +234,7 @@ fn tree_faults_have_their_exit_codes() {
     refused(&["--sun", "0,-1,0"], 2, "above the horizon");
     refused(&["--sun", "0,0,0"], 2, "direction");
     refused(&["--bounds", "nan,0,0,1,1,1"], 2, "six finite numbers");
-    // What only a light-aligned file has.
+    // Options that apply to light-aligned files only.
     for option in ["--thickness=0.1", "--receivers=static", "--assume-ground=no", "--dry-run", "--yaw=10"] {
         refused(&[option], 2, "unexpected argument");
     }
@@ -260,7 +260,7 @@ fn tree_faults_have_their_exit_codes() {
 }
 
 #[test]
-fn every_verb_shows_an_example() {
+fn every_tree_verb_shows_an_example() {
     for verb in ["bake", "info", "verify", "query", "export", "import"] {
         let output = Command::new(lab_program()).args(["tree", verb, "--help"]).output().unwrap();
         assert_eq!(output.status.code(), Some(0));

@@ -1,4 +1,5 @@
-//! No verb of `tree` replaces a file that it reads, and one that fails leaves every earlier file.
+//! No verb of `tree` replaces a file that it reads, and a verb that fails leaves every earlier file
+//! unchanged.
 
 use std::fs;
 use std::process::Command;
@@ -63,7 +64,7 @@ fn is_kept(path: &str, code: i32, command: &[&str]) {
 }
 
 #[test]
-fn tree_bake_keeps_its_scene() {
+fn tree_bake_does_not_overwrite_its_scene() {
     let BakedBoard { folder, scene, .. } = baked();
     for name in names(&folder, "board.obj") {
         is_kept(&scene, 3, &["tree", "bake", &scene, "-o", &name]);
@@ -71,7 +72,7 @@ fn tree_bake_keeps_its_scene() {
 }
 
 #[test]
-fn tree_query_keeps_its_file_points_and_normals() {
+fn tree_query_does_not_overwrite_its_inputs() {
     let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0, 0.0, 0.0]);
     let normals = folder.write_f32("n.f32", &[0.0, 1.0, 0.0]);
@@ -86,7 +87,7 @@ fn tree_query_keeps_its_file_points_and_normals() {
 }
 
 #[test]
-fn tree_export_and_import_keep_what_they_read() {
+fn tree_export_and_import_do_not_overwrite_inputs() {
     let BakedBoard { folder, file, .. } = baked();
     // Page 1 of an export to page 0 would replace the tree file.
     let second = folder.path("page.1.png");
@@ -106,7 +107,7 @@ fn tree_export_and_import_keep_what_they_read() {
 
 #[cfg(unix)]
 #[test]
-fn two_pages_are_not_one_file() {
+fn tree_export_rejects_pages_that_are_one_file() {
     let folder = Folder::new();
     let city = city(&folder);
     let (first, second) = (folder.path("p.png"), folder.path("p.1.png"));
@@ -120,7 +121,7 @@ fn two_pages_are_not_one_file() {
 }
 
 #[test]
-fn a_failed_tree_query_leaves_the_earlier_widths() {
+fn failed_tree_query_keeps_earlier_widths() {
     let BakedBoard { folder, file, .. } = baked();
     let points = folder.write_f32("p.f32", &[0.0; 3]);
     let widths = folder.write("w.f32", b"earlier");
@@ -134,7 +135,7 @@ fn a_failed_tree_query_leaves_the_earlier_widths() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_failed_tree_export_leaves_every_earlier_page() {
+fn failed_tree_export_keeps_earlier_pages() {
     let folder = Folder::new();
     let (city, page) = (city(&folder), folder.path("page.png"));
     let export = |side| ["tree", "export", &city, "--texture", &page, "--max-side", side];
@@ -142,8 +143,8 @@ fn a_failed_tree_export_leaves_every_earlier_page() {
     assert_eq!((code, folder.exists("page.1.png")), (0, true), "{error}");
     let pages = ["page.png", "page.1.png"].map(|name| folder.path(name));
     let before = pages.each_ref().map(|page| fs::read(page).unwrap());
-    // A limit on file sizes has the effect of a full disk. A page with sides of 128 pixels is smaller than the limit,
-    // one with sides of 256 is not.
+    // A limit on file sizes has the effect of a full disk. A page with sides of 128 pixels is smaller than
+    // the limit, a page with sides of 256 pixels is larger.
     let limit = before.iter().map(Vec::len).max().unwrap().div_ceil(512);
     let limited = format!("ulimit -f {limit}; exec \"$@\"");
     let mut shell = Command::new("sh");
@@ -156,7 +157,7 @@ fn a_failed_tree_export_leaves_every_earlier_page() {
 }
 
 #[test]
-fn bounds_of_a_tree_that_hold_nothing_are_said() {
+fn tree_bake_warns_about_empty_bounds() {
     let BakedBoard { folder, scene, .. } = baked();
     let output = folder.path("b.adumtree");
     for (bounds, empty) in [("100,0,100,110,5,110", true), ("-1,-1,-1,1,1,1", false)] {

@@ -1,5 +1,5 @@
-//! `--max-memory` limits the whole of `tree bake` and `tree verify`. A run that succeeds keeps to its limit, and one that
-//! cannot is refused with what it needs.
+//! `--max-memory` limits the whole of `tree bake` and `tree verify`. A run that succeeds stays within its
+//! limit. A run that cannot is refused, and the message states the memory that it needs.
 
 #![cfg(target_os = "linux")]
 
@@ -15,7 +15,7 @@ fn assert_tree_keeps_to_limits(folder: &Folder, scene: &str, resolution: &str) {
 
 #[test]
 #[ignore = "slow: bakes again and again"]
-fn memory_of_trees_keeps_to_every_limit() {
+fn tree_memory_stays_within_every_limit() {
     let folder = Folder::new();
     for kind in ["city", "landscape", "primitives", "sphere-grid", "wires"] {
         assert_tree_keeps_to_limits(&folder, &folder.generate(kind), "128");
@@ -24,7 +24,7 @@ fn memory_of_trees_keeps_to_every_limit() {
 
 #[test]
 #[ignore = "slow: bakes again and again"]
-fn memory_of_trees_of_real_scenes_keeps_to_every_limit() {
+fn tree_memory_on_real_scenes_stays_within_every_limit() {
     let Some(scenes) = shared("scenes") else { return };
     let folder = Folder::new();
     for name in ["box-city-51k", "kaykit_city_21", "dragon_202k", "auster", "oak_medium"] {

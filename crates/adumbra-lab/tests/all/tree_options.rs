@@ -7,7 +7,7 @@ use adumbra_testing::{Folder, lab, lab_json, lab_program, stderr};
 use serde_json::json;
 
 #[test]
-fn threads_memory_and_json_go_with_every_verb_of_tree() {
+fn every_tree_verb_accepts_threads_memory_and_json() {
     let folder = Folder::new();
     let (scene, file, picture) = (folder.generate("city"), folder.path("a.adumtree"), folder.path("a.png"));
     let (texture, back) = (folder.path("t.png"), folder.path("b.adumtree"));
@@ -35,7 +35,7 @@ fn threads_memory_and_json_go_with_every_verb_of_tree() {
 }
 
 #[test]
-fn render_bakes_a_tree_on_the_way() {
+fn render_bakes_tree_on_demand() {
     let folder = Folder::new();
     let (scene, file) = (folder.generate("primitives"), folder.path("a.adumtree"));
     let draw = |more: &[&str], name: &str| {
@@ -61,7 +61,7 @@ fn render_bakes_a_tree_on_the_way() {
 }
 
 #[test]
-fn render_shows_the_size_of_the_voxels_of_a_tree() {
+fn render_shows_voxel_size_of_tree() {
     let folder = Folder::new();
     let (scene, file) = (folder.generate("primitives"), folder.path("a.adumtree"));
     let baked = lab_json(&["tree", "bake", &scene, "--resolution", "256", "-o", &file, "--json"]);
@@ -100,7 +100,7 @@ const LIT: &str = r#"{
 }"#;
 
 #[test]
-fn sun_of_a_tree_is_the_scene_s_light_unless_it_is_given() {
+fn tree_sun_defaults_to_light_of_scene() {
     let folder = Folder::new();
     folder.write_f32("triangle.bin", &[0.0, 0.0, 0.0, 0.0, 0.0, 8.0, 8.0, 0.0, 0.0]);
     let scene = folder.write("lit.gltf", LIT.as_bytes());

@@ -1,4 +1,5 @@
-//! `tree export` and `tree import`: the same file comes back, and pictures that were changed in between are refused.
+//! `tree export` and `tree import`: the same file comes back, and pictures that were changed in between are
+//! refused.
 
 use std::fs;
 use std::path::Path;
@@ -46,7 +47,7 @@ fn export_and_import_give_the_same_bytes() {
 }
 
 #[test]
-fn export_of_several_pages_comes_back() {
+fn export_of_several_pages_round_trips() {
     let folder = Folder::new();
     let file = bake(&folder);
     let page = folder.path("city.png");
@@ -67,7 +68,7 @@ fn export_of_several_pages_comes_back() {
 }
 
 #[test]
-fn import_refuses_changed_pictures_and_leaves_the_output_alone() {
+fn import_rejects_changed_pictures_and_keeps_output() {
     let folder = Folder::new();
     let page = export(&folder, &bake(&folder));
     let output = folder.write("kept.adumtree", b"kept");
@@ -119,7 +120,7 @@ fn write_palette(path: &str, width: u32, height: u32) {
 }
 
 #[test]
-fn export_faults_have_their_exit_codes() {
+fn export_errors_have_expected_exit_codes() {
     let folder = Folder::new();
     let file = bake(&folder);
     let page = export(&folder, &file);

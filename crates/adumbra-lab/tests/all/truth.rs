@@ -90,7 +90,7 @@ fn above(width: u32, height: u32) -> Camera {
 }
 
 #[test]
-fn truth_of_a_box_is_its_analytic_shadow() {
+fn truth_of_box_matches_analytic_shadow() {
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
     let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
@@ -113,10 +113,11 @@ fn truth_of_a_box_is_its_analytic_shadow() {
 }
 
 #[test]
-fn ambient_of_a_wall_is_its_integral() {
+fn ambient_beside_wall_matches_integral() {
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
-    // Points next to the middle of a side of the box, with a radius that reaches neither its top nor its corners.
+    // Points next to the middle of a side of the box, with a radius that reaches neither its top nor its
+    // corners.
     let at = |x: f64| ([x, 0.0, 0.0], [0.0, 1.0, 0.0_f32]);
     let places = [at(1.25), at(1.5), at(5.0)];
     let surfaces = Surfaces {
@@ -129,9 +130,9 @@ fn ambient_of_a_wall_is_its_integral() {
     };
     let radius = 0.75;
     let ambient = truth.ambient(&surfaces, radius, 4096);
-    // A ray hits a plane at distance `d` within the radius if its direction's component towards the plane is at least
-    // d / radius. Seen from above, cosine-weighted directions fill the unit disc evenly, so the rays that hit are the
-    // segment beyond that chord.
+    // A ray hits a plane at distance `d` within the radius if its direction's component towards the plane is
+    // at least d / radius. Seen from above, cosine-weighted directions fill the unit disc evenly, so the rays
+    // that hit are the segment beyond that chord.
     let wall = |d: f64| {
         let chord: f64 = d / radius;
         (chord.acos() - chord * (1.0 - chord * chord).sqrt()) / std::f64::consts::PI
@@ -169,7 +170,7 @@ fn ambient_error_is_below_its_bound_and_falls_with_the_rays() {
 }
 
 #[test]
-fn ambient_is_kept_under_its_radius_and_rays() {
+fn ambient_cache_key_includes_radius_and_rays() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
@@ -190,7 +191,7 @@ fn ambient_is_kept_under_its_radius_and_rays() {
 }
 
 #[test]
-fn edges_of_a_box_shadow_are_where_they_must_be() {
+fn edge_probe_finds_distance_to_edges_of_box_shadow() {
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
     let sun = Sun::from_direction([1.0, 1.0, 0.0]).unwrap();
@@ -217,7 +218,7 @@ fn edges_of_a_box_shadow_are_where_they_must_be() {
 }
 
 #[test]
-fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
+fn cache_returns_traced_results_and_retraces_damaged_entries() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
@@ -276,7 +277,7 @@ fn cache_gives_back_what_was_traced_and_traces_anew_what_is_damaged() {
 }
 
 #[test]
-fn cache_stays_within_its_limit_and_drops_what_was_used_longest_ago() {
+fn cache_stays_within_limit_and_evicts_least_recently_used() {
     let folder = tempfile::tempdir().unwrap();
     let entries = folder.path().join("cache");
     let scene = plane_and_box();
@@ -301,7 +302,7 @@ fn cache_stays_within_its_limit_and_drops_what_was_used_longest_ago() {
     std::fs::write(&other, "not an entry").unwrap();
     let limit = sizes().into_iter().max().unwrap() * 3;
     let cache = Cache::in_folder(entries.clone(), limit);
-    // The first is used again, so the second becomes the least recently used.
+    // The first entry is used again, so the second entry becomes the least recently used.
     cache.surfaces(&truth, &key, &cameras[0]);
     cache.surfaces(&truth, &key, &cameras[3]);
     let kept = cameras.map(|camera| {
@@ -317,7 +318,7 @@ fn cache_stays_within_its_limit_and_drops_what_was_used_longest_ago() {
 }
 
 #[test]
-fn cache_without_a_place_still_answers() {
+fn cache_without_folder_still_traces() {
     let folder = tempfile::tempdir().unwrap();
     let scene = plane_and_box();
     let truth = TruthTracer::build(&scene, false);
@@ -361,14 +362,14 @@ fn check_street(name: &str, scene: &Scene, sun: Sun) {
 }
 
 #[test]
-fn street_camera_stands_in_a_generated_city() {
+fn street_camera_is_at_street_level_in_generated_scenes() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     check_street("city", &generate(GeneratedKind::City, 1), sun);
     check_street("landscape", &generate(GeneratedKind::Landscape, 1), sun);
 }
 
 #[test]
-fn street_camera_is_refused_where_there_is_no_street() {
+fn street_camera_fails_without_street() {
     let mut scene = plane_and_box();
     scene.meshes[0].positions.iter_mut().flatten().for_each(|c| *c *= 0.01);
     let truth = TruthTracer::build(&scene, false);
@@ -379,7 +380,7 @@ fn street_camera_is_refused_where_there_is_no_street() {
 
 #[test]
 #[ignore = "slow: two real scenes; four with ADUMBRA_FULL"]
-fn shared_street_camera_stands_in_the_scenes_of_the_tables() {
+fn shared_street_camera_is_at_street_level_in_table_scenes() {
     let Some(scenes) = shared("scenes") else { return };
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let all = ["kaykit_city_21", "auster", "zdm2", "alpine-2"];

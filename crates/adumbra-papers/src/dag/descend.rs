@@ -1,5 +1,4 @@
-//! Traversals of a graph, whatever its layout. Of successive ones, the part of the path that two neighbouring look-ups
-//! share is walked once.
+//! Traversals of a graph in any layout. Successive look-ups walk the path that they share only once.
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 
@@ -30,15 +29,15 @@ pub(super) trait Descend: Sync {
     /// Returns the leaf mask z = `k` of a node of level 3.
     fn leaf_mask_of_cube(&self, node: u32, k: u32) -> u64;
 
-    /// Writes leaf mask z = `k` of a node of level 3, and those that are known with it. Returns which were written, as
-    /// bits.
+    /// Writes leaf mask z = `k` of a node of level 3, and all leaf masks that are known at no further cost.
+    /// Returns a bit mask of those written.
     fn fill_of_cube(&self, node: u32, k: u32, leaf_masks: &mut [u64; 8]) -> u8 {
         leaf_masks[k as usize] = self.leaf_mask_of_cube(node, k);
         1 << k
     }
 
-    /// Returns the node of level 3 that contains a voxel, or the state of the larger cube if that is all lit or all
-    /// shadowed. Starts at the lowest node that the trail shares with the voxel.
+    /// Returns the node of level 3 that contains a voxel, or the state of the larger cube if that is all lit
+    /// or all shadowed. Starts at the lowest node that the trail shares with the voxel.
     fn follow(&self, trail: &mut Trail, i: u32, j: u32, k: u32) -> Descent {
         let apart = (i ^ trail.voxel[0]) | (j ^ trail.voxel[1]) | (k ^ trail.voxel[2]);
         // The lowest level at which one cube contains both voxels.

@@ -34,7 +34,8 @@ pub enum Error {
 }
 
 impl From<adumbra::Error> for Error {
-    /// Maps the faults of a file to [`Error::Io`] and [`Error::Format`], whichever part of the reader found them.
+    /// Maps the faults of a file to [`Error::Io`] and [`Error::Format`], whichever part of the reader found
+    /// them.
     fn from(error: adumbra::Error) -> Self {
         match error {
             adumbra::Error::Io(error) => Self::Io(error),

@@ -24,7 +24,7 @@ pub struct DagFile {
 }
 
 impl DagFile {
-    /// Whether the file at `path` begins as a graph file does.
+    /// Whether the file at `path` begins with the magic of graph files.
     ///
     /// # Errors
     /// Returns [`Error::Io`] if it cannot be read.
@@ -40,8 +40,8 @@ impl DagFile {
     /// Reads and validates the file at `path`, header first.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if the file is not
-    /// valid.
+    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if the
+    /// file is not valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes = read_file(path, DAG_HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes()))?;
@@ -94,8 +94,8 @@ impl DagFile {
     /// Writes the bytes of the file to `out` and returns their number.
     ///
     /// # Errors
-    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`DagFileError`] if the contents are not
-    /// valid.
+    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`DagFileError`] if the contents
+    /// are not valid.
     pub fn write_to(&self, out: &mut impl Write) -> io::Result<u64> {
         let header = self.header().map_err(|e| io::Error::new(ErrorKind::InvalidData, e))?;
         out.write_all(&header.encode())?;

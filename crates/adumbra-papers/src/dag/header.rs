@@ -1,5 +1,5 @@
-//! The 384 bytes before the sections. They are those of a shadow file, but for the magic and the layout. The fields are read and written here
-//! in file order.
+//! The 384 bytes before the sections. Only the magic and the layout differ from the header of a shadow file.
+//! The fields are read and written here in file order.
 
 use adumbra::file::fields::{Encoder, Kind, field, identify, sun};
 use adumbra::file::placement::{check_grid, check_settings, flags, frame, frame_fields, with_flags};
@@ -118,7 +118,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Checks every value. The writer calls it too, so that nothing is written that cannot be read.
+    /// Checks every value. The writer calls it too, so that it never writes an unreadable file.
     pub(super) fn check(&self) -> Result<(), FormatError> {
         check_settings(&self.settings)?;
         check_grid(&self.grid)?;

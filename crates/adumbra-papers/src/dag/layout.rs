@@ -34,8 +34,8 @@ impl DagLayout {
         [Self::Plain, Self::Packed].into_iter().find(|layout| layout.number() == number)
     }
 
-    /// Returns the size of an element of each section and the largest size of the section, in bytes. The length of the
-    /// top grid is checked elsewhere.
+    /// Returns the size of an element of each section and the largest size of the section, in bytes. The
+    /// length of the top grid is checked elsewhere.
     pub(super) fn elements(self) -> [(u64, u64); 3] {
         let top = (4, u64::MAX);
         match self {

@@ -1,8 +1,8 @@
-//! The graphs of the 2014 paper: voxels of a light-aligned grid as a directed acyclic graph, in which equal parts are
-//! stored once.
+//! The graphs of the 2014 paper: voxels of a light-aligned grid as a directed acyclic graph, in which equal
+//! parts are stored once.
 //!
-//! Source: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014. The product stores the
-//! depths at which columns switch instead, which takes fewer bytes and fewer words per look-up.
+//! Source: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014. The product
+//! stores the depths at which columns switch instead, which takes fewer bytes and fewer words per look-up.
 //!
 //! | module | contents |
 //! |---|---|

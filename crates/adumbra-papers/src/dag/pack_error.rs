@@ -11,7 +11,7 @@ pub enum PackError {
     /// The graph itself is not valid.
     #[error("the graph is not valid: {0}")]
     Graph(#[from] GraphError),
-    /// Something lit is behind something shadowed.
+    /// A lit voxel is behind a shadowed voxel.
     #[error(
         "{place}, of level {level}, has a column that is lit behind a shadowed voxel, which only the plain layout can \
          store; use the plain layout"

@@ -1,4 +1,5 @@
-//! Look-ups in a graph on the CPU: as of a file's [`Sampler`](adumbra::Sampler), voxel by voxel.
+//! Look-ups in a graph on the CPU, voxel by voxel: the counterpart of a shadow file's
+//! [`Sampler`](adumbra::Sampler).
 
 use adumbra::query::{FixedReceiver, Receiver, receiver};
 use adumbra::{Bias, Filter, LightGrid, PointVisibility};
@@ -37,7 +38,8 @@ impl<'d> DagQuery<'d> {
         self.lit_taps(&FixedReceiver::new(r, self.leaf_masks.size())) as f32 / (width * width) as f32
     }
 
-    /// Returns how many of the filter's taps are lit, for a receiver in fixed point. A shader returns the same count.
+    /// Returns how many of the filter's taps are lit, for a receiver in fixed point. A shader returns the
+    /// same count.
     pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
         if self.filter == Filter::Nearest {
             return u32::from(self.voxel(r).is_none_or(|[i, j, k]| self.leaf_masks.voxel(i, j, k)));

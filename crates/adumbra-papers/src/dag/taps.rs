@@ -1,7 +1,8 @@
-//! The taps of a filter, one block of 8 × 8 texels at a time. Leaf masks are fetched by cubes of eight layers.
+//! The taps of a filter, one block of 8 × 8 texels at a time. Leaf masks are fetched by cubes of eight
+//! layers.
 //!
-//! A tap is answered by the voxel in its texel that the receiver's plane crosses there. The grid's x axis is horizontal,
-//! so on level ground a row of taps is in one layer and is counted at once.
+//! A tap is answered by the voxel in its texel that the receiver's plane crosses there. The grid's x axis is
+//! horizontal, so on level ground a row of taps is in one layer and is counted at once.
 
 use crate::dag::LeafMasks;
 use crate::dag::trail::Trail;
@@ -21,8 +22,8 @@ impl Plane {
     }
 }
 
-/// Cache of the most recently used cubes of 8 × 8 × 8 voxels. The slot is the cube's index along z modulo 8. With 32
-/// `PLACES` it also depends on the parity of the block.
+/// Cache of the most recently used cubes of 8 × 8 × 8 voxels. The slot is the cube's index along z modulo 8.
+/// With 32 `PLACES` it also depends on the parity of the block.
 pub(super) struct Cubes<'d, const PLACES: usize> {
     leaf_masks: &'d dyn LeafMasks,
     trail: Trail,
@@ -46,8 +47,8 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
         Self { leaf_masks, trail: Trail::new(), kept: [nowhere; PLACES] }
     }
 
-    /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and
-    /// points before it are lit. Behind its last layer, the last layer is sampled.
+    /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the
+    /// grid and points before it are lit. Behind its last layer, the last layer is sampled.
     pub(super) fn lit_taps(&mut self, filter: u32, r: &FixedReceiver) -> u32 {
         let [nx, ny, nz] = self.leaf_masks.size().map(i64::from);
         let reach = i64::from(filter / 2);
@@ -74,7 +75,8 @@ impl<'d, const PLACES: usize> Cubes<'d, PLACES> {
         lit
     }
 
-    /// Returns the number of lit taps among texels of one block, all inside the grid. The ranges are inclusive.
+    /// Returns the number of lit taps among texels of one block, all inside the grid. The ranges are
+    /// inclusive.
     fn block(&mut self, plane: &Plane, x: [i64; 2], y: [i64; 2], last_layer: i64) -> u32 {
         let [step_x, step_y] = plane.steps;
         let span = step_x * (x[1] - x[0]);

@@ -24,12 +24,13 @@ pub struct Cubes {
 }
 
 impl Cubes {
-    /// Uploads a file's tree. A symmetric tree is expanded to plain words first. Cost: the bytes of the words.
+    /// Uploads a file's tree. A symmetric tree is expanded to plain words first. Cost: the bytes of the
+    /// words.
     ///
     /// # Errors
     /// Returns [`RenderError::VoxelLimit`] if there are more than [`MAX_PLAN_REGIONS`] regions,
-    /// [`RenderError::TooLarge`] or [`RenderError::Other`] if the words cannot be stored, and [`RenderError::Library`]
-    /// if the kernel does not exist.
+    /// [`RenderError::TooLarge`] or [`RenderError::Other`] if the words cannot be stored, and
+    /// [`RenderError::Library`] if the kernel does not exist.
     pub fn new(gpu: &Gpu, file: &TreeFile, options: CubesOptions) -> Result<Self> {
         let decoded;
         let tree: &VoxelTree = match &file.body {
@@ -87,8 +88,8 @@ impl Cubes {
     /// Creates the technique `voxel-cubes`, or `voxel-texture` with `from_texture`.
     ///
     /// # Errors
-    /// Returns the errors of [`Cubes::new`], and [`RenderError::Technique`] if a parameter is unknown or there is no
-    /// file.
+    /// Returns the errors of [`Cubes::new`], and [`RenderError::Technique`] if a parameter is unknown or
+    /// there is no file.
     pub(crate) fn from_spec(
         gpu: &Gpu,
         spec: &SpecText,
@@ -115,9 +116,9 @@ impl Cubes {
         Ok(())
     }
 
-    /// Returns the weights of the lit taps and of all counted taps, for receivers in fixed point. Their quotients are
-    /// exactly those of `TreeQuery::lit_weights` on the CPU. If the kernel is within one leaf, the result is 0 or 1 of
-    /// a total of 1.
+    /// Returns the weights of the lit taps and of all counted taps, for receivers in fixed point. Their
+    /// quotients are exactly those of `TreeQuery::lit_weights` on the CPU. If the kernel is within one leaf,
+    /// the result is 0 or 1 of a total of 1.
     ///
     /// # Errors
     /// Returns any error that the device reports.

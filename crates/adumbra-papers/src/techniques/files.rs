@@ -44,7 +44,7 @@ impl PaperFiles {
     /// Default of [`PaperFiles::cube_resolution`].
     pub const CUBE_RESOLUTION: u64 = 2048;
 
-    /// Returns the papers' files among a technique's.
+    /// Returns the papers' files among the files of a technique.
     pub fn among(baked: TechniqueFiles<'_>) -> Option<&Self> {
         baked.other?.downcast_ref()
     }

@@ -49,8 +49,8 @@ impl Graph {
     /// Uploads a valid file. Cost: the bytes of its sections.
     ///
     /// # Errors
-    /// Returns [`adumbra_render::RenderError::TooLarge`] or [`adumbra_render::RenderError::Library`] if the file exceeds
-    /// the device's limits.
+    /// Returns [`adumbra_render::RenderError::TooLarge`] or [`adumbra_render::RenderError::Library`] if the
+    /// file exceeds the device's limits.
     pub fn new(gpu: &Gpu, name: String, file: &DagFile, settings: GraphSettings) -> Result<Self> {
         let grid = file.grid;
         let (_, root_level, root_count) = file.body.space();
@@ -79,8 +79,8 @@ impl Graph {
     /// Creates the technique `voxel-dag`.
     ///
     /// # Errors
-    /// Returns the errors of [`Graph::new`], and [`adumbra_render::RenderError::Technique`] if a parameter is unknown or
-    /// there is no file.
+    /// Returns the errors of [`Graph::new`], and [`adumbra_render::RenderError::Technique`] if a parameter is
+    /// unknown or there is no file.
     pub(crate) fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<&DagFile>) -> Result<Self> {
         let file = file.ok_or_else(|| spec.wrong("it needs a graph file".to_owned()))?;
         let settings = spec.read(|reader| GraphSettings::from_reader(reader, Some(file)))?;
@@ -103,7 +103,7 @@ impl Graph {
         Ok(answers.into_iter().map(u32::from_le_bytes).collect())
     }
 
-    /// Looks up receivers in fixed point and returns what was read for each.
+    /// Looks up receivers in fixed point and returns the reads of each look-up.
     ///
     /// # Errors
     /// Returns the errors of [`adumbra_render::voxel::reads`].
@@ -122,7 +122,7 @@ impl Graph {
     }
 }
 
-/// Returns the WGSL files of a look-up in a layout, but for the access file.
+/// Returns the WGSL files of a look-up in a layout, without the access file.
 pub fn look_up_of(layout: DagLayout) -> Vec<Source> {
     let nodes = match layout {
         DagLayout::Plain => shaders::GRAPH_PLAIN,
@@ -131,8 +131,8 @@ pub fn look_up_of(layout: DagLayout) -> Vec<Source> {
     vec![shaders::graph_declarations(), source::GRID, source::VOXEL, shaders::GRAPH, nodes]
 }
 
-/// Returns the words of a graph in three parts: top; nodes, or units, two per word, the lower first; leaf masks, the low
-/// half first.
+/// Returns the words of a graph in three parts: top; nodes, or units, two per word, the lower first; leaf
+/// masks, the low half first.
 pub fn words(body: &DagBody) -> [Vec<u32>; 3] {
     let halves = |masks: &[u64]| masks.iter().flat_map(|&m| [m as u32, (m >> 32) as u32]).collect();
     match body {

@@ -1,8 +1,8 @@
-//! The papers' techniques: `voxel-dag`, which reads a graph of 2014, and `voxel-cubes` and `voxel-texture`, which read a
-//! tree of 2021.
+//! The papers' techniques: `voxel-dag`, which reads a graph of 2014, and `voxel-cubes` and `voxel-texture`,
+//! which read a tree of 2021.
 //!
-//! A program adds [`TECHNIQUES`] to its list with `Techniques::product().with(TECHNIQUES)`, and gives the files as
-//! `TechniqueFiles::other`: a [`PaperFiles`].
+//! A program adds [`TECHNIQUES`] to its list with `Techniques::product().with(TECHNIQUES)`, and gives the
+//! files as `TechniqueFiles::other`: a [`PaperFiles`].
 
 mod cubes;
 mod errors;

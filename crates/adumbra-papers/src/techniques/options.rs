@@ -1,5 +1,5 @@
-//! Parsing of the look-up options of a world-aligned tree from a technique's text. Without a file, the bias is the
-//! default of a bake.
+//! Parsing of the look-up options of a world-aligned tree from a technique's text. Without a file, the bias
+//! is the default of a bake.
 
 use adumbra::Bias;
 use adumbra_render::Result;
@@ -36,8 +36,10 @@ pub struct CubesOptions {
 }
 
 impl CubesOptions {
-    /// Parses `voxel-cubes[:filter=1|3|5][:weights=mean|poisson][:taps=front|all][:bias=…][:slope=…][:normal=…]`.
-    /// `voxel-texture` (`from_texture`) also takes `read=texels|buffer`. Defaults: 3³, mean, and the file's bias.
+    /// Parses
+    /// `voxel-cubes[:filter=1|3|5][:weights=mean|poisson][:taps=front|all][:bias=…][:slope=…][:normal=…]`.
+    /// `voxel-texture` (`from_texture`) also takes `read=texels|buffer`. Defaults: 3³, mean, and the file's
+    /// bias.
     ///
     /// # Errors
     /// Returns [`adumbra_render::RenderError::Technique`] if a parameter is unknown or out of range.

@@ -1,6 +1,6 @@
-//! Words in an RGBA8 texture, read texel by texel or decoded into a storage buffer at load. Source: *The Optimization
-//! and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), §3.3.2. The pages are those of
-//! [`crate::tree::texture`], unchanged from their files, one per array layer.
+//! Words in an RGBA8 texture, read texel by texel or decoded into a storage buffer at load. Source: *The
+//! Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), §3.3.2. The pages
+//! are those of [`crate::tree::texture`], unchanged from their files, one per array layer.
 
 use adumbra_render::gpu::binding;
 use adumbra_render::voxel::WordBuffers;
@@ -40,8 +40,8 @@ impl PageTexture {
     /// Checks that the pages belong to one export, and uploads them unchanged.
     ///
     /// # Errors
-    /// Returns [`RenderError::Other`] if they do not, and [`RenderError::TooLarge`] or [`RenderError::VoxelLimit`] if
-    /// the device cannot hold them.
+    /// Returns [`RenderError::Other`] if they do not, and [`RenderError::TooLarge`] or
+    /// [`RenderError::VoxelLimit`] if the device cannot hold them.
     pub fn new(gpu: &Gpu, pages: &[Page]) -> Result<Self> {
         texture::decode(pages).map_err(wrong_pages)?;
         Self::upload(gpu, pages)

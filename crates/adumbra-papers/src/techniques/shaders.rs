@@ -1,4 +1,5 @@
-//! The shaders of the papers: the files of `wgsl/`, and the constants and structures that they share with Rust.
+//! The shaders of the papers: the files of `wgsl/`, and the constants and structures that they share with
+//! Rust.
 
 use std::sync::LazyLock;
 
@@ -41,7 +42,8 @@ gpu_struct! {
         pub edges_x: Array<[i32; 4], 8>,
         /// Region edges along z in voxels, ascending, four per element.
         pub edges_z: Array<[i32; 4], 8>,
-        /// Levels of the rectangles between the edges, x fastest: four bits each, lowest bits first, eight per word.
+        /// Levels of the rectangles between the edges, x fastest: four bits each, lowest bits first, eight
+        /// per word.
         pub levels: Array<[u32; 4], 35>,
         /// Number of edges along x in use, at most twice [`MAX_PLAN_REGIONS`].
         pub edge_count_x: u32,
@@ -86,7 +88,8 @@ gpu_struct! {
 pub const STRUCTS: &[StructInfo] =
     &[CubesParams::INFO, CubesPlan::INFO, CubesUniform::INFO, CubesQuery::INFO, DecodeParams::INFO];
 
-/// The declarations of [`STRUCTS`] and of the constants of trees. They come before every other file of a tree.
+/// The declarations of [`STRUCTS`] and of the constants of trees. They come before every other file of a
+/// tree.
 pub fn tree_declarations() -> Source {
     static TEXT: LazyLock<String> = LazyLock::new(|| {
         let mut text = format!(

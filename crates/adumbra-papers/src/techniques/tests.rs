@@ -1,4 +1,4 @@
-//! Tests of the list of techniques: properties, parameters, and what is refused.
+//! Tests of the list of techniques: properties, parameters, and refused values.
 
 use adumbra_render::technique::{Parameter, ParameterKind};
 use adumbra_render::{Reads, TechniqueFiles, TechniqueSpec, Techniques, Truth};
@@ -14,7 +14,7 @@ fn describe(text: &str) -> Vec<Parameter> {
 }
 
 #[test]
-fn list_has_each_name_once() {
+fn technique_names_are_unique() {
     let all: Vec<_> = Techniques::product().with(TECHNIQUES).iter().collect();
     for (i, entry) in all.iter().enumerate() {
         assert!(all[..i].iter().all(|t| t.name != entry.name), "{}", entry.name);
@@ -25,7 +25,7 @@ fn list_has_each_name_once() {
 }
 
 #[test]
-fn list_knows_what_is_read_and_shown() {
+fn techniques_report_file_kind_and_no_movers() {
     for (text, file) in [
         ("voxel-dag", GRAPH_FILE),
         ("voxel-cubes", TREE_FILE),
@@ -39,7 +39,7 @@ fn list_knows_what_is_read_and_shown() {
 }
 
 #[test]
-fn techniques_are_for_the_sun_s_centre() {
+fn techniques_assume_hard_sun() {
     for entry in TECHNIQUES {
         let spec = parse(entry.name).unwrap();
         assert!(spec.truth() == Truth::HardSun && !spec.traits().takes_sun_degrees, "{}", entry.name);
@@ -48,7 +48,7 @@ fn techniques_are_for_the_sun_s_centre() {
 }
 
 #[test]
-fn describe_gives_what_applies() {
+fn describe_lists_only_applicable_parameters() {
     let keys = |text: &str| describe(text).iter().map(|p| p.key).collect::<Vec<_>>();
     assert_eq!(keys("voxel-dag"), ["filter", "bias", "slope", "normal"]);
     assert_eq!(keys("voxel-cubes"), ["filter", "weights", "taps", "bias", "slope", "normal"]);
@@ -57,7 +57,7 @@ fn describe_gives_what_applies() {
 }
 
 #[test]
-fn every_default_and_end_of_a_range_is_taken_and_nothing_beyond() {
+fn accepts_defaults_and_range_ends_and_rejects_values_beyond() {
     for entry in TECHNIQUES {
         let plain = describe(entry.name);
         for p in &plain {

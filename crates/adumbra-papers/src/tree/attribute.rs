@@ -1,19 +1,19 @@
-//! An attribute of one byte per leaf voxel, stored apart from the tree so that subtrees merge whatever values their
-//! voxels carry. Source: Dado, Kol, Bauszat, Thiery, Eisemann, *Geometry and Attribute Compression for Voxel Scenes*
-//! (2016); the paper's §1.3.
+//! An attribute of one byte per leaf voxel, stored apart from the tree so that subtrees merge regardless of
+//! the values of their voxels. Source: Dado, Kol, Bauszat, Thiery, Eisemann, *Geometry and Attribute
+//! Compression for Voxel Scenes* (2016); the paper's §1.3.
 //!
-//! A leaf voxel is a cell of a leaf of eight, counted once for each occurrence of that leaf in the expanded tree. The
-//! bytes are in the order in which a depth-first walk over the expanded tree visits their voxels: children in order,
-//! eight bytes per leaf. The index of a voxel is therefore a sum along its path: the leaf voxels below the preceding
-//! siblings of each node, plus the voxel's number within its leaf.
+//! A leaf voxel is a cell of a leaf of eight, counted once for each occurrence of that leaf in the expanded
+//! tree. The bytes are in the order in which a depth-first walk over the expanded tree visits their voxels:
+//! children in order, eight bytes per leaf. The index of a voxel is therefore a sum along its path: the leaf
+//! voxels below the preceding siblings of each node, plus the voxel's number within its leaf.
 //!
 //! | memory | size |
 //! |---|---|
 //! | values | one byte per leaf voxel of the expanded tree |
 //! | prefix counts | four bytes per word of the graph; not stored, recomputed on load |
 //!
-//! Departures: the authors store an offset with each pointer and compress the values with a palette. Here every word
-//! has a count, uniform ones included, and the values are not compressed.
+//! Departures: the authors store an offset with each pointer and compress the values with a palette. Here
+//! every word has a count, uniform ones included, and the values are not compressed.
 
 use crate::tree::error::{Error, Result};
 use crate::tree::graph::VoxelTree;
@@ -31,8 +31,8 @@ pub struct AttributeIndex {
 }
 
 impl AttributeIndex {
-    /// Counts the leaf voxels below each word. Cost: one walk over the graph; four bytes per word, plus half a byte per
-    /// word during the walk.
+    /// Counts the leaf voxels below each word. Cost: one walk over the graph; four bytes per word, plus half
+    /// a byte per word during the walk.
     ///
     /// # Errors
     /// Returns [`adumbra_bake::Error::MemoryLimit`] if the tree has 2^32 leaf voxels or more.
@@ -57,9 +57,9 @@ impl AttributeIndex {
         (self.before.capacity() * size_of::<u32>()) as u64
     }
 
-    /// Returns the index of the value of voxel (x, y, z), each coordinate below [`VoxelTree::side`], or `None` if the
-    /// voxel is in a uniform leaf. All finest voxels of a larger cell share one value. `tree` must be the tree that the
-    /// index was built for.
+    /// Returns the index of the value of voxel (x, y, z), each coordinate below
+    /// [`VoxelTree::side`], or `None` if the voxel is in a uniform leaf. All finest voxels of a larger cell
+    /// share one value. `tree` must be the tree that the index was built for.
     ///
     /// Cost: one word and one count per level.
     pub fn locate(&self, tree: &VoxelTree, xyz: [u32; 3]) -> Option<u32> {
@@ -77,8 +77,8 @@ impl AttributeIndex {
     }
 }
 
-/// Marks a block that has not been counted yet. No block has this count: a tree with 2^32 leaf voxels or more is
-/// refused.
+/// Marks a block that has not been counted yet. No block has this count: a tree with 2^32 leaf voxels or more
+/// is refused.
 const UNKNOWN: u32 = u32::MAX;
 
 struct Counts<'t> {
@@ -113,12 +113,12 @@ impl Counts<'_> {
 /// Number of leaf voxels from which the two halves of a node are processed by two threads.
 const SPLIT: usize = 1 << 12;
 
-/// Collects the value of every leaf voxel. `value` receives the lowest voxel of the cell and the level of the cell, 0 =
-/// a finest voxel. `index` must be the one built for `tree`. Value i belongs to the leaf voxel for which
-/// [`AttributeIndex::locate`] returns i.
+/// Collects the value of every leaf voxel. `value` receives the lowest voxel of the cell and the level of the
+/// cell, 0 = a finest voxel. `index` must be the one built for `tree`. Value i belongs to the leaf voxel for
+/// which [`AttributeIndex::locate`] returns i.
 ///
-/// Cost: linear in the leaves of the expanded tree, on the threads of the current rayon pool. The bytes do not depend
-/// on the number of threads.
+/// Cost: linear in the leaves of the expanded tree, on the threads of the current rayon pool. The bytes do
+/// not depend on the number of threads.
 pub fn gather(
     tree: &VoxelTree,
     index: &AttributeIndex,

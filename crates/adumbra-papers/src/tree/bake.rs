@@ -1,7 +1,7 @@
 //! Bakes a world-aligned tree: takes a scene and a sun, produces a graph.
 //!
-//! Cube → depth images from the light → builder → reduction → numbered words. The depth images are rendered on all
-//! threads. The reference builders use one thread, as in the paper.
+//! Cube → depth images from the light → builder → reduction → numbered words. The depth images are rendered
+//! on all threads. The reference builders use one thread, as in the paper.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -87,8 +87,8 @@ pub struct PreparedTree {
 }
 
 impl PreparedTree {
-    /// Determines the cube and renders the depth images: one for the base depth, and one for each region over its own
-    /// part.
+    /// Determines the cube and renders the depth images: one for the base depth, and one for each region over
+    /// its own part.
     ///
     /// # Errors
     /// Returns an error if an option is out of range or the images do not fit `max_memory_bytes`, or
@@ -228,8 +228,8 @@ impl PreparedTree {
         })
     }
 
-    /// Returns the width of the penumbra at every leaf voxel of `tree`, in eighths of a voxel, in the order of
-    /// [`crate::tree::attribute`].
+    /// Returns the width of the penumbra at every leaf voxel of `tree`, in eighths of a voxel, in the order
+    /// of [`crate::tree::attribute`].
     ///
     /// # Errors
     /// Returns an error if the number of leaf voxels exceeds 32 bits.

@@ -16,8 +16,8 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Converts the tree to the words of the file, with its blocks in pre-order of first visit. Unreachable blocks are
-    /// dropped.
+    /// Converts the tree to the words of the file, with its blocks in pre-order of first visit. Unreachable
+    /// blocks are dropped.
     ///
     /// Cost: linear; two words per block besides the result.
     pub fn number(&self, depth: u32) -> VoxelTree {
@@ -50,8 +50,8 @@ impl Blocks {
 
     /// Returns the blocks of a numbered tree, reordered so that children precede their parents.
     pub fn of(tree: &VoxelTree) -> Self {
-        // A numbered block may refer to a block before it, so reversing the order is not enough; a walk puts children
-        // first.
+        // A numbered block may refer to a block before it, so reversing the order is not enough; a walk puts
+        // children first.
         let count = tree.words.len() / 8;
         let mut place = vec![u32::MAX; count];
         let mut blocks = Vec::with_capacity(count);

@@ -1,8 +1,9 @@
-//! The light's depth image over the cube of a tree, which voxel centres are tested against. Source: the paper's §2.2.
-//! Closed regions follow §3 of the specification: intervals of positive winding, from the geometry itself.
+//! The light's depth image over the cube of a tree, which voxel centres are tested against. Source: the
+//! paper's §2.2. Closed regions follow §3 of the specification: intervals of positive winding, from the
+//! geometry itself.
 //!
-//! It exists only during the bake. Texels are stored in tiles of 256 × 256, tile after tile, each tile row by row.
-//! Depths are in 1/256 texel along the light.
+//! It exists only during the bake. Texels are stored in tiles of 256 × 256, tile after tile, each tile row by
+//! row. Depths are in 1/256 texel along the light.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
@@ -44,8 +45,8 @@ struct Insides {
     intervals: Vec<[FixedDepth; 2]>,
 }
 
-/// Bytes that a depth image of `grid` needs while it is rendered, except for the intervals inside solids: its depths,
-/// the start of each column's intervals, and the lists of one tile per thread.
+/// Bytes that a depth image of `grid` needs while it is rendered, except for the intervals inside solids: its
+/// depths, the start of each column's intervals, and the lists of one tile per thread.
 pub(crate) fn image_bytes(grid: &LightGrid, closed_regions: bool) -> u64 {
     let tiles = tiles_of(grid);
     let texels = u64::from(tiles[0]) * u64::from(tiles[1]) * TILE_TEXELS as u64;
@@ -66,12 +67,12 @@ pub(crate) struct DepthImageOptions {
 }
 
 impl DepthImage {
-    /// Renders `scene` from the light into the columns of `grid`, and counts the triangles that cast shadows. Runs on
-    /// rayon's threads; the result does not depend on their number. Once `cancel` is set, the remaining tiles stay
-    /// empty.
+    /// Renders `scene` from the light into the columns of `grid`, and counts the triangles that cast shadows.
+    /// Runs on rayon's threads; the result does not depend on their number. Once `cancel` is set, the
+    /// remaining tiles stay empty.
     ///
     /// # Errors
-    /// Returns the bytes that are needed at least, if the image and what renders it take more than `room_bytes`.
+    /// Returns a lower bound of the bytes needed if the image and its renderer take more than `room_bytes`.
     pub(crate) fn capture(
         scene: &Scene,
         grid: &LightGrid,
@@ -111,7 +112,8 @@ impl DepthImage {
                 });
                 let insides = Insides::of(found);
                 let bytes = insides.as_ref().map_or(0, Insides::memory_bytes);
-                // What does not fit is counted, so that an error says what all of it needs.
+                // Also count intervals that do not fit, so that the error states the bytes of the whole
+                // image.
                 let held = held_bytes.fetch_add(bytes, Ordering::Relaxed) + bytes;
                 insides.filter(|_| !is_full(held))
             })

@@ -4,8 +4,9 @@ use crate::tree::error::TreeError;
 use crate::tree::morton;
 use crate::tree::word::{MAX_DEPTH, Node, Word};
 
-/// A cube with sides of 2^depth voxels as words: the root at word 0, then blocks of eight siblings. Child i of an inner
-/// node is at its index plus i (3-7). Blocks are in pre-order of first visit, so a graph has exactly one form.
+/// A cube with sides of 2^depth voxels as words: the root at word 0, then blocks of eight siblings. Child i
+/// of an inner node is at its index plus i (3-7). Blocks are in pre-order of first visit, so a graph has
+/// exactly one form.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct VoxelTree {
     pub(crate) depth: u32,
@@ -52,13 +53,14 @@ impl VoxelTree {
         Word(self.words[index as usize]).node()
     }
 
-    /// Returns the visibility of voxel (x, y, z), each coordinate below [`VoxelTree::side`]. Cost: at most one word per
-    /// level.
+    /// Returns the visibility of voxel (x, y, z), each coordinate below [`VoxelTree::side`]. Cost: at most
+    /// one word per level.
     pub fn voxel(&self, xyz: [u32; 3]) -> bool {
         self.find(xyz).0
     }
 
-    /// Returns the visibility of voxel (x, y, z) and the level of the cube that determines it: 0 = a single voxel.
+    /// Returns the visibility of voxel (x, y, z) and the level of the cube that determines it: 0 = a single
+    /// voxel.
     pub fn find(&self, xyz: [u32; 3]) -> (bool, u32) {
         let mut node = self.node(0);
         let mut level = self.depth;

@@ -8,8 +8,8 @@ use crate::tree::build::{Classify, State};
 #[derive(Debug)]
 pub(crate) struct Spelled {
     pub(crate) depth: u32,
-    /// If true, the cells in the upper half along x are cubes of two voxels a side, as in a region of lower depth, and
-    /// the lowest voxel of each cell determines its state. Needs at least two levels.
+    /// If true, the cells in the upper half along x are cubes of two voxels a side, as in a region of lower
+    /// depth, and the lowest voxel of each cell determines its state. Needs at least two levels.
     pub(crate) coarse: bool,
     pub(crate) states: Vec<State>,
 }

@@ -14,12 +14,13 @@ use adumbra_scene::Scene;
 pub(crate) struct Layout {
     pub(crate) space: TreeSpace,
     pub(crate) regions: Regions,
-    /// Columns of the light for the space outside all regions, then for each region, deepest first, in the order of
-    /// [`Regions::in_voxels`].
+    /// Columns of the light for the space outside all regions, then for each region, deepest first, in the
+    /// order of [`Regions::in_voxels`].
     pub(crate) image_grids: Vec<LightGrid>,
 }
 
-/// Texels of a depth image along the edge of a voxel of that depth: more than one as long as the image stays small.
+/// Texels of a depth image along the edge of a voxel of that depth: more than one as long as the image stays
+/// small.
 fn texels_per_voxel(depth: u32) -> f64 {
     if depth <= 11 { 2.0 } else { 1.0 }
 }
@@ -48,8 +49,8 @@ pub(crate) fn lay_out(scene: &Scene, options: &TreeOptions) -> Result<Layout> {
 fn divide(scene: &Scene, options: &TreeOptions) -> Result<(TreeSpace, Regions)> {
     let bounds = options.bounds.unwrap_or_else(|| scene.bounds());
     let side = (0..3).map(|a| bounds.max[a] - bounds.min[a]).fold(0.0, f64::max);
-    // Casters outside a given box cast into it right up to its rim, so the cube must also contain points that the bias
-    // lifts beyond the rim.
+    // Casters outside a given box cast into it right up to its rim, so the cube must also contain points that
+    // the bias lifts beyond the rim.
     let lift = options.bias.along_light(MAX_SLOPE) + options.bias.normal_offset_texels;
     let margin_voxels = if options.bounds.is_some() { lift.ceil() + 2.0 } else { 0.0 };
     let side = match options.size {
@@ -131,8 +132,9 @@ fn casters_extent(scene: &Scene, options: &TreeOptions) -> LightExtent {
     extent
 }
 
-/// The columns shared by the cube and the casters, with texels sized for voxels of `depth`. The depth range begins
-/// where the cube or the casters begin, whichever comes later: surfaces before the cube need not be distinguished.
+/// The columns shared by the cube and the casters, with texels sized for voxels of `depth`. The depth range
+/// begins where the cube or the casters begin, whichever comes later: surfaces before the cube need not be
+/// distinguished.
 fn image_grid(options: &TreeOptions, casters: &LightExtent, space: &TreeSpace, depth: u32) -> LightGrid {
     let mut cube = LightExtent::empty(&options.sun);
     let top = space.to_world([f64::from(space.side_voxels()); 3]);
@@ -141,15 +143,15 @@ fn image_grid(options: &TreeOptions, casters: &LightExtent, space: &TreeSpace, d
     let texel = voxel_size / texels_per_voxel(depth);
     let mut common = *casters;
     for a in 0..3 {
-        // If they do not overlap, one texel remains, with nothing in it.
+        // If they do not overlap, one empty texel remains.
         common.min[a] = casters.min[a].max(cube.min[a]).min(cube.max[a]);
         common.max[a] = casters.max[a].min(cube.max[a]).max(common.min[a] + texel);
     }
     LightGrid::covering(options.sun, &common, texel)
 }
 
-/// The columns of `whole` over a region, at all heights, including the cells of the region's depth that extend beyond
-/// it.
+/// The columns of `whole` over a region, at all heights, including the cells of the region's depth that
+/// extend beyond it.
 fn part_over(whole: &LightGrid, space: &TreeSpace, region: &RegionVoxels) -> LightGrid {
     let cell = 1_u32 << (space.depth - region.depth);
     let side = space.side_voxels();

@@ -1,13 +1,14 @@
-//! Counts the voxels of the leaves of eight: the voxels at shadow borders, which an attribute has one byte each for.
+//! Counts the voxels of the leaves of eight: the voxels at shadow borders, which an attribute has one byte
+//! each for.
 
 use crate::tree::graph::VoxelTree;
 use crate::tree::word::Node;
 
 const UNSEEN: u64 = u64::MAX;
 
-/// Returns the number of voxels of the leaves of eight in the expanded tree: eight per leaf, and a block with several
-/// parents counts for each of them. A leaf of eight above the lowest level has larger cells; each of them counts as
-/// one.
+/// Returns the number of voxels of the leaves of eight in the expanded tree: eight per leaf, and a block with
+/// several parents counts for each of them. A leaf of eight above the lowest level has larger cells; each of
+/// them counts as one.
 ///
 /// Cost: one walk over the graph, eight bytes per block.
 pub fn leaf_voxels(tree: &VoxelTree) -> u64 {
@@ -49,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn leaf_voxels_of_the_largest_tree_are_all_voxels() {
+    fn leaf_voxels_of_largest_tree_do_not_overflow() {
         let block = |next: u32| [next; 8];
         let mut words = vec![1];
         for level in 1..14_u32 {

@@ -1,13 +1,13 @@
-//! Converts the light-aligned graph to the paper's tree and back. The voxels are the same, and a round trip restores
-//! the same words.
+//! Converts the light-aligned graph to the paper's tree and back. The voxels are the same, and a round trip
+//! restores the same words.
 //!
-//! The cube of the tree shares its lowest corner with the top grid and is the smallest with sides of 2^depth voxels
-//! that covers the grid. Voxels outside the grid are lit, as in [`Dag`]. The leaf masks of a level-3 node,
-//! 8 × 8 × 1 voxels each (bit y·8 + x), become two levels of octree nodes and leaves of eight voxels, child
-//! `(x << 2) | (y << 1) | z`. In both directions equal contents are stored once and the result is numbered in order of first visit, so
-//! each form depends on the voxels alone. The nodes of a graph have leaf masks at level 3 and octants above it, so a
-//! node has the same meaning at two levels only if both are above level 3. Results are therefore cached by node *and*
-//! level.
+//! The cube of the tree shares its lowest corner with the top grid and is the smallest with sides of 2^depth
+//! voxels that covers the grid. Voxels outside the grid are lit, as in [`Dag`]. The leaf masks of a level-3
+//! node, 8 × 8 × 1 voxels each (bit y·8 + x), become two levels of octree nodes and leaves of eight voxels,
+//! child `(x << 2) | (y << 1) | z`. In both directions equal contents are stored once and the result is
+//! numbered in order of first visit, so each form depends on the voxels alone. The nodes of a graph have leaf
+//! masks at level 3 and octants above it, so a node has the same meaning at two levels only if both are above
+//! level 3. Results are therefore cached by node *and* level.
 
 use adumbra::layout::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL, top_dims};
 use std::collections::HashMap;
@@ -21,12 +21,13 @@ use crate::tree::morton;
 use crate::tree::reduce::{Interned, Sink};
 use crate::tree::word::{MAX_DEPTH, Node, Word};
 
-/// Maximum size in bytes of a graph that is made from a tree: the references of the store have 31 bits and count words.
+/// Maximum size in bytes of a graph that is made from a tree: the references of the store have 31 bits and
+/// count words.
 const MAX_GRAPH_BYTES: u64 = (1 << 31) * 4 - (1 << 20);
 
 impl VoxelTree {
-    /// Converts a light-aligned graph to a tree. Cost: one visit per node; a node without leaf masks is visited once
-    /// per level at which it is used.
+    /// Converts a light-aligned graph to a tree. Cost: one visit per node; a node without leaf masks is
+    /// visited once per level at which it is used.
     ///
     /// # Errors
     /// Returns [`LightTreeError`] if the graph is not valid or the tree would be too deep.
@@ -41,8 +42,8 @@ impl VoxelTree {
 }
 
 /// Converts a tree to the light-aligned graph of `size` voxels with the same visibility. It is the inverse of
-/// [`VoxelTree::from_dag`] for every graph in which equal nodes are merged, as in the output of a bake. Cost: one visit
-/// per block and level at which the block is used.
+/// [`VoxelTree::from_dag`] for every graph in which equal nodes are merged, as in the output of a bake. Cost:
+/// one visit per block and level at which the block is used.
 ///
 /// # Errors
 /// Returns [`LightTreeError`] if the cube of the tree is not the one around that grid.

@@ -1,6 +1,6 @@
-//! The light's camera as matrices: p = C · P · V · x. Source: equations (2-1) and (2-2) of *The Optimization and
-//! realization of Compact Precomputed Voxelized Shadows Algorithm* (2021). The product equals the mapping of the grid,
-//! in the steps used to render a shadow map. Position, rotation and extent follow from the grid.
+//! The light's camera as matrices: p = C · P · V · x. Source: equations (2-1) and (2-2) of *The Optimization
+//! and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021). The product equals the mapping
+//! of the grid, in the steps used to render a shadow map. Position, rotation and extent follow from the grid.
 
 use adumbra::grid::LightGrid;
 use adumbra::grid::vec3::dot;
@@ -11,11 +11,11 @@ pub type Matrix = [[f64; 4]; 4];
 /// The orthographic camera of a light-aligned grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightCamera {
-    /// V: from world space to the axes of the light, with the origin at the centre of the grid's near face; z points
-    /// away from the sun.
+    /// V: from world space to the axes of the light, with the origin at the centre of the grid's near face; z
+    /// points away from the sun.
     pub light_from_world: Matrix,
-    /// P: from the box of the grid to clip space, x and y in [-1, 1], depth in [0, 1]. Clip y points along the y of the
-    /// grid.
+    /// P: from the box of the grid to clip space, x and y in [-1, 1], depth in [0, 1]. Clip y points along
+    /// the y of the grid.
     pub clip_from_light: Matrix,
     /// C (2-1): from clip x and y to texture coordinates in [0, 1]; depth is unchanged.
     pub texture_from_clip: Matrix,
@@ -71,7 +71,7 @@ mod tests {
     use adumbra::grid::{Bounds, LightExtent, LightGrid, Sun};
 
     #[test]
-    fn light_camera_is_the_grids_own_map() {
+    fn light_camera_matches_mapping_of_grid() {
         for (azimuth, elevation) in [(0.0, 90.0), (200.0, 3.0), (310.0, 40.0)] {
             let sun = Sun::from_angles(azimuth, elevation).unwrap();
             let bounds = Bounds { min: [-3.0, 0.0, 5.0], max: [40.0, 7.0, 9.0] };

@@ -1,9 +1,10 @@
-//! The space that a tree subdivides: cells are tested at their centre against the light's depth image, and a min/max
-//! pyramid over the image decides whole cubes. Source: the paper's §2.2.3 and §3.1.3.
+//! The space that a tree subdivides: cells are tested at their centre against the light's depth image, and a
+//! min/max pyramid over the image decides whole cubes. Source: the paper's §2.2.3 and §3.1.3.
 //!
-//! A cell is shadowed if its centre is behind the first depth of its texel. It is free if its centre is inside a solid,
-//! between entry into and exit from closed components in that column, at any depth and regardless of the first depth.
-//! Positions along the axes of the light are integers, so that a cube and its voxels cannot disagree:
+//! A cell is shadowed if its centre is behind the first depth of its texel. It is free if its centre is
+//! inside a solid, between entry into and exit from closed components in that column, at any depth and
+//! regardless of the first depth. Positions along the axes of the light are integers, so that a cube and its
+//! voxels cannot disagree:
 //!
 //! | axis | unit |
 //! |---|---|
@@ -38,7 +39,8 @@ struct Layer<'i> {
     origin: [i64; 3],
     /// For each tree axis, the change of u, v, z per half voxel along it.
     half_steps: [[i64; 3]; 3],
-    /// By level of a cube, then by child: the step in u, v, z from the centre of child 0 to that of the child.
+    /// By level of a cube, then by child: the step in u, v, z from the centre of child 0 to that of the
+    /// child.
     child_steps: Vec<[[i64; 3]; 8]>,
     texels_per_voxel: f64,
     /// A point at least this far before the depth of a column is before its first surface too.
@@ -46,7 +48,8 @@ struct Layer<'i> {
 }
 
 impl<'i> LitSpace<'i> {
-    /// `images` are those of [`crate::tree::layout::Layout::image_grids`]. Without `pyramids`, no cube is decided as a whole.
+    /// `images` are those of [`crate::tree::layout::Layout::image_grids`]. Without `pyramids`, no cube is
+    /// decided as a whole.
     pub(crate) fn new(
         images: &'i [DepthImage],
         space: &TreeSpace,
@@ -79,7 +82,8 @@ impl<'i> LitSpace<'i> {
         &self.layers[self.region_over(xyz, level).map_or(0, |r| r + 1)]
     }
 
-    /// Returns the layer in which all cells of a cube are tested, or `None` if they are tested in different layers.
+    /// Returns the layer in which all cells of a cube are tested, or `None` if they are tested in different
+    /// layers.
     fn layer_of_all(&self, xyz: [u32; 3], level: u32) -> Option<&Layer<'i>> {
         let Some(region) = self.region_over(xyz, level) else { return Some(&self.layers[0]) };
         let r = &self.regions[region];
@@ -89,15 +93,15 @@ impl<'i> LitSpace<'i> {
         holds.then(|| &self.layers[region + 1])
     }
 
-    /// Returns the width of the sun's penumbra at the centre of a cell, in eighths of a finest voxel, at most 255. The
-    /// occluder distance is that of the nearest surface in nine columns: through the centre of the cell and around it,
-    /// one cell width apart. 0 if no surface is before the centre.
+    /// Returns the width of the sun's penumbra at the centre of a cell, in eighths of a finest voxel, at
+    /// most 255. The occluder distance is that of the nearest surface in nine columns: through the centre of
+    /// the cell and around it, one cell width apart. 0 if no surface is before the centre.
     pub(crate) fn penumbra_eighths(&self, xyz: [u32; 3], level: u32) -> u8 {
         self.layer_of_all(xyz, level).unwrap_or(&self.layers[0]).penumbra_eighths(xyz, level)
     }
 
-    /// Whether any of the cells at the eight corners of a cube is in this state rather than free. All defined cells of
-    /// the cube are in this state.
+    /// Whether any of the cells at the eight corners of a cube is in this state rather than free. All defined
+    /// cells of the cube are in this state.
     fn a_corner_is(&self, state: State, xyz: [u32; 3], level: u32) -> bool {
         (0..8_u32).any(|corner| {
             let mut xyz = xyz;
@@ -234,7 +238,8 @@ impl<'i> Layer<'i> {
     /// Returns `None` if there is no pyramid, or if its blocks are too coarse to decide.
     fn range(&self, xyz: [u32; 3], level: u32) -> Option<Range> {
         let center = self.at(center(xyz, level));
-        // The centres of the voxels of the cube, and of any larger cells, are at most this far from its centre.
+        // The centres of the voxels of the cube, and of any larger cells, are at most this far from its
+        // centre.
         let half = (1_i64 << level) - 1;
         let reach: [i64; 3] =
             std::array::from_fn(|axis| (0..3).map(|a| self.half_steps[a][axis].abs() * half).sum());

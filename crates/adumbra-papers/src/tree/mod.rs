@@ -1,13 +1,13 @@
-//! The world-aligned voxel tree of the 2021 paper: one bit per voxel, built top down and reduced to a graph, with its
-//! file, its textures of words and its look-ups.
+//! The world-aligned voxel tree of the 2021 paper: one bit per voxel, built top down and reduced to a graph,
+//! with its file, its textures of words and its look-ups.
 //!
-//! Source: *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), after Sintorn,
-//! Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows* (2014). Section and equation numbers are those of
-//! the former.
+//! Source: *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021),
+//! after Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows* (2014). Section and
+//! equation numbers are those of the former.
 //!
-//! Stages of a bake: `layout` (the cube, and the columns of the light that each part needs) → `depth_image` → `pyramid`
-//! → `lit_space` (tests voxel centres and cubes against them) → `build` → `reduce` → `blocks` (canonical numbering) →
-//! [`VoxelTree`].
+//! Stages of a bake: `layout` (the cube, and the columns of the light that each part needs) → `depth_image` →
+//! `pyramid` → `lit_space` (tests voxel centres and cubes against them) → `build` → `reduce` →
+//! `blocks` (canonical numbering) → [`VoxelTree`].
 //!
 //! | paper | topic | module |
 //! |---|---|---|
@@ -32,19 +32,20 @@
 //!
 //! Departures from the paper:
 //!
-//! - A leaf of eight voxels is a mask in the block of its parent, so the lowest level needs no blocks. Such a leaf may
-//!   be at any level.
-//! - The builders take a [`Classify`], which decides cells and, where it can, whole cubes. Without the latter the
-//!   builders are exhaustive. Both give the same tree (tested).
-//! - Sorting proceeds by height above the leaves, so equal subtrees at different depths merge, as they do by hash.
+//! - A leaf of eight voxels is a mask in the block of its parent, so the lowest level needs no blocks. Such a
+//!   leaf may be at any level.
+//! - The builders take a [`Classify`], which decides cells and, where it can, whole cubes. Without the latter
+//!   the builders are exhaustive. Both give the same tree (tested).
+//! - Sorting proceeds by height above the leaves, so equal subtrees at different depths merge, as they do by
+//!   hash.
 //! - A free child whose siblings differ counts as shadowed: it is inside a solid.
-//! - If the normal is known, taps of the voxel PCF behind the receiver's plane are skipped. `with_all_taps` filters as
-//!   the paper does.
+//! - If the normal is known, taps of the voxel PCF behind the receiver's plane are skipped. `with_all_taps`
+//!   filters as the paper does.
 //! - A point below the cube has the visibility of the point where its sun ray enters the cube.
-//! - The depth image has two texels per voxel edge up to depth 11, one beyond. Each region has an image of its own,
-//!   over its own part.
-//! - If bounds are given, the cube is slightly larger than the box, so that points that the bias lifts beyond the rim
-//!   of the box are inside it.
+//! - The depth image has two texels per voxel edge up to depth 11, one beyond. Each region has a separate
+//!   image over its part of the plan.
+//! - If bounds are given, the cube is slightly larger than the box, so that points that the bias lifts beyond
+//!   the rim of the box are inside it.
 
 pub mod attribute;
 mod bake;

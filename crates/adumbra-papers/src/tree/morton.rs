@@ -1,8 +1,10 @@
-//! Octree paths and the coordinates of voxels. Source: equations (3-1) to (3-3) and tables 3-1 and 3-2 of *The
-//! Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), Morton (1966).
+//! Octree paths and the coordinates of voxels. Source: equations (3-1) to (3-3) and tables 3-1 and 3-2 of
+//! *The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm* (2021), Morton
+//! (1966).
 //!
-//! Child number: `(x_bit << 2) | (y_bit << 1) | z_bit`. Worked value: voxel (5, 3, 5) of a tree of depth 3 has the path
-//! 5, 2, 7, because x = 101, y = 011 and z = 101, read from the highest bit down, give 101, 010, 111.
+//! Child number: `(x_bit << 2) | (y_bit << 1) | z_bit`. Worked value: voxel (5, 3, 5) of a tree of depth 3
+//! has the path 5, 2, 7, because x = 101, y = 011 and z = 101, read from the highest bit down, give 101,
+//! 010, 111.
 
 /// Returns the number of the child that contains voxel (x, y, z), in a node whose children have sides of
 /// 2^`child_level` voxels.
@@ -16,7 +18,8 @@ pub(crate) fn child_offset(child: u32) -> [u32; 3] {
     [child >> 2 & 1, child >> 1 & 1, child & 1]
 }
 
-/// Returns the lowest voxel of a child of the cube at `corner`, whose sides are 2^`level` voxels, at least two.
+/// Returns the lowest voxel of a child of the cube at `corner`, whose sides are 2^`level` voxels, at least
+/// two.
 pub(crate) fn child_corner(corner: [u32; 3], level: u32, child: u32) -> [u32; 3] {
     let offset = child_offset(child);
     std::array::from_fn(|a| corner[a] + (offset[a] << (level - 1)))
@@ -58,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn morton_share_counts_the_voxels_before() {
+    fn morton_share_before_is_fraction_of_preceding_voxels() {
         assert_eq!(share_before([0, 0, 0], 3), 0.0);
         assert_eq!(share_before([4, 0, 0], 3), 0.5);
         assert_eq!(share_before([7, 7, 7], 3), 511.0 / 512.0);

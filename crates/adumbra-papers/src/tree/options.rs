@@ -26,8 +26,8 @@ pub enum Detail {
     Uniform,
     /// In these regions; the size is that of the rest of the tree.
     Regions(Vec<Region>),
-    /// In nested squares around a point. The size is that of the innermost square; each further square has one level
-    /// less.
+    /// In nested squares around a point. The size is that of the innermost square; each further square has
+    /// one level less.
     Rings {
         /// World x and z.
         center_xz: [f64; 2],
@@ -49,8 +49,8 @@ pub struct TreeOptions {
     pub closed_regions: bool,
     /// Whether masked materials are treated as opaque.
     pub ignore_alpha: bool,
-    /// Centres the cube on this box instead of on the scene. Casters outside the box but sunward of it still cast into
-    /// it.
+    /// Centres the cube on this box instead of on the scene. Casters outside the box but sunward of it still
+    /// cast into it.
     pub bounds: Option<Bounds>,
     /// The distance that depths are moved away from the light (4-1).
     pub capture_bias: CaptureBias,
@@ -86,7 +86,7 @@ impl TreeOptions {
     }
 }
 
-/// The look-up bias of a tree, in voxels. A voxel is tested at its centre, which is up to half a diagonal away. A
-/// centre above the plane through the receiver needs a bias of half of (|nx| + |ny| + |nz|) / n·l, at most 0.87 (1 +
-/// slope).
+/// The look-up bias of a tree, in voxels. A voxel is tested at its centre, which is up to half a diagonal
+/// away. A centre above the plane through the receiver needs a bias of half of (|nx| + |ny| + |nz|) / n·l, at
+/// most 0.87 (1 + slope).
 pub const TREE_BIAS: Bias = Bias { constant_texels: 1.0, slope_texels: 0.75, normal_offset_texels: 0.0 };

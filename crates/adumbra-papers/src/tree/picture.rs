@@ -25,11 +25,11 @@ const RIM: f64 = 0.35;
 /// Maximum side of the picture, pixels: 805 MB.
 pub const MAX_NODES_SIDE: u32 = 1 << 14;
 
-/// Draws the layer of voxels at height `y` of a tree, with x to the right and z down. Each voxel has `pixels` pixels
-/// along each side: at least one, and at most as many as [`MAX_NODES_SIDE`] allows. If a tree has more voxels per side
-/// than that, only every n-th voxel is drawn, with the smallest n that fits. Red is a single voxel, then orange,
-/// yellow, green, blue to violet, each step twice as large; dark is shadowed. Leaves of more than two pixels have a
-/// rim.
+/// Draws the layer of voxels at height `y` of a tree, with x to the right and z down. Each voxel has `pixels`
+/// pixels along each side: at least one, and at most as many as [`MAX_NODES_SIDE`] allows. If a tree has more
+/// voxels per side than that, only every n-th voxel is drawn, with the smallest n that fits. Red is a single
+/// voxel, then orange, yellow, green, blue to violet, each step twice as large; dark is shadowed. Leaves of
+/// more than two pixels have a rim.
 ///
 /// Cost: one look-up per pixel.
 pub fn nodes_by_size(tree: &VoxelTree, y: u32, pixels: u32) -> Picture {
@@ -62,7 +62,7 @@ mod tests {
     use crate::tree::Word;
 
     #[test]
-    fn nodes_picture_has_a_largest_side() {
+    fn nodes_picture_limits_its_side() {
         assert_eq!(scale(256, 3), (3, 1));
         assert_eq!(scale(256, 0), (1, 1));
         assert_eq!(scale(1 << 13, 3), (2, 1));

@@ -1,4 +1,5 @@
-//! A min/max pyramid over a depth image: bounds on all columns of a block, so that whole cubes can be decided.
+//! A min/max pyramid over a depth image: bounds on all columns of a block, so that whole cubes can be
+//! decided.
 
 use crate::tree::depth_image::{DepthImage, FRACTION, NO_SURFACE, TILE_SIDE};
 use adumbra_bake::layers::FixedDepth;
@@ -128,8 +129,8 @@ impl Pyramid {
         self.levels.iter().map(|l| (l.blocks.capacity() * size_of::<Block>()) as u64).sum()
     }
 
-    /// Returns bounds on the columns from `low` to `high`, in 2^-32 texels, or `None` if the blocks are too coarse to
-    /// decide.
+    /// Returns bounds on the columns from `low` to `high`, in 2^-32 texels, or `None` if the blocks are too
+    /// coarse to decide.
     pub(crate) fn over(&self, low: [i64; 2], high: [i64; 2]) -> Option<Block> {
         // In whole texels.
         let [low, high] = [low, high].map(|p| p.map(|c| c >> FRACTION));

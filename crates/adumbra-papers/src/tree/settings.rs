@@ -42,16 +42,16 @@ pub struct CaptureBias {
 pub struct LossyChange {
     /// Maximum share of the leaf voxels that was allowed to change.
     pub max_share: f64,
-    /// Number of leaf voxels of the tree before the merge: the cells of the leaves of eight in the expanded tree, each
-    /// counted once whatever its size.
+    /// Number of leaf voxels of the tree before the merge: the cells of the leaves of eight in the expanded
+    /// tree, each counted once regardless of its size.
     pub leaf_voxels: u64,
     /// Number of voxels of the finest level that changed; a larger cell counts as all the voxels in it.
     pub changed_voxels: u64,
 }
 
 impl Default for CaptureBias {
-    /// Half a texel's diagonal along the slope: a depth on the same plane is at most this far from the centre of its
-    /// texel.
+    /// Half a texel's diagonal along the slope: a depth on the same plane is at most this far from the centre
+    /// of its texel.
     fn default() -> Self {
         Self { constant_texels: 0.0, slope_texels: 0.75 }
     }

@@ -22,8 +22,8 @@ impl TreeSpace {
         1 << self.depth
     }
 
-    /// Converts a world point to voxels from the lowest corner of the cube: p' = p - p_min (3-4), divided by the voxel
-    /// size.
+    /// Converts a world point to voxels from the lowest corner of the cube: p' = p - p_min (3-4), divided by
+    /// the voxel size.
     pub fn to_tree(self, p_world: [f64; 3]) -> [f64; 3] {
         std::array::from_fn(|a| (p_world[a] - self.p_min[a]) / self.voxel_size)
     }
@@ -34,7 +34,7 @@ impl TreeSpace {
     }
 }
 
-/// A rectangle in plan, at all heights, in which the tree has a depth of its own.
+/// A rectangle in plan, at all heights, in which the tree has its own depth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Region {
     /// World x range: from, to.
@@ -45,8 +45,8 @@ pub struct Region {
     pub depth: u32,
 }
 
-/// The depth of a tree in each part of the plan: a base depth, and regions that are deeper. At each point the deepest
-/// region that contains it counts.
+/// The depth of a tree in each part of the plan: a base depth, and regions that are deeper. At each point the
+/// deepest region that contains it counts.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Regions {
     /// Number of levels outside all regions.
@@ -75,8 +75,8 @@ impl Regions {
         Self { base_depth: depth, list: Vec::new() }
     }
 
-    /// Returns nested squares around a point, like cascades: `depth` within the first radius, one level less in each
-    /// further square, and one less again outside the last.
+    /// Returns nested squares around a point, like cascades: `depth` within the first radius, one level less
+    /// in each further square, and one less again outside the last.
     pub fn rings(center_xz: [f64; 2], radii: &[f64], depth: u32) -> Self {
         let around = |c: f64, r: f64| [c - r, c + r];
         let list = (0..).zip(radii).map(|(i, &r)| Region {
@@ -87,8 +87,8 @@ impl Regions {
         Self { base_depth: depth.saturating_sub(radii.len() as u32), list: list.collect() }
     }
 
-    /// Returns the regions in voxels of `space`, expanded to whole voxels, deepest first. Regions outside the cube are
-    /// omitted.
+    /// Returns the regions in voxels of `space`, expanded to whole voxels, deepest first. Regions outside the
+    /// cube are omitted.
     pub fn in_voxels(&self, space: &TreeSpace) -> Vec<RegionVoxels> {
         let side = f64::from(space.side_voxels());
         let range = |a: usize, r: [f64; 2]| {
@@ -111,8 +111,8 @@ impl Regions {
         self.list.iter().map(|r| r.depth).fold(self.base_depth, u32::max)
     }
 
-    /// Checks that every depth is from 1 to [`MAX_DEPTH`], that every rectangle is finite and not empty, and that there
-    /// are at most [`MAX_REGIONS`] regions.
+    /// Checks that every depth is from 1 to [`MAX_DEPTH`], that every rectangle is finite and not empty, and
+    /// that there are at most [`MAX_REGIONS`] regions.
     ///
     /// # Errors
     /// Returns [`OptionError`] for the first violation.

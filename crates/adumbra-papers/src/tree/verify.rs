@@ -1,4 +1,4 @@
-//! Compares a tree's answers with rays: what `adumbra_truth::verify` needs to know of it.
+//! Adapts a tree to `adumbra_truth::verify`, which compares its answers with rays.
 
 use adumbra::Bias;
 use adumbra::grid::{Frame, LightGrid, Sun};
@@ -7,8 +7,8 @@ use adumbra_truth::verify::{Answers, Promises, VolumeSampler};
 use crate::tree::query::TreeQuery;
 use crate::tree::{TreeSettings, TreeSpace, Voxels};
 
-/// Promises of a world-aligned tree. Its voxels do not follow the light, so edges are not required to be accurate
-/// to a texel.
+/// Promises of a world-aligned tree. Its voxels do not follow the light, so edges are not required to be
+/// accurate to a texel.
 pub const TREE_PROMISES: Promises = Promises {
     interior: 0.999,
     ground: None,

@@ -1,4 +1,4 @@
-//! The interface through which look-ups read a tree, whatever its encoding.
+//! The interface through which look-ups read a tree in any encoding.
 
 use crate::tree::graph::VoxelTree;
 use crate::tree::symmetric;
@@ -10,8 +10,8 @@ pub trait Voxels {
         self.find(xyz).0
     }
 
-    /// Returns the visibility of voxel (x, y, z) and the level of the cube that determines it, which has sides of
-    /// 2^level voxels.
+    /// Returns the visibility of voxel (x, y, z) and the level of the cube that determines it, which has
+    /// sides of 2^level voxels.
     fn find(&self, xyz: [u32; 3]) -> (bool, u32);
 }
 

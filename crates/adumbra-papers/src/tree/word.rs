@@ -1,5 +1,5 @@
-//! A node as a 32-bit word. Source: the paper's §3.3.1. Its 31 index bits and two flags do not fit into 32 bits, so
-//! here the flags of a leaf take the place of an index.
+//! A node as a 32-bit word. Source: the paper's §3.3.1. Its 31 index bits and two flags do not fit into 32
+//! bits, so here the flags of a leaf take the place of an index.
 //!
 //! | bits | inner node | uniform leaf | leaf of eight voxels |
 //! |---|---|---|---|
@@ -8,8 +8,8 @@
 //! | 29..8 | index | 0 | 0 |
 //! | 7..0 | index | bit 0 = visibility | bit i = visibility of child i |
 //!
-//! Worked values: `0x0000_0009`: children in words 9 to 16; `0x8000_0001`: lit; `0x8000_0000`: shadowed; `0xc000_00f0`:
-//! the children with x bit 1 are lit.
+//! Worked values: `0x0000_0009`: children in words 9 to 16; `0x8000_0001`: lit;
+//! `0x8000_0000`: shadowed; `0xc000_00f0`: the children with x bit 1 are lit.
 
 /// Maximum number of levels of a tree.
 pub const MAX_DEPTH: u32 = 15;
@@ -81,8 +81,8 @@ impl Word {
         self.inner().map_or(self, |old| Self::new(Node::Inner(index(old))))
     }
 
-    /// Whether the word is one that [`Word::new`] produces and, for a mask, one that [`Word::leaf`] does not turn into
-    /// a uniform leaf.
+    /// Whether the word is one that [`Word::new`] produces and, for a mask, one that [`Word::leaf`] does not
+    /// turn into a uniform leaf.
     pub const fn is_valid(self) -> bool {
         match self.node() {
             Node::Inner(_) => true,

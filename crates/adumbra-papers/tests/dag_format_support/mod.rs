@@ -1,5 +1,5 @@
-//! The part that the quick test and the fuzz target share: damage a graph file, repair its checksums, and check that the
-//! reader either refuses it or returns a graph in which every voxel can be looked up.
+//! Code shared by the quick test and the fuzz target: damages a graph file, repairs its checksums, and checks
+//! that the reader either refuses it or returns a graph in which every voxel can be looked up.
 
 #[path = "../format_damage/mod.rs"]
 mod format_damage;
@@ -18,8 +18,8 @@ pub(crate) const LAYOUT: Layout = Layout {
     step: 1,
 };
 
-/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes and that its voxels can
-/// be looked up.
+/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes and that its
+/// voxels can be looked up.
 ///
 /// # Panics
 /// If the library is wrong.
@@ -64,8 +64,8 @@ pub(crate) fn sweep(file: &DagFile, most: u64) -> u64 {
     lit
 }
 
-/// Returns whether a voxel is lit. Checks that its own look-up, its leaf mask, and the leaf masks that a walk along the
-/// light finds together agree.
+/// Returns whether a voxel is lit. Checks that its own look-up, its leaf mask, and the leaf masks that a walk
+/// along the light finds together agree.
 fn is_lit_in_every_way(file: &DagFile, trail: &mut Trail, [i, j, k]: [u32; 3]) -> bool {
     let voxels = file.body.leaf_masks();
     let lit = is_lit(file, [i, j, k]);

@@ -1,5 +1,5 @@
-//! A slow reader of the point look-up, K = 1, written from `spec/adumbra-dag.md` alone. It works on the file's bytes and
-//! shares no code with the library. It checks nothing, so it must only be given valid files.
+//! A slow reader of the point look-up, K = 1, written from `spec/adumbra-dag.md` alone. It works on the
+//! file's bytes and shares no code with the library. It checks nothing, so it must only be given valid files.
 
 use adumbra_testing::{f64_at, u32_at, u64_at};
 
@@ -86,8 +86,8 @@ fn packed_voxel(file: &[u8], [x, y, z]: [u32; 3]) -> u8 {
     let mut at = word(level - 3) + root;
     while level > 3 {
         let header = unit(at);
-        // For each of the two children of each quarter, `Ok` with its pointer if it is mixed, or `Err` with its
-        // visibility.
+        // For each of the two children of each quarter, `Ok` with its pointer if it is mixed, or `Err` with
+        // its visibility.
         let mut pointers = 0;
         let mut states = Vec::new();
         for q in 0..4 {

@@ -18,8 +18,9 @@ pub(crate) struct Layout {
 const ROW: usize = 24;
 
 impl Layout {
-    /// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the file
-    /// as it is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are repaired.
+    /// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is
+    /// the file as it is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are
+    /// repaired.
     pub(crate) fn interpret(&self, input: &[u8]) -> Vec<u8> {
         let mut bytes = input.to_vec();
         if let Some(first) = bytes.first_mut()
@@ -31,8 +32,8 @@ impl Layout {
         bytes
     }
 
-    /// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are repaired, in
-    /// some the sections are resized.
+    /// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are
+    /// repaired, in some the sections are resized.
     pub(crate) fn mutate(&self, valid: &[u8], seed: u64) -> Vec<u8> {
         Mutator { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1, layout: self }.mutate(valid)
     }
@@ -123,7 +124,8 @@ impl Mutator<'_> {
         }
     }
 
-    /// Inserts or removes an element of one section and lays the file out again, so that only the contents are wrong.
+    /// Inserts or removes an element of one section and lays the file out again, so that only the contents
+    /// are wrong.
     fn resized(&mut self, bytes: &[u8]) -> Vec<u8> {
         let table = self.layout.table;
         let mut sections = [0, 1, 2].map(|i| {

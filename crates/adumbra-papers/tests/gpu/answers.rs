@@ -17,14 +17,14 @@ fn generated() -> [BakedTree; 3] {
 const COUNT: usize = 100_000;
 
 #[test]
-fn tree_in_six_bindings_counts_the_same() {
+fn tree_in_six_bindings_matches_cpu() {
     let baked = BakedTree::new(generate(GeneratedKind::Primitives, 3), 32);
     exact_cubes(&limited(4096), &baked, CubesStore::Words, (3, Weights::Mean), 20_000);
 }
 
 #[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
-fn tree_words_count_the_taps_that_the_cpu_counts() {
+fn tree_words_match_cpu_tap_counts() {
     let gpu = gpu();
     for baked in generated() {
         for side in KERNEL_SIDES {
@@ -36,7 +36,7 @@ fn tree_words_count_the_taps_that_the_cpu_counts() {
 }
 
 #[test]
-fn texels_of_a_small_tree_count_the_taps_that_the_cpu_counts() {
+fn small_tree_texels_match_cpu_tap_counts() {
     let gpu = gpu();
     let baked = BakedTree::new(generate(GeneratedKind::Primitives, 3), 128);
     exact_cubes(&gpu, &baked, CubesStore::Texels, (3, Weights::Mean), 20_000);
@@ -45,7 +45,7 @@ fn texels_of_a_small_tree_count_the_taps_that_the_cpu_counts() {
 
 #[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
-fn tree_texels_count_the_taps_that_the_cpu_counts() {
+fn tree_texels_match_cpu_tap_counts() {
     let gpu = gpu();
     for baked in generated() {
         for side in KERNEL_SIDES {
@@ -56,7 +56,7 @@ fn tree_texels_count_the_taps_that_the_cpu_counts() {
 }
 
 #[test]
-fn tree_with_regions_counts_the_same_and_stays_within_its_limit() {
+fn tree_with_regions_matches_cpu_and_rejects_too_many_regions() {
     let gpu = gpu();
     let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![8.0, 20.0, 40.0] };
     let mut baked = BakedTree::with_detail(generate(GeneratedKind::Landscape, 3), 128, rings);
@@ -78,7 +78,7 @@ fn tree_with_regions_counts_the_same_and_stays_within_its_limit() {
 
 #[test]
 #[ignore = "slow: many look-ups on the GPU"]
-fn tree_from_f32_positions_differs_only_on_faces() {
+fn tree_answers_from_f32_positions_differ_only_on_faces() {
     let gpu = gpu();
     for baked in generated() {
         for side in KERNEL_SIDES {
@@ -111,7 +111,7 @@ fn texture_is_decoded_bit_for_bit() {
 }
 
 #[test]
-fn techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
+fn techniques_keep_requested_name_and_report_cell_size() {
     let gpu = gpu();
     let rings = Detail::Rings { center_xz: [3.0, -5.0], radii: vec![8.0, 20.0] };
     let baked = BakedTree::with_detail(generate(GeneratedKind::Landscape, 3), 128, rings);

@@ -29,7 +29,7 @@ impl BakedTree {
         Self { scene, tree }
     }
 
-    /// Returns the file as those that a technique reads.
+    /// Returns the tree file in the form that techniques read.
     pub(crate) fn files(&self) -> PaperFiles {
         PaperFiles { tree: Some(self.tree.clone()), ..PaperFiles::default() }
     }
@@ -86,7 +86,7 @@ pub(crate) fn exact_cubes(
     assert!(found.len() * 2 > count && (kernel.0 == 1 || partly * 200 > count), "{partly} partly lit");
 }
 
-/// Asserts what [`hold_floats`] does.
+/// Compares answers at `count` points of the scene, as [`hold_floats`] does.
 pub(crate) fn float_cubes(gpu: &Gpu, baked: &BakedTree, kernel: (u32, Weights), count: usize) {
     let (anchor, points) = float_points(&baked.scene, count);
     let mut cubes = try_cubes(gpu, baked, CubesStore::Words, kernel).unwrap();

@@ -1,4 +1,5 @@
-//! Graphs in both layouts, under a grid along the light and an oblique one: counts, answers, levels and names.
+//! Graphs in both layouts, under a grid along the light and an oblique one: counts, answers, levels and
+//! names.
 
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra::{Filter, LightGrid, Sun};
@@ -81,7 +82,7 @@ fn exact(gpu: &Gpu, baked: &BakedGraph, filter: Filter, count: usize) {
 
 #[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
-fn graphs_count_the_taps_that_the_cpu_counts() {
+fn graphs_match_cpu_tap_counts() {
     let gpu = gpu();
     for baked in BakedGraph::generated() {
         for filter in Filter::ALL {
@@ -100,14 +101,14 @@ fn from_f32(gpu: &Gpu, baked: &BakedGraph, filter: Filter, count: usize) {
 }
 
 #[test]
-fn a_small_graph_from_f32_positions_differs_only_on_faces() {
+fn small_graph_answers_from_f32_positions_differ_only_on_faces() {
     let scene = generate(GeneratedKind::Primitives, 3);
     from_f32(&gpu(), &BakedGraph::new(scene, 256, FrameChoice::Light, LAYOUTS[1]), Filter::Box9, 10_000);
 }
 
 #[test]
 #[ignore = "slow: many look-ups on the GPU"]
-fn graphs_from_f32_positions_differ_only_on_faces() {
+fn graph_answers_from_f32_positions_differ_only_on_faces() {
     let gpu = gpu();
     for baked in BakedGraph::generated() {
         for filter in [Filter::Nearest, Filter::Box9, Filter::Box17] {
@@ -117,12 +118,12 @@ fn graphs_from_f32_positions_differ_only_on_faces() {
 }
 
 #[test]
-fn graphs_in_six_bindings_count_the_same() {
+fn graphs_in_six_bindings_match_cpu() {
     for layout in LAYOUTS {
         let scene = generate(GeneratedKind::Primitives, 3);
         let baked = BakedGraph::new(scene, 256, FrameChoice::Light, layout);
         let words = baked.word_count();
-        // A limit, a power of two, that needs more than two bindings.
+        // The limit is a power of two at which the words need more than two bindings.
         let gpu = limited(4 * (words / 4).next_power_of_two());
         let graph = baked.graph(&gpu, Filter::Box9).unwrap();
         assert_eq!(graph.bytes(), 4 * words);
@@ -134,7 +135,7 @@ fn graphs_in_six_bindings_count_the_same() {
 }
 
 #[test]
-fn reads_of_graphs_are_within_their_words_and_count_the_same() {
+fn graph_reads_stay_within_words_and_match_cpu() {
     let gpu = gpu();
     for layout in LAYOUTS {
         let scene = generate(GeneratedKind::City, 3);
@@ -152,7 +153,7 @@ fn reads_of_graphs_are_within_their_words_and_count_the_same() {
 }
 
 #[test]
-fn levels_of_graphs_are_those_of_the_cpu_in_both_layouts() {
+fn graph_end_levels_match_cpu_in_both_layouts() {
     let mut frames = Vec::new();
     let mut bytes = Vec::new();
     for layout in LAYOUTS {
@@ -182,7 +183,7 @@ fn levels_of_graphs_are_those_of_the_cpu_in_both_layouts() {
 }
 
 #[test]
-fn constants_of_shaders_are_those_of_the_graphs() {
+fn shader_constants_match_graph_constants() {
     use adumbra_papers::dag::{packed, plain};
     let text = adumbra_papers::techniques::shaders::graph_declarations();
     for (name, value) in [

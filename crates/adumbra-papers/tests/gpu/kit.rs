@@ -32,8 +32,8 @@ pub(crate) fn shot() -> Shot {
 /// A point relative to the frame's anchor, and its normal.
 type Surface = ([f32; 3], [f32; 3]);
 
-/// Returns the surfaces of the frame drawn last, as the shader receives them. `None` for surfaces that face away from
-/// the sun and for the background.
+/// Returns the surfaces of the frame drawn last, as the shader receives them. `None` for surfaces that face
+/// away from the sun and for the background.
 pub(crate) fn surfaces(renderer: &Renderer, shot: &Shot) -> Vec<Option<Surface>> {
     let image = renderer.read_surface(shot).unwrap();
     let view = shot.camera.view();

@@ -19,8 +19,8 @@ pub(crate) fn levels(renderer: &mut Renderer, files: &PaperFiles, name: &str) ->
     (renderer.read_factor(&prepared).unwrap(), voxel_world)
 }
 
-/// Asserts that nearly every pixel equals the twin's answer, and every other one equals its answer at most 0.02 voxels
-/// away along each axis. That is as close as f32 and f64 can agree.
+/// Asserts that nearly every pixel equals the twin's answer, and that every other pixel equals the twin's
+/// answer at a point at most 0.02 voxels away along each axis. f32 and f64 cannot agree more closely.
 pub(crate) fn hold(renderer: &Renderer, found: &[f32], twin: impl Fn([f64; 3], [f64; 3]) -> (f32, f64)) {
     let shot = kit::shot();
     let anchor = shot.camera.view().eye.map(|c| f64::from(c as f32));
@@ -52,7 +52,7 @@ pub(crate) fn hold(renderer: &Renderer, found: &[f32], twin: impl Fn([f64; 3], [
 }
 
 #[test]
-fn levels_of_trees_are_those_of_the_cpu_from_every_store() {
+fn tree_end_levels_match_cpu_in_every_store() {
     let rings = Detail::Rings { center_xz: [-75.0, 75.0], radii: vec![20.0, 60.0] };
     for detail in [Detail::Uniform, rings] {
         let baked = BakedTree::with_detail(kit::city(), 256, detail);

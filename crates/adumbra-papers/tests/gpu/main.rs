@@ -1,5 +1,5 @@
-//! Look-ups in graphs and trees on the GPU against their CPU twins: equal counts for every fixed-point receiver, and from f32
-//! positions equal answers unless a point is on a voxel's face.
+//! Look-ups in graphs and trees on the GPU against their CPU twins: equal counts for every fixed-point
+//! receiver, and from f32 positions equal answers unless a point is on a voxel's face.
 
 #![cfg(feature = "gpu")]
 

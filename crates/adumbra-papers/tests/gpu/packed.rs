@@ -1,5 +1,5 @@
-//! Packed graphs on the GPU against their CPU twin: equal counts for every fixed-point receiver, whatever the width of
-//! the pointers.
+//! Packed graphs on the GPU against their CPU twin: equal counts for every fixed-point receiver and every
+//! width of pointers.
 
 use std::collections::HashSet;
 
@@ -19,8 +19,8 @@ use crate::kit;
 
 const COUNT: usize = 100_000;
 
-/// A graph of cubes of eight voxels per side: 20,000 different ones, each used about three times, so that their pool
-/// has wide slots.
+/// A graph of cubes of eight voxels per side: 20,000 different ones, each used about three times, so that
+/// their pool has wide slots.
 fn many_cubes() -> Dag {
     let store = NodeStore::default();
     let hash =
@@ -51,7 +51,7 @@ fn many_cubes() -> Dag {
 
 #[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
-fn packed_voxel_with_wide_slots_counts_the_taps_that_the_cpu_counts() {
+fn packed_graph_with_wide_slots_matches_cpu_tap_counts() {
     let dag = many_cubes();
     let packed = pack(&dag).unwrap();
     assert!(packed.top[1] > (1 << 16) - NEAR_UNITS, "{}", packed.top[1]);
@@ -96,17 +96,18 @@ fn unit_grid() -> LightGrid {
     LightGrid::new(sun, Frame::Light, 1.0, [0.0; 3], [16; 3])
 }
 
-/// A graph of sixteen voxels per side made of eight cubes, each with one leaf mask. The pool has `pool_units` units,
-/// and pointers of every kind lead into it and past it.
+/// A graph of sixteen voxels per side made of eight cubes, each with one leaf mask. The pool has `pool_units`
+/// units, and pointers of every kind lead into it and past it.
 fn eight_cubes(pool_units: u32, high_bits: u32) -> PackedDag {
     let mut units = vec![0; pool_units as usize];
     let bits = |p: u32| (0x9e37_79b9_u32.wrapping_mul(p + 1) >> 11) as u16;
     let cube = |units: &mut [u16], p: u32| {
         units[0] = 0x0201;
-        // What is lit in the farther cube is lit in the nearer one, as in every column that switches once.
+        // A voxel lit in the farther cube is also lit in the nearer cube, because columns switch once.
         units[1..5].fill(if p & 1 == 0 { bits(p) | bits(p + 1) } else { bits(p) });
     };
-    // The cube of pointer 1 follows the slots, and pointer 3 is near. Four pointers are wide, the other two are narrow.
+    // The cube of pointer 1 follows the slots, and pointer 3 is near. Four pointers are wide, the other two
+    // are narrow.
     let wide = [0, 2, 5, 7];
     let mut string = vec![0_u16; (high_bits.max(8) + 4 * high_bits).div_ceil(16) as usize];
     let mut place = high_bits.max(8);
@@ -142,7 +143,7 @@ fn eight_cubes(pool_units: u32, high_bits: u32) -> PackedDag {
 }
 
 #[test]
-fn packed_voxel_follows_wide_slots_of_every_width() {
+fn packed_graph_follows_wide_slots_of_every_width() {
     let gpu = kit::gpu();
     let grid = unit_grid();
     let centre = |c: i64| c * i64::from(FIXED_ONE) + i64::from(FIXED_ONE / 2);

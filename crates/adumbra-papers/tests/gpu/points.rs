@@ -10,8 +10,8 @@ use adumbra_truth::verify::{Solids, SurfaceSampler};
 
 use crate::kit::SUN;
 
-/// Returns random points: half on surfaces, a quarter in the scene's bounding box, a quarter in that box enlarged
-/// to all sides. Of the latter two, a third have a normal.
+/// Returns random points: half on surfaces, a quarter in the scene's bounding box, a quarter in that box
+/// enlarged to all sides. Of the latter two, a third have a normal.
 pub(crate) fn points(scene: &Scene, count: usize) -> Vec<([f64; 3], Option<[f64; 3]>)> {
     let solids = Solids::of(scene);
     let sampler = SurfaceSampler::new(scene, &solids, Sun::from_direction(SUN).unwrap().towards(), false);
@@ -34,8 +34,8 @@ pub(crate) fn points(scene: &Scene, count: usize) -> Vec<([f64; 3], Option<[f64;
     (0..count).map(point).collect()
 }
 
-/// Returns an anchor at the middle of the scene, and the points as a shader receives them: f32 positions relative
-/// to it.
+/// Returns an anchor at the middle of the scene, and the points as a shader receives them: f32 positions
+/// relative to it.
 pub(crate) fn float_points(scene: &Scene, count: usize) -> ([f64; 3], Vec<PointQuery>) {
     let b = scene.bounds();
     let anchor: [f64; 3] = std::array::from_fn(|a| f64::from((0.5 * (b.min[a] + b.max[a])) as f32));
@@ -47,7 +47,7 @@ pub(crate) fn float_points(scene: &Scene, count: usize) -> ([f64; 3], Vec<PointQ
     (anchor, asked.collect())
 }
 
-/// Looks up points with a technique whose anchor they are relative to.
+/// Looks up points, given relative to the anchor of the technique.
 fn answer(gpu: &Gpu, technique: &dyn Technique, points: &[PointQuery]) -> Vec<f32> {
     let resolver = Resolver::new(gpu);
     let lookup = resolver.lookup(gpu, technique);
@@ -56,8 +56,8 @@ fn answer(gpu: &Gpu, technique: &dyn Technique, points: &[PointQuery]) -> Vec<f3
     resolver.answer(gpu, &frame, technique, &lookup, points).unwrap()
 }
 
-/// Asserts that at most 1 in 10,000 answers differs from the twin's, and that each of those equals the twin's answer at
-/// most 0.02 voxels away along each axis.
+/// Asserts that at most 1 in 10,000 answers differs from the twin's, and that each such answer equals the
+/// twin's answer at a point at most 0.02 voxels away along each axis.
 pub(crate) fn hold_floats(
     gpu: &Gpu,
     technique: &dyn Technique,

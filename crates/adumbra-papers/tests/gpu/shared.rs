@@ -18,7 +18,7 @@ fn baked(file: &str, side: u64) -> Option<BakedTree> {
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_tree_counts_are_the_cpu_s() {
+fn shared_tree_matches_cpu_tap_counts() {
     let gpu = gpu();
     for file in SCENES {
         let Some(baked) = baked(file, 512) else { return };
@@ -34,7 +34,7 @@ fn shared_tree_counts_are_the_cpu_s() {
 
 #[test]
 #[ignore = "slow: a real scene; four with ADUMBRA_FULL"]
-fn shared_tree_from_f32_positions_differs_only_on_faces() {
+fn shared_tree_answers_from_f32_positions_differ_only_on_faces() {
     let gpu = gpu();
     for file in SCENES.into_iter().take(if full() { SCENES.len() } else { 1 }) {
         let Some(baked) = baked(file, 1024) else { return };

@@ -1,5 +1,5 @@
-//! The part that the quick test and the fuzz target share: damage a tree file, correct its checksums, and check that
-//! the reader either refuses it or gives a tree that can be looked up everywhere.
+//! Code shared by the quick test and the fuzz target: damages a tree file, corrects its checksums, and checks
+//! that the reader either refuses it or gives a tree that can be looked up everywhere.
 
 #[path = "../format_damage/mod.rs"]
 mod format_damage;
@@ -16,8 +16,8 @@ pub(crate) const LAYOUT: Layout = Layout {
     step: 8,
 };
 
-/// Reads `bytes`. A file that is accepted must be written as exactly the same bytes, in one piece or in two, and must
-/// be usable for look-ups.
+/// Reads `bytes`. A file that is accepted must be written as exactly the same bytes, in one piece or in two,
+/// and must be usable for look-ups.
 ///
 /// # Panics
 /// Panics if the library is wrong.
@@ -48,7 +48,8 @@ pub(crate) fn exercise(bytes: &[u8]) -> Result<TreeFile, TreeFileError> {
     file
 }
 
-/// Looks up roughly `most` voxels at most, or every voxel if there are no more than that; returns how many are lit.
+/// Looks up roughly `most` voxels at most, or every voxel if there are no more than that; returns how many
+/// are lit.
 pub(crate) fn sweep(tree: &impl Voxels, side: u32, most: u64) -> u64 {
     let side = u64::from(side);
     let all = side * side * side;

@@ -1,6 +1,6 @@
-//! A slow reader of the tree file, written from `spec/adumbra-tree.md` alone. It works on the bytes of the file and
-//! shares nothing with the library. It checks nothing, so it must be given valid files. Their body must be words,
-//! except for [`symmetric_voxel`].
+//! A slow reader of the tree file, written from `spec/adumbra-tree.md` alone. It works on the bytes of the
+//! file and shares nothing with the library. It checks nothing, so it must be given valid files. Their body
+//! must be words, except for [`symmetric_voxel`].
 
 use adumbra_testing::{f64_at, u32_at, u64_at};
 
@@ -27,8 +27,8 @@ pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
     voxel_of(file, world).map_or(1, |v| voxel(file, v).0)
 }
 
-/// Returns the visibility of a voxel, and its attribute byte if the file has an attribute and the voxel is in a leaf of
-/// eight.
+/// Returns the visibility of a voxel, and its attribute byte if the file has an attribute and the voxel is in
+/// a leaf of eight.
 pub(crate) fn voxel(file: &[u8], [x, y, z]: [u32; 3]) -> (u8, Option<u8>) {
     let mut level = u32_at(file, 20);
     let mut node = word(file, 0);
@@ -51,8 +51,8 @@ pub(crate) fn voxel(file: &[u8], [x, y, z]: [u32; 3]) -> (u8, Option<u8>) {
     }
 }
 
-/// Returns the number of voxels of the leaves of eight in and below a node, with a walk that enters shared blocks each
-/// time.
+/// Returns the number of voxels of the leaves of eight in and below a node, with a walk that enters shared
+/// blocks each time.
 pub(crate) fn leaf_voxels(file: &[u8], node: u32) -> u64 {
     match node >> 30 {
         2 => 0,

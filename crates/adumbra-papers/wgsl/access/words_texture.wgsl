@@ -1,7 +1,7 @@
-// Words of a tree from the pages of an RGBA8 texture, one page per layer, laid out as adumbra_papers::tree::texture::Layout
-// defines. R holds bits 7 to 0 of a word, and so on up to A with bits 31 to 24. The last row of a page is its signature
-// and holds no words.
-// Source: The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm, 2021, §3.3.2.
+// Words of a tree from the pages of an RGBA8 texture, one page per layer, laid out as
+// adumbra_papers::tree::texture::Layout defines. R holds bits 7 to 0 of a word, and so on up to A with bits
+// 31 to 24. The last row of a page is its signature and holds no words. Source: The Optimization and
+// realization of Compact Precomputed Voxelized Shadows Algorithm, 2021, §3.3.2.
 
 @group(1) @binding(1) var adumbra_voxel_pages: texture_2d_array<u32>;
 

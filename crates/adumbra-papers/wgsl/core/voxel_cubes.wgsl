@@ -1,10 +1,9 @@
-// Look-up in a tree with 1, 3³ or 5³ cells; the counterpart of adumbra_papers::tree::query::TreeQuery::lit_weights, with the
-// same result for every tap.
-// Source: The Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm, 2021, §4.
-// spec/adumbra-tree.md documents the tree and the kernel.
-// The smallest cube that contains the whole kernel is looked up once. If it is uniform, nothing more is read. Otherwise
-// cells are read in blocks of eight. Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/
-// file.
+// Look-up in a tree with 1, 3³ or 5³ cells; the counterpart of
+// adumbra_papers::tree::query::TreeQuery::lit_weights, with the same result for every tap. Source: The
+// Optimization and realization of Compact Precomputed Voxelized Shadows Algorithm, 2021, §4.
+// spec/adumbra-tree.md documents the tree and the kernel. The smallest cube that contains the whole kernel is
+// looked up once. If it is uniform, nothing more is read. Otherwise cells are read in blocks of eight. Words
+// are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file.
 
 const ADUMBRA_CUBES_LEAF: u32 = 0x80000000u;
 const ADUMBRA_CUBES_MASK: u32 = 0xc0000000u;
@@ -49,8 +48,8 @@ fn adumbra_cubes_leaf(node: AdumbraCubesNode, xyz: vec3i) -> u32 {
     return node.word & 1u;
 }
 
-// Returns the states of the eight cells of a block, bit i = child i. With several depths a cell may be subdivided
-// further; its centre then decides.
+// Returns the states of the eight cells of a block, bit i = child i. With several depths a cell may be
+// subdivided further; its centre then decides.
 fn adumbra_cubes_block(from_node: AdumbraCubesNode, block: vec3i, level: u32) -> u32 {
     let corner = block << vec3u(level + 1u);
     let node = adumbra_cubes_walk(from_node, corner, level + 1u);
@@ -71,14 +70,16 @@ fn adumbra_cubes_block(from_node: AdumbraCubesNode, block: vec3i, level: u32) ->
     return mask;
 }
 
-// Returns the threshold at or above which normal · offset means that a tap is in front of the receiver's surface.
+// Returns the threshold at or above which normal · offset means that a tap is in front of the receiver's
+// surface.
 fn adumbra_cubes_plane(r: AdumbraCubesReceiver) -> i32 {
     let fraction = (r.p_fixed >> vec3u(r.level)) & vec3i(ADUMBRA_FIXED_ONE - 1);
     let along = r.normal * (ADUMBRA_FIXED_ONE / 2 - fraction);
     return -((r.height * ADUMBRA_FIXED_ONE + along.x + along.y + along.z) >> ADUMBRA_FIXED_BITS);
 }
 
-// Returns the weight of the lit taps and the weight of all taps that count. If all taps agree, these are 0 or 1, and 1.
+// Returns the weight of the lit taps and the weight of all taps that count. If all taps agree, these are 0 or
+// 1, and 1.
 fn adumbra_cubes_lit_weights(c: AdumbraCubesParams, r: AdumbraCubesReceiver) -> vec2u {
     let depth = c.depth;
     let reach = i32(c.reach);

@@ -1,6 +1,7 @@
-// Level of the cube in which the look-up of a kernel's centre ends in a tree. The whole cube is lit or shadowed, and it
-// spans 2^level voxels a side. -1 means that the point's sun ray misses the tree's cube. This is the counterpart of
-// adumbra_papers::tree::query::TreeQuery::end_level. core/voxel_cubes_receiver.wgsl must precede this file.
+// Level of the cube in which the look-up of a kernel's centre ends in a tree. The whole cube is lit or
+// shadowed, and it spans 2^level voxels a side. -1 means that the point's sun ray misses the tree's cube.
+// This is the counterpart of adumbra_papers::tree::query::TreeQuery::end_level.
+// core/voxel_cubes_receiver.wgsl must precede this file.
 
 fn adumbra_cubes_end_level(c: AdumbraCubesParams, s: AdumbraSurface) -> i32 {
     let place = adumbra_cubes_place(c, s);

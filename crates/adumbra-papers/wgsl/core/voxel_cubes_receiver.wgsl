@@ -1,6 +1,6 @@
-// Converts a surface to a receiver in a tree: its bias, the level of its cells, and for a point outside the cube the
-// entry point of its sun ray. This is the counterpart of adumbra_papers::tree::query::TreeQuery::receiver. The pass provides
-// the regions through these accessors:
+// Converts a surface to a receiver in a tree: its bias, the level of its cells, and for a point outside the
+// cube the entry point of its sun ray. This is the counterpart of
+// adumbra_papers::tree::query::TreeQuery::receiver. The pass provides the regions through these accessors:
 //     fn adumbra_cubes_plan_edges(axis: u32, index: u32) -> vec4i     four edges along x (0) or z (1)
 //     fn adumbra_cubes_plan_levels(index: u32) -> vec4u               32 levels, four bits each
 //     fn adumbra_cubes_plan_counts() -> vec2u                         edges along x, along z
@@ -40,8 +40,8 @@ fn adumbra_cubes_coarsest(low: vec2i, high: vec2i) -> u32 {
     return coarsest;
 }
 
-// Returns the level of the coarsest cells around a point and its lifted position, within the kernel's reach. `lift` is
-// in cells.
+// Returns the level of the coarsest cells around a point and its lifted position, within the kernel's reach.
+// `lift` is in cells.
 fn adumbra_cubes_level(c: AdumbraCubesParams, g: AdumbraGridPosition, lift: vec3f) -> u32 {
     if (all(adumbra_cubes_plan_counts() == vec2u(0u))) {
         return c.base_level;
@@ -64,8 +64,8 @@ fn adumbra_cubes_level(c: AdumbraCubesParams, g: AdumbraGridPosition, lift: vec3
     return level;
 }
 
-// Returns the first point inside the cube on the ray from p, in voxels, towards the sun; w = 0 if the ray misses the
-// cube.
+// Returns the first point inside the cube on the ray from p, in voxels, towards the sun; w = 0 if the ray
+// misses the cube.
 fn adumbra_cubes_entry(c: AdumbraCubesParams, p: vec3f) -> vec4f {
     let side = f32(c.grid.size.x);
     let d = c.towards_sun;

@@ -1,13 +1,14 @@
-// Look-up in a light-aligned graph with K × K texels; the counterpart of adumbra_papers::dag::DagQuery, with the same result for every
-// tap. Taps are gathered by blocks of 8 × 8 texels, at most 4 blocks for K = 3 to 9 and 9 for K = 17.
-// A column switches from lit to shadowed once, as every bake makes it. So what is lit in the farthest layer of a
-// block's taps is lit for all of them, and what is shadowed in the nearest layer is shadowed for all. Only columns that
-// switch in between need layers of their own.
-// Source: see core/voxel.wgsl, which must precede this file.
-// The layout is that of core/voxel_plain.wgsl or core/voxel_packed.wgsl, which define
+// Look-up in a light-aligned graph with K × K texels; the counterpart of adumbra_papers::dag::DagQuery, with
+// the same result for every tap. Taps are gathered by blocks of 8 × 8 texels, at most 4 blocks for K = 3 to 9
+// and 9 for K = 17. Every bake makes columns that switch from lit to shadowed once. So a column that is lit
+// in the farthest layer of a block's taps is lit for all of them, and a column that is shadowed in the
+// nearest layer is shadowed for all. Only columns that switch in between are looked up layer by layer.
+// Source: see core/voxel.wgsl, which must precede this file. The layout is that of core/voxel_plain.wgsl or
+// core/voxel_packed.wgsl, which define
 //     fn adumbra_voxel_root(v: AdumbraVoxelParams, voxel: vec3u) -> AdumbraVoxelNode
 // The root that contains a voxel.
-//     fn adumbra_voxel_descend(v: AdumbraVoxelParams, node: AdumbraVoxelNode, voxel: vec3u) -> AdumbraVoxelNode
+//     fn adumbra_voxel_descend(v: AdumbraVoxelParams, node: AdumbraVoxelNode, voxel: vec3u)
+//         -> AdumbraVoxelNode
 // From a mixed node above level 3 to the child that contains a voxel.
 //     fn adumbra_voxel_look_up(v: AdumbraVoxelParams, node: AdumbraVoxelNode, z: u32, mask: vec2u) -> vec2u
 // The lit bits of a mask in leaf mask z of a mixed node of level 3.
@@ -15,8 +16,8 @@
 const ADUMBRA_VOXEL_MIXED: u32 = 2u;
 const ADUMBRA_VOXEL_UNKNOWN: u32 = 3u;
 
-// The node that contains a box of voxels: a node of this level, or all shadowed (0) or all lit (1). It is unknown if no
-// single root contains the box.
+// The node that contains a box of voxels: a node of this level, or all shadowed (0) or all lit (1). It is
+// unknown if no single root contains the box.
 struct AdumbraVoxelNode {
     state: u32,
     level: u32,
@@ -24,8 +25,9 @@ struct AdumbraVoxelNode {
     at: u32,
 }
 
-// Returns the deepest node of level 3 or higher that contains all voxels low…high, so that look-ups of several of them
-// share the first part of the descent. It is below `trail`, which contains them too, or unknown.
+// Returns the deepest node of level 3 or higher that contains all voxels low…high, so that look-ups of
+// several of them share the first part of the descent. It is below `trail`, which contains them too, or
+// unknown.
 fn adumbra_voxel_over(v: AdumbraVoxelParams, trail: AdumbraVoxelNode, low: vec3u, high: vec3u) -> AdumbraVoxelNode {
     let differs = low ^ high;
     let shared_level = max(32u - countLeadingZeros(differs.x | differs.y | differs.z), 3u);
@@ -60,7 +62,7 @@ fn adumbra_leaf_mask_look_up(v: AdumbraVoxelParams, index: u32, mask: vec2u) -> 
     return lit;
 }
 
-// Counts the lit taps among the texels low…high, which lie in one block.
+// Counts the lit taps among the texels low…high, which are in one block.
 fn adumbra_voxel_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, trail: AdumbraVoxelNode, low: vec2i, high: vec2i) -> u32 {
     let taps = adumbra_voxel_taps(v, r, low, high);
     if (taps.farthest < 0) {
@@ -74,8 +76,8 @@ fn adumbra_voxel_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, trail: Ad
         // All taps in front of the grid are lit.
         lit = adumbra_voxel_taps_to(r, taps, -1);
     }
-    // Taps that are not settled, and the farthest of their layers. Cubes of eight layers follow each other towards the
-    // sun.
+    // Taps that are not yet decided, and the farthest of their layers. The loop visits cubes of eight layers
+    // towards the sun.
     var open = adumbra_voxel_rectangle(taps.low, taps.high) & ~lit;
     var layer = taps.farthest;
     while (layer >= nearest && any(open != vec2u(0u))) {
@@ -100,7 +102,8 @@ fn adumbra_voxel_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, trail: Ad
     return taps.beside + adumbra_voxel_count(lit);
 }
 
-// Returns the lit ones of `open`, taps in the layers of a mixed cube that are shadowed in the last of these.
+// Returns the lit taps of `open`. These taps are in `layers` of a mixed cube and are shadowed in the last of
+// the layers.
 fn adumbra_voxel_between(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, cube: AdumbraVoxelNode, layers: vec2i, open: vec2u) -> vec2u {
     if (layers.x == layers.y || all(open == vec2u(0u))) {
         return vec2u(0u);

@@ -1,7 +1,7 @@
-// Level of the block in which an unfiltered look-up in a light-aligned graph ends. The whole block is lit or shadowed,
-// and it spans 2^level voxels a side; at level 3 it may also be a leaf mask of 8 × 8 × 1. 0 is a single voxel. -1 means
-// that the receiver is beside or in front of the grid. This is the counterpart of adumbra_papers::dag::DagQuery::end_level.
-// core/voxel_graph.wgsl and a layout's file must precede this file.
+// Level of the block in which an unfiltered look-up in a light-aligned graph ends. The whole block is lit or
+// shadowed, and it spans 2^level voxels a side; at level 3 it may also be a leaf mask of 8 × 8 × 1. 0 is a
+// single voxel. -1 means that the receiver is beside or in front of the grid. This is the counterpart of
+// adumbra_papers::dag::DagQuery::end_level. core/voxel_graph.wgsl and a layout's file must precede this file.
 
 fn adumbra_voxel_end_level(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> i32 {
     let asked = adumbra_voxel_of(v, r);

@@ -1,6 +1,6 @@
-// Nodes of a light-aligned graph in the packed layout; the counterpart of adumbra_papers::dag::packed, which documents the
-// bits and the sources. Words: top, units and shared leaf masks are concatenated as they are in the file, the latter
-// two from `extra.x` and `code_offset` on. A node's position is that of its first unit.
+// Nodes of a light-aligned graph in the packed layout; the counterpart of adumbra_papers::dag::packed, which
+// documents the bits and the sources. Words: top, units and shared leaf masks are concatenated as they are in
+// the file, the latter two from `extra.x` and `code_offset` on. A node's position is that of its first unit.
 
 // States of a quarter's nearer and farther child by the quarter's code, two bits per code.
 const ADUMBRA_PACKED_NEARER: u32 = 0x2994u;
@@ -114,7 +114,8 @@ fn adumbra_packed_look_up(v: AdumbraVoxelParams, at: u32, mask: vec2u) -> vec2u 
     return lit;
 }
 
-// Returns the lit bits of `mask` in leaf mask z of a node of level 3. A half in which `mask` is zero is not read.
+// Returns the lit bits of `mask` in leaf mask z of a node of level 3. A half in which `mask` is zero is not
+// read.
 fn adumbra_voxel_look_up(v: AdumbraVoxelParams, node: AdumbraVoxelNode, z: u32, mask: vec2u) -> vec2u {
     let header = adumbra_packed_unit(v, node.at);
     let masks = countOneBits(header & 0xffu) - extractBits(header, 8u, 1u);
@@ -127,8 +128,8 @@ fn adumbra_voxel_look_up(v: AdumbraVoxelParams, node: AdumbraVoxelNode, z: u32, 
     }
     let follow = node.at + 1u;
     if ((header >> 15u) == 1u) {
-        // A column is lit in this mask if it is lit in at least `change` masks. Plane b holds bit b of the columns'
-        // counts.
+        // A column is lit in this mask if it is lit in at least `change` masks. Plane b holds bit b of the
+        // columns' counts.
         let planes = 32u - countLeadingZeros(masks);
         var lit = mask;
         for (var bit = 0u; bit < planes; bit++) {

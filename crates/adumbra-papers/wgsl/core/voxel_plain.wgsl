@@ -1,6 +1,6 @@
-// Nodes of a light-aligned graph in the plain layout; the counterpart of adumbra_papers::dag::plain::Dag, which documents
-// the words. Words: top, nodes and leaf masks are concatenated, the latter two from `extra.x` and `code_offset`
-// on. A node's position is that of its header. Source: see core/voxel.wgsl.
+// Nodes of a light-aligned graph in the plain layout; the counterpart of adumbra_papers::dag::plain::Dag,
+// which documents the words. Words: top, nodes and leaf masks are concatenated, the latter two from
+// `extra.x` and `code_offset` on. A node's position is that of its header. Source: see core/voxel.wgsl.
 
 // Returns the root that contains a voxel.
 fn adumbra_voxel_root(v: AdumbraVoxelParams, voxel: vec3u) -> AdumbraVoxelNode {

@@ -1,5 +1,5 @@
-// Copies a texture's words into a storage buffer, one thread per word: the alternative to reading the texture in each
-// look-up. Trees may need several buffers.
+// Copies a texture's words into a storage buffer, one thread per word: the alternative to reading the texture
+// in each look-up. Trees may need several buffers.
 
 @group(0) @binding(0) var<uniform> decode: AdumbraDecodeParams;
 @group(0) @binding(1) var<storage, read_write> decoded: array<u32>;

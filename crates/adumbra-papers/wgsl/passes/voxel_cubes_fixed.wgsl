@@ -1,5 +1,5 @@
-// Weights of the lit taps and of all taps of `voxel-cubes` and `voxel-texture` for receivers in fixed point. One thread
-// per receiver.
+// Weights of the lit taps and of all taps of `voxel-cubes` and `voxel-texture` for receivers in fixed point.
+// One thread per receiver.
 
 @group(0) @binding(0) var<storage, read> receivers: array<AdumbraCubesQuery>;
 @group(0) @binding(1) var<storage, read_write> lit_weights: array<vec2u>;

@@ -1,4 +1,5 @@
-// A world-aligned tree's uniform, and the accessors to its regions that core/voxel_cubes_receiver.wgsl expects.
+// A world-aligned tree's uniform, and the accessors to its regions that core/voxel_cubes_receiver.wgsl
+// expects.
 
 @group(1) @binding(0) var<uniform> cubes: AdumbraCubesUniform;
 

@@ -1,36 +1,36 @@
-//! The keys that a follower has: which answer at a sun, and which is to be baked next.
+//! The keys of a follower: the keys that answer for a sun, and the next key to bake.
 
 use super::motion::{Motion, angle};
 
-/// How many times coarser the stages of a key are than what was asked for.
+/// For each stage of a key, how many times coarser its voxels are than requested.
 pub(super) const STAGES: [u64; 2] = [8, 1];
 /// The last stage.
 const FINEST: usize = STAGES.len() - 1;
-/// How far apart keys may be where bakes are slow.
+/// Largest angle between keys where bakes are slow.
 const MOST_APART_DEGREES: f64 = 16.0;
-/// A key serves suns at least so far from it.
+/// A key serves suns at least up to this angle from it.
 const LEAST_REACH_DEGREES: f64 = 4.0;
-/// A key serves suns so many gaps from it.
+/// A key serves suns up to this many gaps from it.
 const REACH_GAPS: f64 = 1.5;
-/// A key of the sun itself: nothing is gained by another one.
+/// A key this near to the sun counts as the sun's own: another bake gains nothing.
 const SAME_DEGREES: f64 = 0.1;
-/// How long before it rises a sun's first key is begun, in seconds.
+/// Time before a sunrise at which the first key is begun, in seconds.
 const DAWN_SECONDS: f64 = 60.0;
-/// A bake may take so many times as long as is expected.
+/// A bake may take this many times the expected time.
 const SLACK: f64 = 1.5;
-/// How many times as long as the stage before it a stage is expected to take that was not baked yet. A bake of a large city takes
-/// as long at any resolution; where it does not, the first bake tells.
+/// Expected time of a stage that has not been baked yet, relative to the stage before it. A bake of a large
+/// city takes equally long at any resolution. Otherwise, the first bake of the stage shows its time.
 const GROWTH: f64 = 1.5;
-/// Keys that are so many reaches away, or are to be baked there, are given up.
+/// Keys and bakes that are this many reaches away are dropped.
 const FAR_REACHES: f64 = 2.5;
 
-/// A key: a sun, and what was baked for it.
+/// A key: a sun, and its baked file.
 #[derive(Clone, Debug)]
 pub(super) struct Key<F> {
     pub(super) towards: [f64; 3],
     /// Index in [`STAGES`].
     pub(super) stage: usize,
-    /// The middle of what was baked.
+    /// The middle of the baked area.
     pub(super) focus: [f64; 3],
     pub(super) file: F,
 }
@@ -41,11 +41,11 @@ pub(super) struct Job {
     pub(super) towards: [f64; 3],
     /// Index in [`STAGES`].
     pub(super) stage: usize,
-    /// The middle of what is to be baked.
+    /// The middle of the area to bake.
     pub(super) focus: [f64; 3],
 }
 
-/// The keys around a sun, and how long the bake of each stage took last.
+/// The keys around a sun, and the time of the last bake of each stage.
 #[derive(Clone, Debug)]
 pub(super) struct Keys<F> {
     keys: Vec<Key<F>>,
@@ -54,11 +54,12 @@ pub(super) struct Keys<F> {
     lowest: f64,
     /// Where keys are needed.
     focus: [f64; 3],
-    /// How far from a key's focus it is of use; infinite if all of the scene is baked.
+    /// Distance from a key's focus within which the key is useful; infinite if the whole scene is baked.
     span_world: f64,
 }
 
-/// Returns how far apart keys are at an elevation, in degrees: about as far as keys that were placed by their error.
+/// Returns the angle between keys at an elevation, in degrees: about that between keys that are placed by
+/// their error.
 fn gap_degrees(elevation_degrees: f64) -> f64 {
     const TABLE: [[f64; 2]; 4] = [[10.0, 1.0], [16.0, 2.0], [28.0, 4.0], [40.0, 8.0]];
     let after = TABLE.partition_point(|[elevation, _]| *elevation < elevation_degrees);
@@ -70,32 +71,34 @@ fn gap_degrees(elevation_degrees: f64) -> f64 {
 }
 
 impl<F: Clone> Keys<F> {
-    /// Returns no keys. None will be lower than this elevation, and each is of use so far around its focus.
+    /// Starts without keys. No key will be lower than this elevation, and each is useful within `span_world`
+    /// of its focus.
     pub(super) fn new(lowest_degrees: f64, span_world: f64) -> Self {
         let seconds = [f64::INFINITY; STAGES.len()];
         let lowest = lowest_degrees.to_radians().sin();
         Self { keys: Vec::new(), seconds, lowest, focus: [0.0; 3], span_world }
     }
 
-    /// Says where keys are needed.
+    /// Sets the place where keys are needed.
     pub(super) fn set_focus(&mut self, focus: [f64; 3]) {
         self.focus = focus;
     }
 
-    /// Whether a key is of use where keys are needed.
+    /// Whether a key with this focus is useful at the place where keys are needed.
     fn is_here(&self, focus: [f64; 3]) -> bool {
         let [x, _, z] = std::array::from_fn(|a| focus[a] - self.focus[a]);
         x.hypot(z) <= self.span_world
     }
 
-    /// Adds a key whose bake took so long.
+    /// Adds a key whose bake took `seconds`.
     pub(super) fn insert(&mut self, key: Key<F>, seconds: f64) {
         self.seconds[key.stage] = seconds;
         self.keys.retain(|old| angle(old.towards, key.towards) > 1e-9);
         self.keys.push(key);
     }
 
-    /// Gives up keys that the sun has left: all but the one before it, and two after it. The nearest one always stays.
+    /// Drops keys that the sun has left behind. Keeps the key before the sun, two keys ahead of it, and
+    /// always the nearest key.
     pub(super) fn tidy(&mut self, sun: [f64; 3], motion: &Motion) {
         let here = self.keys.iter().filter(|key| self.is_here(key.focus));
         let mut ahead: Vec<f64> = here.map(|key| motion.along(sun, key.towards)).collect();
@@ -115,9 +118,11 @@ impl<F: Clone> Keys<F> {
         self.keys.retain(|_| stays.next().unwrap_or(true));
     }
 
-    /// Returns the keys that answer at a sun: the one that is asked first, and the other one. `None` if there is none.
+    /// Returns the two keys that answer for a sun: the key to march in first, then the other. `None` if there
+    /// are no keys.
     ///
-    /// The finer one is first, then the one with the higher sun, unless the other is more than four times nearer.
+    /// The finer key is first. If both are equally fine, the key with the higher sun is first, unless the
+    /// other is more than four times nearer.
     pub(super) fn around(&self, sun: [f64; 3], motion: &Motion) -> Option<[&Key<F>; 2]> {
         let (a, b) = match self.pair(sun, motion).map(|key| key.map(|i| &self.keys[i])).into() {
             (Some(a), Some(b)) => (a, b),
@@ -133,7 +138,7 @@ impl<F: Clone> Keys<F> {
         Some(if is_first { [a, b] } else { [b, a] })
     }
 
-    /// Returns the keys before and after the sun: those that are of use here, or else any.
+    /// Returns the keys before and after the sun: the useful ones here, or any keys if none is useful here.
     fn pair(&self, sun: [f64; 3], motion: &Motion) -> [Option<usize>; 2] {
         let here = [self.behind(sun, motion), self.ahead(sun, motion)];
         if here.iter().any(Option::is_some) {
@@ -143,7 +148,7 @@ impl<F: Clone> Keys<F> {
         [anywhere(false), anywhere(true)]
     }
 
-    /// Returns the bake that is needed most for a sun that is here and moves like this.
+    /// Returns the most urgent bake for this sun and its motion.
     pub(super) fn next_job(&self, sun: [f64; 3], motion: &Motion) -> Option<Job> {
         let sun = if sun[1] > 0.0 { sun } else { self.dawn(sun, motion)? };
         let (behind, ahead) = (self.behind(sun, motion), self.ahead(sun, motion));
@@ -152,7 +157,8 @@ impl<F: Clone> Keys<F> {
         if speed == 0.0 {
             return self.job_of_a_standing_sun(sun, [behind, ahead], gap);
         }
-        // A key that the sun has just passed is worth another bake, one that it leaves behind is not.
+        // Refining a key that the sun has just passed is worth a bake. Refining one that the sun leaves
+        // behind is not.
         let in_use = |key: usize| (0.5 * gap - self.distance(key, sun)) / speed;
         if let Some(job) = behind.and_then(|key| self.refinement(key, in_use(key))) {
             return Some(job);
@@ -165,7 +171,7 @@ impl<F: Clone> Keys<F> {
                 .or_else(|| self.refinement(now, f64::INFINITY));
         };
         let towards = self.keys[ahead].towards;
-        // A bake that ends after the sun has passed its key is of no use: the key after it is.
+        // A bake that ends after the sun has passed its key is useless. Bake the key after it.
         let left = motion.along(sun, towards) / speed;
         let is_soon = SLACK * self.expected_seconds(FINEST) <= left;
         if is_soon && let Some(job) = self.refinement(ahead, f64::INFINITY) {
@@ -181,7 +187,7 @@ impl<F: Clone> Keys<F> {
         }
     }
 
-    /// Whether the result of a job would be of use.
+    /// Whether the result of a job would be useful.
     pub(super) fn wants(&self, job: &Job, sun: [f64; 3], motion: &Motion) -> bool {
         let sun = if sun[1] > 0.0 { sun } else { self.dawn(sun, motion).unwrap_or(sun) };
         self.is_here(job.focus) && angle(sun, job.towards) <= FAR_REACHES * self.reach(sun, motion)
@@ -202,13 +208,15 @@ impl<F: Clone> Keys<F> {
         }
     }
 
-    /// Returns the bake of a key that is an angle after another one, in radians. `None` if there is one: the sun sets.
+    /// Returns the bake of a key at an angle beyond another one, in radians. `None` if a key is already
+    /// there, which happens when the sun sets.
     fn job_beyond(&self, from: [f64; 3], beyond: f64, sun: [f64; 3], motion: &Motion) -> Option<Job> {
         let towards = self.raised(motion.after(from, beyond));
         let here = self.keys.iter().filter(|key| self.is_here(key.focus));
         let is_new =
             here.map(|key| angle(key.towards, towards)).all(|apart| apart > SAME_DEGREES.to_radians());
-        // It is needed when the sun is half way to it from the key before, or from where it is.
+        // The key is needed when the sun is half way to it, from the key before it or from its present
+        // position.
         let begin = motion.along(sun, from).max(0.0);
         let half_way = 0.5 * (begin + motion.along(sun, towards).max(0.0));
         is_new.then(|| self.job(towards, None, half_way / motion.speed()))
@@ -236,13 +244,14 @@ impl<F: Clone> Keys<F> {
         Job { towards: self.raised(towards), stage, focus: self.focus }
     }
 
-    /// Returns how long a bake is expected to take: as long as the last one of the stage, or as its like is known to grow.
+    /// Returns the expected time of a bake: that of the last bake of the stage, or an estimate from a coarser
+    /// stage.
     fn expected_seconds(&self, stage: usize) -> f64 {
         let known = (0..=stage).rev().find(|&coarser| self.seconds[coarser].is_finite());
         known.map_or(f64::INFINITY, |known| self.seconds[known] * GROWTH.powi((stage - known) as i32))
     }
 
-    /// Returns how far apart keys are here, in degrees: farther than they should be if bakes are too slow.
+    /// Returns the angle between keys here, in degrees. It is larger than desired if bakes are too slow.
     fn gap(&self, sun: [f64; 3], motion: &Motion) -> f64 {
         let wanted = gap_degrees(sun[1].clamp(-1.0, 1.0).asin().to_degrees());
         let bake = self.expected_seconds(FINEST);
@@ -250,12 +259,12 @@ impl<F: Clone> Keys<F> {
         wanted.max(affordable).min(MOST_APART_DEGREES)
     }
 
-    /// Returns how far from a key a sun may be, in radians.
+    /// Returns the largest angle between a key and a sun that it serves, in radians.
     fn reach(&self, sun: [f64; 3], motion: &Motion) -> f64 {
         (REACH_GAPS * self.gap(sun, motion)).max(LEAST_REACH_DEGREES).to_radians()
     }
 
-    /// Returns the nearest key that the sun has passed, or that it stands at.
+    /// Returns the nearest key that the sun has passed, or is at.
     fn behind(&self, sun: [f64; 3], motion: &Motion) -> Option<usize> {
         self.nearest_of(sun, motion, |key, along| along <= 0.0 && self.is_here(key.focus))
     }
@@ -297,7 +306,7 @@ impl<F: Clone> Keys<F> {
         [towards[0] * factor, self.lowest, towards[2] * factor]
     }
 
-    /// Returns where a sun that is below the horizon will rise, if it does soon.
+    /// Returns the position at which a sun below the horizon will rise, if it rises soon.
     fn dawn(&self, sun: [f64; 3], motion: &Motion) -> Option<[f64; 3]> {
         let most = (motion.speed() * DAWN_SECONDS).min(MOST_APART_DEGREES.to_radians());
         (1..=64).map(|i| motion.after(sun, most * f64::from(i) / 64.0)).find(|towards| towards[1] > 0.0)
@@ -308,13 +317,14 @@ impl<F: Clone> Keys<F> {
 mod tests {
     use super::*;
 
-    /// A sun that rises in the east, stands 60° high at noon and sets in the west.
+    /// A sun that rises in the east, is 60° high at noon, and sets in the west.
     fn sun(degrees: f64) -> [f64; 3] {
         let (sin, cos) = degrees.to_radians().sin_cos();
         [cos, sin * 60f64.to_radians().sin(), sin * 60f64.to_radians().cos()]
     }
 
-    /// Plays suns, by time in seconds, with bakes of so many seconds at the finest stage. Calls `see` with each frame.
+    /// Runs the keys for suns given by time, with finest bakes that take `bake_seconds`. Calls `see` with
+    /// each frame.
     fn play(
         seconds: f64,
         bake_seconds: f64,
@@ -324,7 +334,8 @@ mod tests {
         walk(0.0, seconds, bake_seconds, at, see)
     }
 
-    /// The same for a camera that walks so far each second, where a key is of use within 100 m of its focus.
+    /// As [`play`], with a camera that walks `walk` metres per second. A key is useful within 100 m of its
+    /// focus.
     fn walk(
         walk: f64,
         seconds: f64,
@@ -357,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn gaps_are_those_of_paths() {
+    fn gap_by_elevation_matches_table() {
         for (elevation, gap) in [(-3.0, 1.0), (10.0, 1.0), (13.0, 1.5), (22.0, 3.0), (40.0, 8.0), (90.0, 8.0)]
         {
             assert_eq!(gap_degrees(elevation), gap, "{elevation}");
@@ -365,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_sun_is_always_between_two_fine_keys() {
+    fn steady_sun_is_always_between_two_finest_keys() {
         // A day of 48 minutes: 7.5° per minute.
         let at = |seconds: f64| 20.0 + 0.125 * seconds;
         play(1000.0, 4.0, at, |now, around| {
@@ -386,7 +397,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_farther_apart_where_bakes_are_slow() {
+    fn slow_bakes_space_keys_farther_apart() {
         let at = |seconds: f64| 5.0 + 0.125 * seconds;
         let (mut widest, mut fine, mut frames) = (0f64, 0, 0);
         play(200.0, 20.0, at, |now, around| {
@@ -401,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_go_with_a_camera_that_walks() {
+    fn keys_follow_a_walking_camera() {
         let at = |seconds: f64| 50.0 + 0.125 * seconds;
         let (mut far, mut frames) = (0, 0);
         walk(2.0, 240.0, 4.0, at, |now, around| {
@@ -416,7 +427,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_is_answered_coarsely_and_then_finely() {
+    fn jump_gets_a_coarse_key_first_and_then_a_fine_one() {
         let at = |seconds: f64| if seconds < 30.0 { 30.0 } else { 110.0 };
         let mut stages = Vec::new();
         let keys = play(60.0, 4.0, at, |now, around| {
@@ -432,7 +443,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sun_that_stops_between_two_keys_keeps_both() {
+    fn sun_that_stops_between_two_keys_keeps_both() {
         let at = |seconds: f64| 40.0 + 0.125 * seconds.min(100.0);
         play(140.0, 4.0, at, |now, around| {
             if now > 100.0 {
@@ -443,7 +454,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_key_is_there_before_the_sun_rises_and_none_is_below_the_lowest() {
+    fn first_key_is_ready_at_sunrise_and_no_key_is_too_low() {
         let at = |seconds: f64| -10.0 + 0.125 * seconds;
         let keys = play(100.0, 4.0, at, |now, around| {
             assert!(around.is_none() || now > 15.0, "no bake in the night");
@@ -459,7 +470,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sun_that_is_dragged_never_lacks_a_key() {
+    fn dragged_sun_always_has_a_key() {
         // Back and forth, faster than any bake but the coarsest.
         let at = |seconds: f64| 90.0 + 60.0 * (0.7 * seconds).sin();
         play(40.0, 4.0, at, |now, around| assert!(around.is_some() || now < 0.1, "{now}"));

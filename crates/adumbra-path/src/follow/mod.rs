@@ -1,8 +1,8 @@
 //! Follows a sun at run time: keys are baked ahead of it in the background, coarse to fine.
 //!
-//! An engine says in every frame where its sun is, and gets two key files between which a march answers. The follower sees
-//! how fast the sun moves and where to. A path that was baked is played by the reader, in the same terms. Data flows one way:
-//! motion → keys → worker and moment → follower and reader.
+//! An engine passes its sun in every frame, and gets two key files between which a march answers. The
+//! follower derives the sun's speed and direction of motion. The reader plays a baked path with the same
+//! interface. Data flows one way: motion → keys → worker and moment → follower and reader.
 
 mod keys;
 mod moment;
@@ -29,13 +29,14 @@ use crate::error::{Error, Result};
 pub struct FollowOptions {
     /// Settings of each key's bake. Its sun, frame and levels are the follower's.
     pub bake: BakeOptions,
-    /// Threads that bake, and do nothing else; 1 unless set.
+    /// Number of threads that only bake; 1 unless set.
     pub threads: usize,
-    /// The least elevation of a key in degrees; 3 unless set. A lower sun is answered from the key nearest to it.
+    /// The least elevation of a key in degrees; 3 unless set. A lower sun is answered from the key nearest to
+    /// it.
     pub lowest_degrees: f64,
-    /// If set, a key has only what is within so many world units of the focus, along x and z, in place of the bounds of
-    /// `bake`; what is farther away is lit. A large world is not baked in time otherwise. The focus may go half as far before
-    /// other keys are baked.
+    /// If set, a key covers only what is within this many world units of the focus, along x and z, in place
+    /// of the bounds of `bake`. Everything farther away is lit. Without it, a large world is not baked in
+    /// time. The focus may move half as far before other keys are baked.
     pub near_world: Option<f64>,
 }
 
@@ -46,10 +47,10 @@ impl FollowOptions {
     }
 }
 
-/// Bakes the keys of a sun that moves, while it moves.
+/// Bakes the keys of a moving sun while the sun moves.
 ///
-/// Cost: a call of [`SunFollower::follow`] takes microseconds and no lock. Bakes take the threads of the options. At most
-/// four keys are kept.
+/// Cost: a call of [`SunFollower::follow`] takes microseconds and no lock. Bakes take the threads of the
+/// options. At most four keys are kept.
 ///
 /// ```no_run
 /// use std::sync::Arc;
@@ -80,8 +81,8 @@ pub struct SunFollower {
 }
 
 impl SunFollower {
-    /// Starts to follow. `on_key` is called on the follower's thread when a bake has ended: an event loop that sleeps can be
-    /// woken there.
+    /// Starts to follow. `on_key` is called on the follower's thread when a bake has ended, for example to
+    /// wake a sleeping event loop.
     ///
     /// # Errors
     /// Returns an error if the operating system gives no threads.
@@ -103,13 +104,14 @@ impl SunFollower {
         })
     }
 
-    /// Says where shadows are needed, such as the place of the camera. It matters with [`FollowOptions::near_world`] alone.
+    /// Sets the place where shadows are needed, such as the camera's. It matters only with
+    /// [`FollowOptions::near_world`].
     pub fn set_focus(&mut self, p_world: [f64; 3]) {
         self.keys.set_focus(p_world);
     }
 
-    /// Takes in where the sun is, as a unit vector, at a time in seconds of any clock that only runs forward, and returns
-    /// what answers for it. Starts the next bake if none is running.
+    /// Takes the sun's direction, as a unit vector, at a time in seconds of any clock that never runs
+    /// backwards. Returns the keys that answer for this sun. Starts the next bake if none is running.
     pub fn follow(&mut self, seconds: f64, towards_sun: [f64; 3]) -> Followed {
         self.motion.see(seconds, towards_sun);
         match self.worker.outcome() {
@@ -131,13 +133,14 @@ impl SunFollower {
         self.answer(towards_sun)
     }
 
-    /// Returns the error of a bake that failed since the last call, and allows the next bake. Without this call a follower
-    /// bakes no more after an error; the keys that it has stay.
+    /// Returns the error of a bake that failed since the last call, and allows the next bake. Until this
+    /// call, a follower does not bake after an error, and keeps its keys.
     pub fn take_fault(&mut self) -> Option<Error> {
         self.fault.take()
     }
 
-    /// Has it bake no more, as where each bake would fail alike. The keys that it has go on answering.
+    /// Stops all further bakes, for example if every bake would fail in the same way. The existing keys still
+    /// answer.
     pub fn stop(&mut self) {
         self.is_stopped = true;
     }

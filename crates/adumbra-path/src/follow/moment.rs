@@ -1,16 +1,16 @@
-//! What answers for a sun that moves.
+//! Answers for a moving sun.
 
 use std::sync::Arc;
 
 use adumbra::query::MarchSlope;
 use adumbra::{Filter, PathSampler, ShadowFile};
 
-/// What there is for a sun.
+/// The answer for a sun.
 #[derive(Clone, Debug)]
 pub enum Followed {
     /// The sun is at or below the horizon: every point is in shadow.
     Night,
-    /// No key is there yet: only the first moments are like this.
+    /// No key is available yet. This happens only at the beginning.
     Waiting,
     /// Two keys answer.
     Moment(FollowedMoment),
@@ -19,14 +19,14 @@ pub enum Followed {
 /// Two keys, and the sun that they answer for.
 #[derive(Clone, Debug)]
 pub struct FollowedMoment {
-    /// The key that is asked first, and the other one. It may be one twice.
+    /// The key to march in first, and the other key. Both may be the same.
     pub keys: [Arc<ShadowFile>; 2],
-    /// Unit vector towards the sun for which they answer: that of the frame, or that of the first key while the sun has
-    /// jumped so far away that no march can reach it.
+    /// Unit vector towards the sun for which they answer: the frame's sun, or the first key's while the sun
+    /// has jumped too far away for a march.
     pub towards_sun: [f64; 3],
-    /// How often the keys have changed: what was made from them is still right while this is the same.
+    /// How often the keys have changed: anything derived from them stays valid while this is the same.
     pub changes: u64,
-    /// How many times coarser than asked for the coarser one of the keys is: 1 or 8.
+    /// How many times coarser than requested the coarser key is: 1 or 8.
     pub coarser: u64,
 }
 

@@ -1,21 +1,21 @@
-//! How a sun moves, from where it was seen: on a great circle, at a speed.
+//! The motion of a sun, estimated from its past directions: along a great circle, at a speed.
 
 use adumbra::grid::vec3::{cross, dot, normalize};
 
-/// A step of more than this in one frame is a jump: the sun was set, and says nothing about where it will be.
+/// A larger step in one frame is a jump: the sun was set, so its future direction is unknown.
 const JUMP_RADIANS: f64 = 0.05;
-/// How long a measured speed counts, in seconds of the caller's clock.
+/// Time constant of the measured speed, in seconds of the caller's clock.
 const MEMORY_SECONDS: f64 = 0.5;
-/// Slower suns stand still: less than a hundredth of the sky's own turn.
+/// Slower suns count as not moving. This is less than a hundredth of the sky's own rotation.
 const LEAST_RADIANS_PER_SECOND: f64 = 7e-7;
 
 /// The motion of a sun.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Motion {
     seen: Option<SunSample>,
-    /// The vector that the sun turns about, as long as its speed in radians per second.
+    /// The rotation axis of the sun's motion. Its length is the speed in radians per second.
     turn: [f64; 3],
-    /// The unit vector that it turned about when it moved last; all zero if it never has.
+    /// The unit axis of the sun's last motion; zero if the sun has never moved.
     axis: [f64; 3],
 }
 
@@ -26,7 +26,8 @@ struct SunSample {
 }
 
 impl Motion {
-    /// Takes in where the sun is at a time. A time that is not after the last one changes nothing but the place.
+    /// Takes the sun's direction at a time. If the time is not after the last one, only the direction
+    /// changes.
     pub(super) fn see(&mut self, seconds: f64, towards: [f64; 3]) {
         let last = self.seen.replace(SunSample { seconds, towards });
         let Some(last) = last else { return };
@@ -35,7 +36,7 @@ impl Motion {
         if angle > JUMP_RADIANS {
             self.turn = [0.0; 3];
         } else if elapsed > 0.0 {
-            // The cross product is exact for small angles, which those of a frame are.
+            // The cross product is accurate for small angles, and the angle per frame is small.
             let now = cross(last.towards, towards).map(|c| c / elapsed);
             let share = if self.speed() == 0.0 { 1.0 } else { (elapsed / MEMORY_SECONDS).min(1.0) };
             self.turn = std::array::from_fn(|a| self.turn[a] + share * (now[a] - self.turn[a]));
@@ -45,13 +46,13 @@ impl Motion {
         }
     }
 
-    /// Returns the speed in radians per second; 0 if the sun stands still.
+    /// Returns the speed in radians per second; 0 if the sun does not move.
     pub(super) fn speed(&self) -> f64 {
         let speed = dot(self.turn, self.turn).sqrt();
         if speed < LEAST_RADIANS_PER_SECOND { 0.0 } else { speed }
     }
 
-    /// Returns the direction that is an angle in radians after another one.
+    /// Returns the direction at an angle beyond another direction, in radians.
     pub(super) fn after(&self, towards: [f64; 3], angle: f64) -> [f64; 3] {
         if self.speed() == 0.0 {
             return towards;
@@ -63,8 +64,8 @@ impl Motion {
         normalize(std::array::from_fn(|a| cos * towards[a] + sin * side[a] + along * axis[a]))
     }
 
-    /// Returns how far `b` is after `a` on the way of the sun, in radians; negative if it is before. It is 0 if the sun has
-    /// not moved yet.
+    /// Returns how far `b` is ahead of `a` along the sun's motion, in radians; negative if `b` is behind. It
+    /// is 0 if the sun has not moved yet.
     pub(super) fn along(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
         if self.axis == [0.0; 3] { 0.0 } else { dot(self.axis, cross(a, b)).atan2(dot(a, b)) }
     }
@@ -87,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_sun_is_foreseen() {
+    fn motion_predicts_a_steady_sun() {
         let mut motion = Motion::default();
         assert_eq!(motion.speed(), 0.0);
         for frame in 0..120 {
@@ -100,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_jump_and_a_stop_leave_no_motion() {
+    fn speed_is_zero_after_a_jump_and_after_a_stop() {
         let mut motion = Motion::default();
         motion.see(0.0, sun(20.0));
         motion.see(0.1, sun(20.5));

@@ -1,4 +1,4 @@
-//! Plays a path that was baked: its keys are read in the background, as the time needs them.
+//! Plays a baked path: reads its keys in the background when they are needed.
 
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -11,7 +11,8 @@ use crate::error::{Error, Result};
 
 /// Reads the keys of a path file while its day plays: those around the moment, and the one after them.
 ///
-/// Cost: a call of [`PathReader::follow`] takes microseconds. At most three keys are kept, and one thread decodes.
+/// Cost: a call of [`PathReader::follow`] takes microseconds. At most three keys are kept, and one thread
+/// decodes.
 pub struct PathReader {
     path: SunPath,
     jobs: Sender<usize>,
@@ -23,8 +24,8 @@ pub struct PathReader {
 }
 
 impl PathReader {
-    /// Starts to read. `on_key` is called on the reader's thread when a key has been read: an event loop that sleeps can be
-    /// woken there.
+    /// Starts to read. `on_key` is called on the reader's thread when a key has been read, for example to
+    /// wake a sleeping event loop.
     ///
     /// # Errors
     /// Returns an error if the operating system gives no thread.
@@ -43,13 +44,13 @@ impl PathReader {
         Ok(Self { path, jobs, done, asked: None, read: Vec::new(), shown: Shown::default(), fault: None })
     }
 
-    /// The path.
+    /// Returns the path.
     pub fn path(&self) -> &SunPath {
         &self.path
     }
 
-    /// Returns what answers at a moment, in the path's seconds, and reads on. Until the keys around have been read, one that
-    /// is there answers.
+    /// Returns the keys that answer at a moment, in the path's seconds, and continues reading. Until both
+    /// keys around the moment have been read, a key that is available answers.
     pub fn follow(&mut self, seconds: f64) -> Followed {
         if let Ok((index, read)) = self.done.try_recv() {
             self.asked = None;
@@ -88,8 +89,8 @@ impl PathReader {
         Followed::Moment(self.shown.moment(keys, towards_sun, 1))
     }
 
-    /// Returns the error of a key that could not be read since the last call, and allows another try. Without this call no
-    /// more keys are read; those that are there stay.
+    /// Returns the error of a key that could not be read since the last call, and allows another try. Until
+    /// this call, no more keys are read; those already read stay.
     pub fn take_fault(&mut self) -> Option<Error> {
         self.fault.take()
     }

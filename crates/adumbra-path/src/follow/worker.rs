@@ -7,14 +7,14 @@ use std::thread;
 use std::time::Instant;
 
 use adumbra::{Bounds, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::Scene;
 
 use super::FollowOptions;
 use super::keys::{Job, Key, STAGES};
 use crate::error::Result;
 
-/// What a bake came to: a key and the seconds that it took, or an error.
+/// The result of a bake: a key and its time in seconds, or an error.
 pub(super) type Outcome = Result<(Key<Arc<ShadowFile>>, f64)>;
 
 /// A thread that bakes. It ends when the handle is dropped.
@@ -25,7 +25,7 @@ pub(super) struct Worker {
     cancel: Arc<AtomicBool>,
 }
 
-/// What keys are baked from.
+/// The inputs of the bakes.
 struct Bench {
     scene: Arc<Scene>,
     options: BakeOptions,
@@ -34,7 +34,8 @@ struct Bench {
 }
 
 impl Worker {
-    /// Starts the thread, which bakes on a pool of its own. `on_outcome` is called after each bake, on the worker.
+    /// Starts the thread, which bakes on its own thread pool. Calls `on_outcome` after each bake, on the
+    /// worker.
     ///
     /// # Errors
     /// Returns an error if the operating system gives no threads.
@@ -72,7 +73,7 @@ impl Worker {
         self.running.as_ref()
     }
 
-    /// Starts a bake. None may be running.
+    /// Starts a bake. No other bake may be running.
     pub(super) fn start_job(&mut self, job: Job) {
         self.cancel.store(false, Ordering::Relaxed);
         if self.jobs.send(job).is_ok() {
@@ -80,12 +81,13 @@ impl Worker {
         }
     }
 
-    /// Makes the bake in progress end soon. Its outcome is still to come.
+    /// Cancels the bake in progress. Its outcome still arrives.
     pub(super) fn cancel(&self) {
         self.cancel.store(true, Ordering::Relaxed);
     }
 
-    /// Returns the outcome of the bake in progress, if it has ended. That of a bake that was cancelled is left out.
+    /// Returns the outcome of the bake in progress, if it has ended. The outcome of a cancelled bake is
+    /// dropped.
     pub(super) fn outcome(&mut self) -> Option<Outcome> {
         let outcome = self.outcomes.try_recv().ok()?;
         self.running = None;
@@ -111,15 +113,14 @@ impl Bench {
         let bounds = self.near_world.map(|near| self.around(job.focus, near)).or(self.options.bounds);
         let options =
             BakeOptions { sun, size, bounds, frame: FrameChoice::Oblique, levels: 1, ..self.options.clone() };
-        let nothing = |_| {};
-        Ok(bake(&self.scene, &options, Watch::new(&nothing, &self.cancel))?.file)
+        Ok(Bake::with_options(&self.scene, &options).cancel(&self.cancel).in_memory()?)
     }
 
     /// Returns the box around a point, as high as the scene.
     fn around(&self, focus: [f64; 3], near_world: f64) -> Bounds {
         let Bounds { mut min, mut max } = self.scene.bounds();
         for axis in [0, 2] {
-            // A camera that has left the scene sees its edge.
+            // For a camera outside the scene, the box is at the scene's edge.
             let middle = focus[axis].clamp(min[axis], max[axis]);
             (min[axis], max[axis]) = (middle - near_world, middle + near_world);
         }

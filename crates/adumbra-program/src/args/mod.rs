@@ -42,7 +42,8 @@ impl SunArgs {
     ///
     /// # Errors
     ///
-    /// Returns [`Failure::Reader`] if the direction is not finite or has no length, or if the sun is below the horizon.
+    /// Returns [`Failure::Reader`] if the direction is not finite or has no length, or if the sun is below
+    /// the horizon.
     pub fn given(&self) -> Result<Option<Sun>, Failure> {
         Ok(match (self.elevation, self.sun) {
             (Some(elevation), _) => Some(Sun::from_angles(self.azimuth.unwrap_or(0.0), elevation)?),
@@ -51,8 +52,8 @@ impl SunArgs {
         })
     }
 
-    /// Returns the sun that was given for a scene that is not loaded yet. Coordinates in which Z points up are a common
-    /// reason for a sun below the horizon: the error says what would be right for them.
+    /// Returns the sun that was given for a scene that is not loaded yet. Coordinates in which Z points up
+    /// are a common reason for a sun below the horizon: the error says what would be right for them.
     ///
     /// # Errors
     ///
@@ -75,15 +76,15 @@ impl SunArgs {
         })
     }
 
-    /// Returns the direction that was given, as it is in the world if Z points up where it is from; `None` if that is not
-    /// above the horizon either.
+    /// Returns the given direction, converted from coordinates in which Z points up; `None` if the result is
+    /// not above the horizon either.
     fn turned(&self) -> Option<[f64; 3]> {
         let turned = UpAxis::Z.to_scene(self.sun?);
         Sun::from_direction(turned).ok().map(|_| turned)
     }
 
-    /// Returns the sun that was given, or else that of the scene, which was loaded from `path`. A light of the scene
-    /// that cannot be the sun is named on stderr.
+    /// Returns the sun that was given, or else that of the scene, which was loaded from `path`. A light of
+    /// the scene that cannot be the sun is named on stderr.
     ///
     /// # Errors
     ///
@@ -116,14 +117,14 @@ pub struct SceneArgs {
     pub ignore_alpha: bool,
     /// Load animated instances as static ones, in their first pose
     ///
-    /// Without it they are skipped because they move, except that render and view animate them. Give it to verify if it was
-    /// given to bake.
+    /// Without it they are skipped because they move, except that render and view animate them. Give it to
+    /// verify if it was given to bake.
     #[arg(long)]
     include_animated: bool,
     /// Up axis of OBJ and PLY [default: the shadow file's, or y]
     ///
-    /// With z the scene is turned, and all that is said of the world is said of the turned scene: its (x, y, z) is (x, z, -y)
-    /// there. A shadow file says which it was. glTF is Y up by definition.
+    /// With z the scene is turned, and all that is said of the world is said of the turned scene: its (x, y,
+    /// z) is (x, z, -y) there. A shadow file says which it was. glTF is Y up by definition.
     #[arg(long, value_name = "y|z", hide_possible_values = true, value_parser = PossibleValuesParser::new(["y", "z"])
         .map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y }))]
     up: Option<UpAxis>,
@@ -134,8 +135,9 @@ pub struct SceneArgs {
     allow_outside: bool,
     /// Move, add and remove instances of the scene first
     ///
-    /// A JSON file, such as {"moved": [{"instance": "tree_7", "world_from_mesh": [[1,0,0,12], [0,1,0,0], [0,0,1,-3]]}],
-    /// "added": [{"like": "tree_7", "world_from_mesh": ...}], "removed": ["bench", 41]}. Instances have names or numbers.
+    /// A JSON file, such as {"moved": [{"instance": "tree_7", "world_from_mesh": [[1,0,0,12], [0,1,0,0],
+    /// [0,0,1,-3]]}], "added": [{"like": "tree_7", "world_from_mesh": ...}], "removed": ["bench", 41]}.
+    /// Instances have names or numbers.
     #[arg(long, value_name = "FILE")]
     edit: Option<PathBuf>,
     /// Refuse a scene that holds anything the loader leaves out
@@ -169,7 +171,7 @@ impl SceneArgs {
         self.edit.as_ref()
     }
 
-    /// Returns options that mean the same in any folder.
+    /// Returns options that mean the same in any working folder.
     ///
     /// # Errors
     ///
@@ -214,8 +216,9 @@ pub struct RunArgs {
     pub threads: Option<u16>,
     /// Memory that the program may take, such as 800MiB or 2GiB
     ///
-    /// A light-aligned bake that needs more continues with temporary files next to the output, and what cannot is refused
-    /// [default: no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its files]
+    /// A light-aligned bake that needs more continues with temporary files next to the output, and what
+    /// cannot is refused [default: no limit, but for loading a scene 2 GiB plus 64 bytes for each byte of its
+    /// files]
     #[arg(long, value_name = "SIZE", value_parser = parse_bytes)]
     pub max_memory: Option<u64>,
     /// Print one JSON object
@@ -229,8 +232,8 @@ impl RunArgs {
         MemoryLimit::new(self.max_memory)
     }
 
-    /// Checks that `needed_bytes` fit into `--max-memory`, besides what the program holds that is not among them.
-    /// `held_bytes` of them are held already.
+    /// Checks that `needed_bytes` fit into `--max-memory`, in addition to the memory that the program holds
+    /// otherwise. `held_bytes` of them are held already.
     ///
     /// # Errors
     ///

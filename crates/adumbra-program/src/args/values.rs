@@ -38,7 +38,8 @@ pub fn parse_bounds(text: &str) -> Result<Bounds, String> {
 ///
 /// # Errors
 ///
-/// Returns a message that says what to give if the text is anything else, or if a side is not from 1 to 16384.
+/// Returns a message that says what to give if the text is anything else, or if a side is not from 1
+/// to 16384.
 pub fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let (w, h) = text.split_once(['x', 'X']).ok_or("give WIDTHxHEIGHT, such as 1280x720")?;
     let side = |s: &str| match s.parse::<u32>() {

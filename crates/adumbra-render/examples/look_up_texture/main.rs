@@ -1,10 +1,11 @@
-//! An engine that links `adumbra` and `adumbra-shaders` but not this renderer: it builds a bind group from the bytes of
-//! a look-up texture.
+//! An engine that links `adumbra` and `adumbra-shaders` but not this renderer: it builds a bind group from
+//! the bytes of a look-up texture.
 //!
-//! `cargo run --release -p adumbra-render --example look_up_texture` bakes the generated city and prints the mean
-//! visibility of the points of a square of 200 m over its streets, from a texture of either format. `-- city.adumbra`
-//! takes another file. The example fails if more than one point in a thousand differs from the CPU look-up by more than
-//! one row of the filter's taps. Cost in bindings: one texture. Nothing is uploaded per frame.
+//! `cargo run --release -p adumbra-render --example look_up_texture` bakes the generated city and prints the
+//! mean visibility of the points of a square of 200 m over its streets, from a texture of either format.
+//! `-- city.adumbra` takes another file. The example fails if more than one point in a thousand differs from
+//! the CPU look-up by more than one row of the filter's taps. Cost in bindings: one texture. Nothing is
+//! uploaded per frame.
 
 mod shade;
 
@@ -12,7 +13,7 @@ use std::error::Error;
 
 use adumbra::gpu::{LookUp, WordSource};
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, generate};
 
 /// Number of points per side of the square.
@@ -22,8 +23,8 @@ const METRES_PER_POINT: f64 = 200.0 / SIDE as f64;
 const CORNER_WORLD: [f64; 3] = [-150.0, 0.25, -50.0];
 /// The filter.
 const FILTER: Filter = Filter::Box5;
-/// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one that the
-/// CPU's `f64` gives.
+/// Tolerance of the visibility: the shader's `f32` positions may put a point into the texel next to the one
+/// that the CPU's `f64` gives.
 const ROW_OF_TAPS: f32 = 1.001 / FILTER.width() as f32;
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
@@ -32,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         Some(path) => ShadowFile::read(&path)?,
         None => {
             let options = BakeOptions::new(Sun::from_direction([0.5, 0.8, 0.35])?, Size::Resolution(8192));
-            bake(&generate(GeneratedKind::City, 1), &options, Watch::none())?.file
+            Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory()?
         }
     };
     // The engine's device and queue.

@@ -1,5 +1,5 @@
-//! Shades points with a look-up texture: builds a bind group from the bytes that `adumbra::gpu` provides, using wgpu
-//! alone.
+//! Shades points with a look-up texture: builds a bind group from the bytes that `adumbra::gpu` provides,
+//! using wgpu alone.
 
 use std::error::Error;
 

@@ -7,7 +7,8 @@ use crate::error::{RenderError, Result};
 /// Checks that a frame can be drawn from a camera.
 ///
 /// # Errors
-/// Returns [`RenderError::Camera`] if the camera has no pixels, is not finite, has no direction, or sees nothing.
+/// Returns [`RenderError::Camera`] if the camera has no pixels, is not finite, has no direction, or sees
+/// nothing.
 pub(crate) fn check_camera(camera: &Camera) -> Result<()> {
     let wrong = |reason| Err(RenderError::Camera { reason });
     if camera.width == 0 || camera.height == 0 {
@@ -38,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cameras_that_see_nothing_are_refused() {
+    fn rejects_cameras_that_see_nothing() {
         let fine = Camera {
             eye: [0.0; 3],
             target: [0.0, 0.0, -1.0],

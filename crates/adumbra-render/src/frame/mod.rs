@@ -1,18 +1,19 @@
 //! A camera's frame: its uniform, its targets and the G-buffer pass.
 //!
-//! Targets: depth (Depth32Float, reversed: see [`Frame`]), normals (Rgba16Float, world space, facing the viewer), base
-//! colour (Rgba8UnormSrgb), shadow factor (R32Float, 1 = lit), picture (Rgba8Unorm, sRGB-encoded).
+//! Targets: depth (Depth32Float, reversed: see [`Frame`]), normals (Rgba16Float, world space, facing the
+//! viewer), base colour (Rgba8UnormSrgb), shadow factor (R32Float, 1 = lit), picture (Rgba8Unorm,
+//! sRGB-encoded).
 //!
-//! - *Positions* are relative to the frame's anchor, the eye. Instances, lights and grids subtract it in `f64`, so
-//!   `f32` is most precise near the camera, wherever in the world that is.
-//! - *The near plane* is 1 mm away, or nearer for models of a few millimetres. With reversed floating-point depth this
-//!   costs no precision.
-//! - *Normals* are those of the triangles, as in the ray tracer. Slopes and biases are therefore exact, not estimated
-//!   in screen space.
-//! - *Masked surfaces* are alpha-tested at full resolution with the alpha of material, texture and vertex, as in the
-//!   bake and the ray tracer.
-//! - *Colours* are sampled with mip levels, which are generated once for CPU and GPU. The shader computes the level
-//!   itself, because devices differ in how they select it.
+//! - *Positions* are relative to the frame's anchor, the eye. Instances, lights and grids subtract it in
+//!   `f64`, so `f32` is most precise near the camera, wherever in the world that is.
+//! - *The near plane* is 1 mm away, or nearer for models of a few millimetres. With reversed floating-point
+//!   depth this costs no precision.
+//! - *Normals* are those of the triangles, as in the ray tracer. Slopes and biases are therefore exact, not
+//!   estimated in screen space.
+//! - *Masked surfaces* are alpha-tested at full resolution with the alpha of material, texture and vertex, as
+//!   in the bake and the ray tracer.
+//! - *Colours* are sampled with mip levels, which are generated once for CPU and GPU. The shader computes the
+//!   level itself, because devices differ in how they select it.
 
 mod check;
 mod gbuffer;
@@ -31,10 +32,11 @@ use adumbra_shaders::layout::{DepthToZ, Frame};
 
 use crate::scene::Volume;
 
-/// Distance of a perspective camera's near plane, world units. With reversed floating-point depth, a small distance
-/// costs no precision.
+/// Distance of a perspective camera's near plane, world units. With reversed floating-point depth, a small
+/// distance costs no precision.
 const NEAR_WORLD: f64 = 1e-3;
-/// Upper bound of the near plane as a fraction of the distance from eye to target, for models of a few millimetres.
+/// Upper bound of the near plane as a fraction of the distance from eye to target, for models of a few
+/// millimetres.
 const NEAR_SHARE: f64 = 1e-3;
 
 /// Returns the frame uniform of `camera`, relative to its eye, for a scene within `bounds`.
@@ -106,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn frame_maps_points_to_the_pixels_and_depths_that_lead_back_to_them() {
+    fn frame_projection_and_reconstruction_are_inverse() {
         for projection in
             [Projection::Perspective { fov_degrees: 55.0 }, Projection::Orthographic { height_world: 12.0 }]
         {
@@ -137,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn visible_volume_holds_what_the_camera_sees() {
+    fn visible_volume_contains_only_visible_points() {
         for projection in
             [Projection::Perspective { fov_degrees: 55.0 }, Projection::Orthographic { height_world: 12.0 }]
         {

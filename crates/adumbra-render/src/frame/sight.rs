@@ -1,14 +1,14 @@
-//! The range of view depths at which a camera sees a box: the box clipped by the planes of the view, in `f64` relative
-//! to the eye.
+//! The range of view depths at which a camera sees a box: the box clipped by the planes of the view, in `f64`
+//! relative to the eye.
 //!
-//! The box's corners alone would not be enough. In a wide scene most of them are outside the view, and lengths derived
-//! from them would change with every stray triangle.
+//! The box's corners alone would not be enough. In a wide scene most of them are outside the view, and
+//! lengths derived from them would change with every stray triangle.
 
 use adumbra::Bounds;
 use adumbra_scene::View;
 
-/// Returns the least and greatest view depth of the part of a box inside a view, world units, or `None` if they do not
-/// intersect. Every view starts at the eye, whether perspective or orthographic.
+/// Returns the least and greatest view depth of the part of a box inside a view, world units, or `None` if
+/// they do not intersect. Every view starts at the eye, whether perspective or orthographic.
 pub(crate) fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
     let relative = |v: &[f64; 3]| -> [f64; 3] { std::array::from_fn(|a| v[a] - view.eye[a]) };
     let [low, high] = [relative(&bounds.min), relative(&bounds.max)];
@@ -28,8 +28,8 @@ pub(crate) fn depths_in_view(view: &View, bounds: &Bounds) -> Option<[f64; 2]> {
     (nearest <= farthest).then_some([nearest, farthest])
 }
 
-/// Returns the planes of a camera's view volume, without a far plane: `xyz · p + w >= 0` for points inside, relative to
-/// the eye.
+/// Returns the planes of a camera's view volume, without a far plane: `xyz · p + w >= 0` for points inside,
+/// relative to the eye.
 pub(super) fn planes(view: &View) -> [[f64; 4]; 5] {
     let [fx, fy, fz] = view.forward;
     let side = |axis: [f64; 3], half: f64| {
@@ -111,8 +111,8 @@ mod tests {
         near(depths_in_view(&view([0.0; 3], [0.0, 0.0, -1.0], WIDE), &cube), [0.0, 10.0]);
         near(depths_in_view(&view([0.0, 0.0, 50.0], [0.0; 3], WIDE), &cube), [40.0, 60.0]);
         assert_eq!(depths_in_view(&view([0.0, 0.0, 50.0], [0.0, 0.0, 60.0], WIDE), &cube), None);
-        // Looking down on a floor that fills the whole view: every visible point, the farthest corner included, has the
-        // same view depth.
+        // Looking down on a floor that fills the whole view: every visible point, the farthest corner
+        // included, has the same view depth.
         let floor = Bounds { min: [-1e6, 0.0, -1e6], max: [1e6, 0.0, 1e6] };
         near(depths_in_view(&view([0.0, 7.0, 0.0], [0.0; 3], WIDE), &floor), [7.0, 7.0]);
         let flat = Projection::Orthographic { height_world: 4.0 };
@@ -130,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_nowhere_is_not_in_view() {
+    fn empty_and_nan_bounds_are_not_in_view() {
         let nothing = Bounds { min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] };
         let ahead = view([0.0; 3], [0.0, 0.0, -1.0], WIDE);
         assert_eq!(depths_in_view(&ahead, &nothing), None);

@@ -6,9 +6,9 @@
 //! | scan | counts | the offset at which each section's children begin |
 //! | place | both levels, depth, and normals for the paper's layout | children, the coarsest level |
 //!
-//! No pass waits for the CPU, so the buffers are sized for the largest map, or as much of it as the device can bind.
-//! [`HybridMapBuilder::counts`] returns how much is in use. If room runs out, a block is treated as if it had no caster, and
-//! [`HybridMapBuilder::check`] reports it.
+//! No pass waits for the CPU, so the buffers are sized for the largest map, or as much of it as the device
+//! can bind. [`HybridMapBuilder::counts`] returns how much is in use. If room runs out, a block is treated as
+//! if it had no caster, and [`HybridMapBuilder::check`] reports it.
 
 use adumbra_shaders::constants::{
     HYBRID_FIRST_SECTION, HYBRID_LAST_DEPTH, HYBRID_SECTION, LIST_GROUP, PIXEL_GROUP,
@@ -70,14 +70,14 @@ impl Pipelines {
 }
 
 impl HybridMapBuilder {
-    /// Creates the buffers and pipelines for compact maps of these settings, made from `depth`: a
-    /// `texture_depth_2d_array` of one layer with `settings.start` texels per side. For the paper's layout see
-    /// [`HybridMapBuilder::with_normals`].
+    /// Creates the buffers and pipelines for compact maps of these settings, made from
+    /// `depth`: a `texture_depth_2d_array` of one layer with `settings.start` texels per side. For the
+    /// paper's layout see [`HybridMapBuilder::with_normals`].
     ///
     /// # Errors
-    /// Returns [`crate::RenderError::Technique`] if the settings are out of range, [`crate::RenderError::TooLarge`] if
-    /// the device cannot bind levels of this size, and [`crate::RenderError::DepthImage`] if the layout is the paper's,
-    /// which needs normals.
+    /// Returns [`crate::RenderError::Technique`] if the settings are out of range,
+    /// [`crate::RenderError::TooLarge`] if the device cannot bind levels of this size, and
+    /// [`crate::RenderError::DepthImage`] if the layout is the paper's, which needs normals.
     pub fn new(gpu: &Gpu, settings: &HybridSettings, depth: &wgpu::TextureView) -> Result<Self> {
         Self::with_normals(gpu, settings, depth, None)
     }
@@ -86,7 +86,8 @@ impl HybridMapBuilder {
     /// `texture_2d_array` of two bytes per texel, packed as in core/octahedral.wgsl.
     ///
     /// # Errors
-    /// Returns the errors of [`HybridMapBuilder::new`]. [`crate::RenderError::DepthImage`] means that `normals` are missing.
+    /// Returns the errors of [`HybridMapBuilder::new`]. [`crate::RenderError::DepthImage`] means that
+    /// `normals` are missing.
     pub fn with_normals(
         gpu: &Gpu,
         settings: &HybridSettings,

@@ -1,8 +1,9 @@
 //! The technique `hrsm`: a shadow map over the scene, merged where depth is smooth.
 //!
-//! Bind group 2 holds the parameters, then either the map's words and the same words in groups of four, or texels and
-//! links (see access/hybrid_*.wgsl). The source shadow map, and buffers for the largest map of its size, stay on the
-//! device while the light or the casters change. With `cache_static` they are freed once nothing changes.
+//! Bind group 2 holds the parameters, then either the map's words and the same words in groups of four, or
+//! texels and links (see access/hybrid_*.wgsl). The source shadow map, and buffers for the largest map of its
+//! size, stay on the device while the light or the casters change. With `cache_static` they are freed once
+//! nothing changes.
 
 use std::any::Any;
 
@@ -59,8 +60,8 @@ struct Working {
 #[derive(Clone, Copy, PartialEq)]
 struct MapInputs {
     fit: LayerFit,
-    /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id) of the static casters and, if there are any, of the moving
-    /// ones.
+    /// [`SceneBuffers::id`](crate::scene::SceneBuffers::id) of the static casters and, if there are any, of
+    /// the moving ones.
     casters: [Option<u64>; 2],
 }
 
@@ -68,8 +69,8 @@ impl HybridMap {
     /// Creates the buffers and pipelines for these settings.
     ///
     /// # Errors
-    /// Returns [`crate::RenderError::Technique`] if the settings are out of range, and [`crate::RenderError::TooLarge`]
-    /// if the device does not support the size.
+    /// Returns [`crate::RenderError::Technique`] if the settings are out of range, and
+    /// [`crate::RenderError::TooLarge`] if the device does not support the size.
     pub fn new(gpu: &Gpu, name: &str, settings: HybridSettings) -> Result<Self> {
         settings.check()?;
         let pass = DepthPass::new(gpu, options(&settings));
@@ -176,7 +177,8 @@ impl HybridMap {
         }))
     }
 
-    /// Reads back the shadow map that the last frame's map was built from, row by row. `None` if it was freed.
+    /// Reads back the shadow map that the last frame's map was built from, row by row. `None` if it was
+    /// freed.
     ///
     /// # Errors
     /// Returns any error that the device reports.
@@ -185,8 +187,8 @@ impl HybridMap {
         read_depth(gpu, &working.depth.all.texture, 0).map(Some)
     }
 
-    /// Reads back the normals of [`HybridMap::read_start`], two bytes each ([`crate::octahedral`]). `None` if the
-    /// layout has no normals or they were freed.
+    /// Reads back the normals of [`HybridMap::read_start`], two bytes each ([`crate::octahedral`]). `None` if
+    /// the layout has no normals or they were freed.
     ///
     /// # Errors
     /// Returns any error that the device reports.

@@ -48,9 +48,9 @@ impl PlacePipeline {
         Self { pipeline, layout }
     }
 
-    /// Creates the bind group of a map in `stored`. `blocks` is the number of texels of all levels but the finest.
-    /// `start_normals` are the normals of the shadow map, a `texture_2d_array` of one layer; only the paper's layout
-    /// reads them.
+    /// Creates the bind group of a map in `stored`. `blocks` is the number of texels of all levels but the
+    /// finest. `start_normals` are the normals of the shadow map, a `texture_2d_array` of one layer; only the
+    /// paper's layout reads them.
     ///
     /// # Errors
     /// Returns [`RenderError::DepthImage`] if the layout is the paper's and there are no normals.

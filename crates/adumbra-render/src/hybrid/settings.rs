@@ -1,4 +1,5 @@
-//! Settings of a hybrid map, and their parsing from a technique's text, such as `hrsm:4096-1024:test=paper:filter=5`.
+//! Settings of a hybrid map, and their parsing from a technique's text, such as
+//! `hrsm:4096-1024:test=paper:filter=5`.
 
 use adumbra_shaders::constants::{HYBRID_LAST_SLOPE, HYBRID_ONE, HYBRID_SLOPE_BITS, MAX_SLOPE};
 use adumbra_shaders::{Source, source};
@@ -40,13 +41,14 @@ const TOLERANCE_TEXELS: f64 = 0.5;
 /// The test that decides whether four texels merge into one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MergeTest {
-    /// Texels merge if a plane fits: no finest texel lies behind it, and none lies further in front of it than the
-    /// tolerance.
+    /// Texels merge if a plane fits: no finest texel lies behind it, and none lies further in front of it
+    /// than the tolerance.
     Plane {
         /// In edge lengths of a finest texel, at least 0.
         tolerance_texels: f64,
     },
-    /// The paper's equation 1: each of the four depths differs from their mean by at most a quarter of itself.
+    /// The paper's equation 1: each of the four depths differs from their mean by at most a quarter of
+    /// itself.
     Paper,
 }
 
@@ -155,9 +157,9 @@ impl HybridSettings {
     /// Checks that a map can be built with these settings.
     ///
     /// # Errors
-    /// Returns [`RenderError::Technique`] if START is not a power of two up to 16,384, if TARGET is not its half,
-    /// quarter or eighth or is less than 2, if the filter is neither nearest nor percentage-closer over 3, 5 or 7
-    /// texels, or if the tolerance is negative or not finite.
+    /// Returns [`RenderError::Technique`] if START is not a power of two up to 16,384, if TARGET is not its
+    /// half, quarter or eighth or is less than 2, if the filter is neither nearest nor percentage-closer over
+    /// 3, 5 or 7 texels, or if the tolerance is negative or not finite.
     pub fn check(&self) -> Result<()> {
         let wrong = |reason: String| Err(RenderError::Technique { name: "hrsm".to_owned(), reason });
         let Self { start, target, .. } = *self;
@@ -259,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn spec_refuses_what_cannot_be() {
+    fn spec_rejects_invalid_values() {
         for text in [
             "hrsm:4096-4096",
             "hrsm:4096-256",
@@ -275,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn check_refuses_what_text_cannot_say() {
+    fn check_rejects_settings_that_text_cannot_express() {
         let good = settings("hrsm:1024-256").unwrap();
         good.check().unwrap();
         let bad = [
@@ -293,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn starts_below_the_advised_are_warned_of() {
+    fn notes_warn_of_starts_below_the_advised() {
         assert!(settings("hrsm:1024-512").unwrap().notes().is_empty());
         assert!(settings("hrsm:512-256").unwrap().notes()[0].contains("advises against"));
     }

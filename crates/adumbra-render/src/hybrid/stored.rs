@@ -102,8 +102,8 @@ impl Stored {
         }
     }
 
-    /// Reads back all 32-bit words of the buffers, including unused room. The second vector is empty for the compact
-    /// layout.
+    /// Reads back all 32-bit words of the buffers, including unused room. The second vector is empty for the
+    /// compact layout.
     ///
     /// # Errors
     /// Returns any error that the device reports.
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn max_entries_are_those_of_a_map_in_which_nothing_merges() {
+    fn max_entries_match_an_unmerged_map() {
         let most = |name: &str| max_entries(&HybridSettings::from_spec(&name.parse().unwrap()).unwrap());
         let texels = (1024 + 512) * (1024 + 512) - 2 * 1024 * 512 + 256 * 256;
         assert_eq!(most("hrsm:1024-256"), texels);

@@ -22,7 +22,8 @@ impl StartDepth {
     /// [`StartDepth::view`] to [`HybridMapBuilder::new`](super::build::HybridMapBuilder::new).
     ///
     /// # Errors
-    /// Returns [`RenderError::TooLarge`] if the device does not support this side, and any other error that it reports.
+    /// Returns [`RenderError::TooLarge`] if the device does not support this side, and any other error that
+    /// it reports.
     pub fn new(gpu: &Gpu, side: u32, precision: DepthPrecision) -> Result<Self> {
         let options = DepthPassOptions { format: precision.format(), normals: false };
         let depth = DepthTextures::new(gpu, "hybrid::start", side, 1, options)?;
@@ -31,11 +32,12 @@ impl StartDepth {
         Ok(Self { depth, pass })
     }
 
-    /// Replaces the whole texture. 32-bit depths are kept bit for bit; 16-bit ones round to the nearest of 65,536
-    /// values.
+    /// Replaces the whole texture. 32-bit depths are kept bit for bit; 16-bit ones round to the nearest of
+    /// 65,536 values.
     ///
     /// # Errors
-    /// Returns [`RenderError::DepthImage`] if the image has another size, and any error that the device reports.
+    /// Returns [`RenderError::DepthImage`] if the image has another size, and any error that the device
+    /// reports.
     pub fn write(&self, gpu: &Gpu, image: &DepthImage) -> Result<()> {
         let side = self.depth.all.texture.width();
         if image.side() as u64 != u64::from(side) {

@@ -1,8 +1,8 @@
 //! Displays a frame: its layers as pictures on the device, one or two of them in a window, lines over them.
 //!
-//! [`LayerPass`] turns a layer into a display-encoded picture, antialiased by averaging samples. [`PresentPass`] shows
-//! one or two such pictures. [`LinePass`] draws lines over one. The CPU twin of the layers' arithmetic is in the
-//! command-line program (`adumbra render --layer`).
+//! [`LayerPass`] turns a layer into a display-encoded picture, antialiased by averaging samples.
+//! [`PresentPass`] shows one or two such pictures. [`LinePass`] draws lines over one. The CPU twin of the
+//! layers' arithmetic is in the command-line program (`adumbra render --layer`).
 
 mod lines;
 mod pass;
@@ -51,7 +51,8 @@ pub const CASCADE_COLORS: [[f32; 3]; 8] = [
     [0.60, 0.60, 0.60],
 ];
 
-/// Colours of the levels of a hybrid map or of a file, linear, finest first. Levels beyond the last have its colour.
+/// Colours of the levels of a hybrid map or of a file, linear, finest first. Levels beyond the last have its
+/// colour.
 pub const LEVEL_COLORS: [[f32; 3]; 4] =
     [[0.90, 0.22, 0.18], [0.95, 0.65, 0.15], [0.40, 0.75, 0.20], [0.20, 0.40, 0.90]];
 
@@ -84,8 +85,8 @@ impl Layer {
         }
     }
 
-    /// The answer that this layer needs from a technique besides visibility, and the colours of its values. `None` if
-    /// visibility is enough.
+    /// The answer that this layer needs from a technique besides visibility, and the colours of its values.
+    /// `None` if visibility is enough.
     pub fn tint(self) -> Option<(Answer, &'static [[f32; 3]])> {
         match self {
             Self::Cascades => Some((Answer::Cascade, &CASCADE_COLORS)),

@@ -97,10 +97,10 @@ impl LayerPass {
 }
 
 impl Renderer {
-    /// Draws a frame, and a layer of it into `picture`. Each pixel of the picture is the mean of `samples` × `samples`
-    /// samples. The camera of `shot` must have the picture's size. Cost: a frame with one pixel per sample, plus a
-    /// second look-up for layers with a tint. G-buffer and ambient occlusion are drawn once for all layers and
-    /// techniques of one `shot`: see [`Renderer::draw_again`].
+    /// Draws a frame, and a layer of it into `picture`. Each pixel of the picture is the mean of `samples` ×
+    /// `samples` samples. The camera of `shot` must have the picture's size. Cost: a frame with one pixel per
+    /// sample, plus a second look-up for layers with a tint. G-buffer and ambient occlusion are drawn once
+    /// for all layers and techniques of one `shot`: see [`Renderer::draw_again`].
     ///
     /// # Errors
     /// Returns the errors of [`Renderer::draw`].

@@ -1,14 +1,15 @@
-//! Placement of the layers of a shadow map: over the scene, or in cascades fitted to a camera. Pure arithmetic in
-//! `f64`.
+//! Placement of the layers of a shadow map: over the scene, or in cascades fitted to a camera. Pure
+//! arithmetic in `f64`.
 //!
-//! Sources: Dimitrov, *Cascaded Shadow Maps*, 2007; Zhang, Sun, Xu, Lun, *Parallel-Split Shadow Maps*, 2006; Valient,
-//! *Stable Rendering of Cascaded Shadow Maps*, 2008 (spheres and snapping).
+//! Sources: Dimitrov, *Cascaded Shadow Maps*, 2007; Zhang, Sun, Xu, Lun, *Parallel-Split Shadow Maps*, 2006;
+//! Valient, *Stable Rendering of Cascaded Shadow Maps*, 2008 (spheres and snapping).
 //!
-//! Texels of a layer lie on a lattice that is fixed to the scene. Its origin is at the position of the scene's first
-//! instance, and its axes depend only on the light's rotation. A texel's edge does not change while the camera moves or
-//! turns, and a layer's corner is a whole number of texels from the origin. So a point keeps its position within its
-//! texel whatever the camera does, and wherever in the world the scene is. If a layer's slice of the view is larger
-//! than the scene, the layer covers the scene instead, which is finer and never moves.
+//! Texels of a layer lie on a lattice that is fixed to the scene. Its origin is at the position of the
+//! scene's first instance, and its axes depend only on the light's rotation. A texel's edge does not change
+//! while the camera moves or turns, and a layer's corner is a whole number of texels from the origin. So a
+//! point keeps its position within its texel whatever the camera does, and wherever in the world the scene
+//! is. If a layer's slice of the view is larger than the scene, the layer covers the scene instead, which is
+//! finer and never moves.
 
 use adumbra::LightExtent;
 use adumbra_scene::View;
@@ -74,7 +75,8 @@ impl LayerFit {
         ]
     }
 
-    /// The volume of possible casters: everything within the layer's sides, including all that is sunward of it.
+    /// The volume of possible casters: everything within the layer's sides, including all that is sunward of
+    /// it.
     pub(crate) fn caster_volume(&self) -> Volume {
         let planes = (0..2).flat_map(|a| {
             let [x, y, z] = self.axes[a];
@@ -118,12 +120,13 @@ pub(crate) fn scene_layer(
     LayerFit { axes: extent.axes, texel_world, lattice, corner, size, depth_world, end: [ENDLESS; 2] }
 }
 
-/// Fits layers to slices of the view, nearest first. Slices that would both cover the scene share one layer, so there
-/// may be fewer layers than cascades.
+/// Fits layers to slices of the view, nearest first. Slices that would both cover the scene share one layer,
+/// so there may be fewer layers than cascades.
 ///
 /// `scene` is the layer over the whole scene, `reach` the view depths from [`reach`], and `margin` as for
-/// [`scene_layer`]. With `presses`, casters sunward of a layer's range are clamped onto its near plane (pancaking), so
-/// the range need only hold the receivers of its slice. Otherwise it begins where the scene's does.
+/// [`scene_layer`]. With `presses`, casters sunward of a layer's range are clamped onto its near plane
+/// (pancaking), so the range need only hold the receivers of its slice. Otherwise it begins where the scene's
+/// does.
 pub(crate) fn cascade_layers(
     view: &View,
     scene: &LayerFit,
@@ -166,9 +169,9 @@ pub(crate) fn cascade_layers(
     layers
 }
 
-/// Range along the light of the receivers in a sphere, rounded outwards to steps of an eighth of its diameter so that
-/// it does not follow every camera movement. At least one step on either side is spare for receivers that the bias
-/// moves.
+/// Range along the light of the receivers in a sphere, rounded outwards to steps of an eighth of its diameter
+/// so that it does not follow every camera movement. At least one step on either side is spare for receivers
+/// that the bias moves.
 fn receiver_range(centre: f64, radius: f64) -> [f64; 2] {
     let step = 0.25 * radius;
     [libm::floor((centre - radius) / step - 1.0) * step, libm::ceil((centre + radius) / step + 1.0) * step]
@@ -176,10 +179,10 @@ fn receiver_range(centre: f64, radius: f64) -> [f64; 2] {
 
 /// The view depths that cascades divide: where the slices begin, and where shadows end.
 ///
-/// With a given far depth, the range is from the eye to it. Otherwise it ends at the smallest power of two (in world
-/// units) that includes the whole part of the scene's box in view. So it stays the same over most camera movements and
-/// does not depend on the rest of the scene. If the nearest part is beyond half of that depth, the range begins at the
-/// largest power of √2 in front of it instead of at the eye.
+/// With a given far depth, the range is from the eye to it. Otherwise it ends at the smallest power of two
+/// (in world units) that includes the whole part of the scene's box in view. So it stays the same over most
+/// camera movements and does not depend on the rest of the scene. If the nearest part is beyond half of that
+/// depth, the range begins at the largest power of √2 in front of it instead of at the eye.
 pub fn reach(view: &View, scene: &adumbra::Bounds, far_world: Option<f64>) -> [f64; 2] {
     if let Some(far) = far_world {
         return [0.0, far];
@@ -194,8 +197,8 @@ pub fn reach(view: &View, scene: &adumbra::Bounds, far_world: Option<f64>) -> [f
 
 /// Returns the view depth at which each of `count` slices of `reach` ends.
 ///
-/// The logarithmic split needs a start above 0. It uses a thousandth of the far depth if the view starts nearer than
-/// that.
+/// The logarithmic split needs a start above 0. It uses a thousandth of the far depth if the view starts
+/// nearer than that.
 pub(crate) fn split_depths(split: Split, count: u32, reach: [f64; 2]) -> Vec<f64> {
     let [near, far] = reach;
     let log_near = near.max(LOG_START * far);
@@ -213,8 +216,8 @@ pub(crate) fn split_depths(split: Split, count: u32, reach: [f64; 2]) -> Vec<f64
     (1..=count).map(|i| if i == count { far } else { slice(i) }).collect()
 }
 
-/// World centre and radius of the smallest sphere that holds a slice of the view and has its centre on the view axis.
-/// The radius does not depend on the camera's position or direction.
+/// World centre and radius of the smallest sphere that holds a slice of the view and has its centre on the
+/// view axis. The radius does not depend on the camera's position or direction.
 pub(crate) fn slice_sphere(view: &View, slice: [f64; 2]) -> ([f64; 3], f64) {
     let [a, b] = slice;
     let k2 = view.half[0] * view.half[0] + view.half[1] * view.half[1];
@@ -229,12 +232,12 @@ pub(crate) fn slice_sphere(view: &View, slice: [f64; 2]) -> ([f64; 3], f64) {
     (std::array::from_fn(|c| view.eye[c] + along * view.forward[c]), radius)
 }
 
-/// Light-space z of depth 0 and of depth 1. The range holds all of `still` plus a small margin, so that a receiver
-/// moved by its bias stays inside. With `all`, it holds all of that too, and grows in whole steps so that it does not
-/// follow every movement.
+/// Light-space z of depth 0 and of depth 1. The range holds all of `still` plus a small margin, so that a
+/// receiver moved by its bias stays inside. With `all`, it holds all of that too, and grows in whole steps so
+/// that it does not follow every movement.
 ///
-/// On devices with depth clip control, casters sunward of the range are clamped onto its near plane, and `all` is not
-/// needed.
+/// On devices with depth clip control, casters sunward of the range are clamped onto its near plane, and
+/// `all` is not needed.
 pub(crate) fn depth_range(still: &LightExtent, all: Option<&LightExtent>) -> [f64; 2] {
     let [near, far] = [still.min[2], still.max[2]];
     let length = (far - near).max(still.longest_side()).max(1e-6);

@@ -1,9 +1,10 @@
-//! Draws casters into a layer. Depth alone needs only positions, except that masked casters are cut by their alpha:
-//! passes/map_depth.wgsl. With normals, all casters are drawn by their corners: passes/map_normals.wgsl.
+//! Draws casters into a layer. Depth alone needs only positions, except that masked casters are cut by their
+//! alpha: passes/map_depth.wgsl. With normals, all casters are drawn by their corners:
+//! passes/map_normals.wgsl.
 //!
-//! Reads a layer's uniform and an instance list, and writes one layer. Both sides of every triangle cast. There is no
-//! depth bias: receivers are moved instead. On devices without depth clip control, the fit places its near plane in
-//! front of every caster ([`super::cascades::depth_range`]).
+//! Reads a layer's uniform and an instance list, and writes one layer. Both sides of every triangle cast.
+//! There is no depth bias: receivers are moved instead. On devices without depth clip control, the fit places
+//! its near plane in front of every caster ([`super::cascades::depth_range`]).
 
 use adumbra_shaders::layout::{GpuType, MapLayer};
 use adumbra_shaders::{assemble, source};
@@ -12,9 +13,9 @@ use wgpu::{CompareFunction, Features, LoadOp, ShaderStages, TextureFormat};
 use crate::gpu::{Gpu, binding};
 use crate::scene::{CASTER_LAYOUT, CORNER_LAYOUT, InstanceList, SceneBuffers, material_layout};
 
-/// Format of normals: the two bytes of core/octahedral.wgsl, in world space, flipped towards the sun before they are
-/// packed. A normal that is edge-on to the light may decode to up to a degree beyond edge-on. Texels without a caster
-/// hold (0, 0), which encodes no normal.
+/// Format of normals: the two bytes of core/octahedral.wgsl, in world space, flipped towards the sun before
+/// they are packed. A normal that is edge-on to the light may decode to up to a degree beyond edge-on. Texels
+/// without a caster hold (0, 0), which encodes no normal.
 pub(crate) const NORMAL_FORMAT: TextureFormat = TextureFormat::Rg8Unorm;
 
 /// The outputs of the pass.

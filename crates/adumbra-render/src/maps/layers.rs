@@ -36,8 +36,8 @@ impl Layer {
         Self { uniform, still: None, moving: None, place: None, drawn: None, stale: true, had_movers: false }
     }
 
-    /// Lists the casters of the layer at `fit`. With `keep`, static casters are listed only if the layer has moved or
-    /// the scene has changed.
+    /// Lists the casters of the layer at `fit`. With `keep`, static casters are listed only if the layer has
+    /// moved or the scene has changed.
     pub(crate) fn prepare(
         &mut self,
         input: &FrameInput<'_>,
@@ -64,8 +64,8 @@ impl Layer {
         }
     }
 
-    /// Draws the layer and returns whether it changed. With `kept`, static casters are drawn there and copied, and
-    /// movers are drawn over the copy.
+    /// Draws the layer and returns whether it changed. With `kept`, static casters are drawn there and
+    /// copied, and movers are drawn over the copy.
     pub(crate) fn encode(
         &mut self,
         input: &FrameInput<'_>,

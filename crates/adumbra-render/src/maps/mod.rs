@@ -1,8 +1,9 @@
 //! Shadow maps: one depth texture of 1 to 8 layers, a fit and a filter.
 //!
-//! [`MapSettings`] → [`ShadowMap`], a [`Technique`](crate::technique::Technique). Stages of a frame: [`cascades`]
-//! computes the placement of the layers → `depth_pass` draws casters into each → `moments_pass` fills moments, for
-//! filters that blur statistics → the look-up, bind group 2. [`twin`] is the look-up on the CPU.
+//! [`MapSettings`] → [`ShadowMap`], a [`Technique`](crate::technique::Technique). Stages of a frame:
+//! [`cascades`] computes the placement of the layers → `depth_pass` draws casters into each → `moments_pass`
+//! fills moments, for filters that blur statistics → the look-up, bind group 2. [`twin`] is the look-up on
+//! the CPU.
 
 pub mod cascades;
 pub(crate) mod depth_pass;

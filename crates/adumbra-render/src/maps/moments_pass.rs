@@ -1,5 +1,5 @@
-//! Moments of a layer's depth: blurred along rows, then along columns, then reduced to mip levels. Counterpart of
-//! passes/moments_*.wgsl.
+//! Moments of a layer's depth: blurred along rows, then along columns, then reduced to mip levels.
+//! Counterpart of passes/moments_*.wgsl.
 //!
 //! Each layer is filtered separately with its border repeated, so no cascade bleeds into another.
 
@@ -40,7 +40,8 @@ fn kind_format(kind: MomentKind) -> TextureFormat {
     }
 }
 
-/// Weights of a Gaussian `width` texels wide, from the middle outwards. Its standard deviation is a fifth of the width.
+/// Weights of a Gaussian `width` texels wide, from the middle outwards. Its standard deviation is a fifth of
+/// the width.
 pub fn gaussian(width: u32) -> Vec<f32> {
     let deviation = 0.2 * f64::from(width);
     let weight = |i: u32| libm::exp(-0.5 * (f64::from(i) / deviation) * (f64::from(i) / deviation));

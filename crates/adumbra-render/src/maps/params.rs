@@ -29,8 +29,8 @@ pub struct CascadeSettings {
     /// View depth at which shadows end, world units. `None` = where the scene in view ends (see
     /// [`super::cascades::reach`]).
     pub far_world: Option<f64>,
-    /// Share of a slice's depth over which it blends into the next, 0 to 0.5. In the last slice, shadows fade to lit
-    /// over it.
+    /// Share of a slice's depth over which it blends into the next, 0 to 0.5. In the last slice, shadows fade
+    /// to lit over it.
     pub blend: f64,
 }
 
@@ -54,8 +54,9 @@ pub enum MapFit {
 pub enum MapFilter {
     /// Compares the one texel that contains the point.
     Nearest,
-    /// Percentage-closer filtering: compares the texels of a square of this width and weights the results. Width 2 is
-    /// the sampler's built-in 2 × 2 comparison; 3, 5 and 7 compare each texel with the receiver's plane.
+    /// Percentage-closer filtering: compares the texels of a square of this width and weights the results.
+    /// Width 2 is the sampler's built-in 2 × 2 comparison; 3, 5 and 7 compare each texel with the receiver's
+    /// plane.
     Pcf {
         /// 2, 3, 5 or 7 texels.
         width: u32,
@@ -94,7 +95,8 @@ pub struct MomentSettings {
     pub kind: MomentKind,
     /// Width of the Gaussian, odd, 1 (none) to 31 texels.
     pub blur: u32,
-    /// Share of the upper bound's tail that counts as shadow, 0 to 0.9. More reduces light bleeding but hardens edges.
+    /// Share of the upper bound's tail that counts as shadow, 0 to 0.9. More reduces light bleeding but
+    /// hardens edges.
     pub bleed: f64,
     /// Smallest standard deviation of depth, texels.
     pub min_deviation_texels: f64,
@@ -112,8 +114,8 @@ impl MomentSettings {
 
 /// How far a look-up moves its point towards the light: `adumbra::Bias` in a form for shadow maps.
 ///
-/// All values are in texels of the layer, times `1 + filter_factor · (width - 1)` for a filter of that width. So a
-/// change of resolution or filter needs no other values.
+/// All values are in texels of the layer, times `1 + filter_factor · (width - 1)` for a filter of that width.
+/// So a change of resolution or filter needs no other values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MapBias {
     /// Along the light, everywhere.
@@ -127,8 +129,8 @@ pub struct MapBias {
 }
 
 impl MapBias {
-    /// The default bias of this filter: the values with the least error against ray-traced truth on four scenes, with
-    /// no noticeable acne.
+    /// The default bias of this filter: the values with the least error against ray-traced truth on four
+    /// scenes, with no noticeable acne.
     pub(crate) fn for_filter(filter: &MapFilter) -> Self {
         // The 2 × 2 hardware comparison allows for the slope itself.
         let (constant_texels, slope_texels) =
@@ -166,10 +168,10 @@ impl DepthPrecision {
         }
     }
 
-    /// The smallest bias along the light, as a share of the layer's range: the most by which rounding may separate a
-    /// caster from a receiver on it. With 16 bits this is one step of stored depth, of which rounding takes at most
-    /// half. With 32 bits it is a few units in the last place of 1, because both sides compute light depth in floats,
-    /// as sums of four terms.
+    /// The smallest bias along the light, as a share of the layer's range: the most by which rounding may
+    /// separate a caster from a receiver on it. With 16 bits this is one step of stored depth, of which
+    /// rounding takes at most half. With 32 bits it is a few units in the last place of 1, because both sides
+    /// compute light depth in floats, as sums of four terms.
     pub fn min_bias_depth(self) -> f64 {
         match self {
             Self::Bits32 => 8.0 / 16_777_216.0,
@@ -235,8 +237,8 @@ impl MapFilter {
         }
     }
 
-    /// The filter width that scales the bias, texels. Penumbrae of soft shadows do not count: their taps are compared
-    /// with the receiver's plane, and they are narrow near their casters.
+    /// The filter width that scales the bias, texels. Penumbrae of soft shadows do not count: their taps are
+    /// compared with the receiver's plane, and they are narrow near their casters.
     pub(crate) fn bias_width(&self) -> f64 {
         match *self {
             Self::Nearest => 1.0,

@@ -1,7 +1,7 @@
 //! The shadow-map technique: every fit with every filter.
 //!
-//! Bind group 2, for filters that compare: parameters, depth, a comparison sampler, a gather sampler. For moments:
-//! parameters, moments, and a filtering sampler if the device filters 32-bit floats.
+//! Bind group 2, for filters that compare: parameters, depth, a comparison sampler, a gather sampler. For
+//! moments: parameters, moments, and a filtering sampler if the device filters 32-bit floats.
 
 use std::any::Any;
 
@@ -240,8 +240,8 @@ pub(crate) fn scene_fit(input: &FrameInput<'_>, size: u32, margin: f64) -> Resul
     Ok(scene_layer(&still, depth, input.scene.lattice_world(), size, margin))
 }
 
-/// Extents of the static casters and of everything, in light space. Without static casters, both cover everything. In
-/// an empty scene, both are a point.
+/// Extents of the static casters and of everything, in light space. Without static casters, both cover
+/// everything. In an empty scene, both are a point.
 fn extents(input: &FrameInput<'_>, sun: &Sun) -> (LightExtent, LightExtent) {
     let is_empty = |e: &LightExtent| !(e.min[0] <= e.max[0]);
     let still = input.scene.light_extent(sun);

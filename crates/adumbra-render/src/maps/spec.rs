@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn spec_refuses_what_does_not_fit() {
+    fn spec_rejects_invalid_values() {
         for (kind, text) in [
             (MapKind::NEAREST, "sm:filter=3"),
             (MapKind::CSM, "csm:cascades=9"),

@@ -1,4 +1,5 @@
-//! The source of a frame's ambient visibility: screen-space passes, or a given picture such as ray-traced truth.
+//! The source of a frame's ambient visibility: screen-space passes, or a given picture such as ray-traced
+//! truth.
 
 use super::passes::OcclusionPasses;
 use crate::error::{RenderError, Result};
@@ -42,8 +43,8 @@ impl AmbientSource {
         }
     }
 
-    /// Reads back the ambient visibility, row 0 at the top. 1 = unoccluded, and also where there is no surface. Passes
-    /// return the last frame's, which is empty before the first frame.
+    /// Reads back the ambient visibility, row 0 at the top. 1 = unoccluded, and also where there is no
+    /// surface. Passes return the last frame's, which is empty before the first frame.
     ///
     /// # Errors
     /// Returns any error that the device reports.
@@ -83,8 +84,8 @@ impl GivenAmbient {
     /// Uploads `visibility`, row 0 at the top; 1 = unoccluded.
     ///
     /// # Errors
-    /// Returns [`RenderError::Ambient`] if the length of `visibility` is not the number of pixels, and any error that
-    /// the device reports.
+    /// Returns [`RenderError::Ambient`] if the length of `visibility` is not the number of pixels, and any
+    /// error that the device reports.
     pub fn new(gpu: &Gpu, size: [u32; 2], visibility: &[f32]) -> Result<Self> {
         let [width, height] = size;
         if visibility.is_empty() || visibility.len() as u64 != u64::from(width) * u64::from(height) {

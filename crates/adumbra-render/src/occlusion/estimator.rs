@@ -5,9 +5,11 @@ use std::fmt;
 /// An algorithm that estimates occlusion from depth and normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Estimator {
-    /// Points in a hemisphere that lie behind the visible surface: Mittring, *Finding Next Gen: CryEngine 2*, 2007.
+    /// Points in a hemisphere that lie behind the visible surface: Mittring, *Finding Next Gen: CryEngine
+    /// 2*, 2007.
     Ssao,
-    /// Horizons along a few directions: Bavoil, Sainz, Dimitrov, *Image-Space Horizon-Based Ambient Occlusion*, 2008.
+    /// Horizons along a few directions: Bavoil, Sainz, Dimitrov, *Image-Space Horizon-Based Ambient
+    /// Occlusion*, 2008.
     Hbao,
     /// McGuire, Osman, Bukowski, Hennessy, *The Alchemy Screen-Space Ambient Obscurance Algorithm*, 2011.
     Alchemy,
@@ -24,7 +26,8 @@ pub struct ShapeParameter {
     pub name: &'static str,
     /// Help text, with the unit.
     pub what: &'static str,
-    /// Default value. For parameters with a search range, the result of `adumbra-lab tune-ao` over all of its scenes.
+    /// Default value. For parameters with a search range, the result of `adumbra-lab tune-ao` over all of its
+    /// scenes.
     pub default: f64,
     /// Smallest and largest value.
     pub range: [f64; 2],

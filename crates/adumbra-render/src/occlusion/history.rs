@@ -4,8 +4,9 @@ use adumbra_shaders::layout::{Frame, OcclusionHistoryParams};
 
 use super::settings::OcclusionSettings;
 
-/// Distance from a point's plane up to which its surface in the previous frame counts in full, as a share of half the
-/// view's height at its depth. It covers interpolation and rounding errors, and is small compared with visible detail.
+/// Distance from a point's plane up to which its surface in the previous frame counts in full, as a share of
+/// half the view's height at its depth. It covers interpolation and rounding errors, and is small compared
+/// with visible detail.
 const TOLERANCE: f32 = 0.002;
 
 impl OcclusionSettings {

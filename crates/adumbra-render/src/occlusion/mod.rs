@@ -1,8 +1,9 @@
-//! Screen-space ambient occlusion. All estimators share one chain of passes, so that they differ in nothing else.
+//! Screen-space ambient occlusion. All estimators share one chain of passes, so that they differ in nothing
+//! else.
 //!
-//! The result is ambient visibility, 1 = unoccluded. It multiplies only the sky's light, never the sun's. Source of
-//! `issao` and its filter: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*, Chinese Journal of
-//! Computers 37(3), 2014.
+//! The result is ambient visibility, 1 = unoccluded. It multiplies only the sky's light, never the sun's.
+//! Source of `issao` and its filter: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*,
+//! Chinese Journal of Computers 37(3), 2014.
 //!
 //! | stage | pass | output | input |
 //! |---|---|---|---|
@@ -13,26 +14,29 @@
 //! | filter | `bilateral_line` or `gauss_line` twice, `bilateral_square`, or none ([`Filter`]) | smooth visibility | the estimate or the mean |
 //! | | `occlusion_up`, with `half=on` | visibility at the frame's size, upsampled along surfaces | depth, the filter's result |
 //!
-//! - *View space*: x right, y up, z the view depth, in world units from the eye. Estimators receive lengths divided by
-//!   the radius. So a scene in other units gives the same picture if its radius is in those units too.
-//! - *Noise* is one tile of 4 × 4 texels, each with its own [`taps()`], the same on GPU and CPU. The filter averages
-//!   over the tile. With `reuse`, the assignment of taps to the tile's texels rotates from frame to frame.
-//! - *The radius* on the screen is capped. A texel beyond the cap is evaluated with a smaller radius as a whole, so
-//!   there is no discontinuity where the cap begins.
+//! - *View space*: x right, y up, z the view depth, in world units from the eye. Estimators receive lengths
+//!   divided by the radius. So a scene in other units gives the same picture if its radius is in those units
+//!   too.
+//! - *Noise* is one tile of 4 × 4 texels, each with its own [`taps()`], the same on GPU and CPU. The filter
+//!   averages over the tile. With `reuse`, the assignment of taps to the tile's texels rotates from frame to
+//!   frame.
+//! - *The radius* on the screen is capped. A texel beyond the cap is evaluated with a smaller radius as a
+//!   whole, so there is no discontinuity where the cap begins.
 //! - *Parameters* of each estimator are in one list, with their ranges, defaults and search ranges:
 //!   [`Estimator::parameters`].
 //! - *[`twin`]* is the whole chain on the CPU, with one file per shader.
 //!
-//! Departures from the paper's filter: it runs as two lines unless `filter=square` selects the square. Differences of
-//! depth are measured from the centre's surface, extrapolated to the tap (`depth=plane`), instead of from the centre's
-//! depth (`depth=plain`). That leaves less noise, especially if the filter is sharp in depth.
+//! Departures from the paper's filter: it runs as two lines unless `filter=square` selects the square.
+//! Differences of depth are measured from the centre's surface, extrapolated to the tap (`depth=plane`),
+//! instead of from the centre's depth (`depth=plain`). That leaves less noise, especially if the filter is
+//! sharp in depth.
 //!
-//! The history follows only the camera. A pixel reuses what was seen in its plane before, or begins anew, as at
-//! surfaces that a moving object uncovers. But occlusion that a moving object leaves behind on static surfaces looks
-//! valid: it fades over the number of frames in the mean.
+//! The history follows only the camera. A pixel reuses what was seen in its plane before, or begins anew, as
+//! at surfaces that a moving object uncovers. But occlusion that a moving object leaves behind on static
+//! surfaces looks valid: it fades over the number of frames in the mean.
 //!
-//! [`crate::Renderer`] runs the passes in its frames. An engine can run them in its own, with its own device, depth and
-//! normals:
+//! [`crate::Renderer`] runs the passes in its frames. An engine can run them in its own, with its own device,
+//! depth and normals:
 //!
 //! ```no_run
 //! use adumbra::grid::Bounds;
@@ -47,9 +51,10 @@
 //! let settings = OcclusionSettings { reuse: true, ..OcclusionSettings::new(Estimator::Issao, 0.5) };
 //! let mut occlusion = OcclusionPasses::new(&gpu, settings);
 //!
-//! // Each frame: the camera, a depth texture, and world normals in any float format. Without normals, `Normals::Depth`
-//! // computes them, and the texture passed in their place is not read. Depth is reversed: 1 near, 0 where there is no
-//! // surface. For another projection, overwrite `frame.depth_to_z`: view depth is (k.x + k.y d) / (k.z + k.w d).
+//! // Each frame: the camera, a depth texture, and world normals in any float format. Without normals,
+//! // `Normals::Depth` computes them, and the texture passed in their place is not read. Depth is reversed:
+//! // 1 near, 0 where there is no surface. For another projection, overwrite `frame.depth_to_z`: view depth
+//! // is (k.x + k.y d) / (k.z + k.w d).
 //! let frame = frame(&camera, &bounds, [0.0, 1.0, 0.0], number);
 //! let input = OcclusionInput { frame: &frame, depth: &depth, normal: &normal };
 //! occlusion.prepare(&gpu, &frame);

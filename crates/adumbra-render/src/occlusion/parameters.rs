@@ -16,8 +16,8 @@ pub const OCCLUSIONS: [(&str, &str); 7] = [
     ("none", "open sky everywhere"),
 ];
 
-/// Parameters specific to an estimator, one per entry: `key=default (range or words): description`. For `truth`, all of
-/// its parameters. Empty for any other name.
+/// Parameters specific to an estimator, one per entry: `key=default (range or words): description`. For
+/// `truth`, all of its parameters. Empty for any other name.
 pub fn occlusion_parameters(name: &str) -> Vec<String> {
     let common = common();
     lines(described(name).iter().filter(|p| name == "truth" || !common.contains(&p.key)))
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn help_names_what_occlusions_ask_for_once() {
+    fn help_lists_each_occlusion_parameter_once() {
         for (name, _) in OCCLUSIONS {
             let options = if matches!(name, "truth" | "none") { Vec::new() } else { occlusion_options() };
             let listed = [options, occlusion_parameters(name)].concat();

@@ -114,8 +114,8 @@ impl OcclusionPasses {
         &self.settings
     }
 
-    /// Changes the numeric parameters for the same estimator and passes, and discards the history. Returns false, and
-    /// does nothing, if the passes would differ.
+    /// Changes the numeric parameters for the same estimator and passes, and discards the history. Returns
+    /// false, and does nothing, if the passes would differ.
     pub fn reshape(&mut self, gpu: &Gpu, settings: &OcclusionSettings) -> bool {
         let same = OcclusionSettings {
             shape: self.settings.shape,
@@ -141,8 +141,8 @@ impl OcclusionPasses {
         self.before = None;
     }
 
-    /// Writes uniforms and allocates textures. Call it before every other method of a frame. The others follow in the
-    /// order in which they are declared here.
+    /// Writes uniforms and allocates textures. Call it before every other method of a frame. The others
+    /// follow in the order in which they are declared here.
     pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame) {
         let size = frame.size;
         if self.pictures.as_ref().is_none_or(|p| p.frame_size != size) {
@@ -248,8 +248,8 @@ impl OcclusionPasses {
         self.pictures.as_ref().map(|p| p.whole.as_ref().unwrap_or(&p.ambient[self.last()]))
     }
 
-    /// Reads back the ambient visibility, row 0 at the top. 1 = unoccluded, and also where there is no surface. Empty
-    /// before the first frame.
+    /// Reads back the ambient visibility, row 0 at the top. 1 = unoccluded, and also where there is no
+    /// surface. Empty before the first frame.
     ///
     /// # Errors
     /// Returns any error that the device reports.

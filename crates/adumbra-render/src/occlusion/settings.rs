@@ -25,8 +25,8 @@ pub enum Normals {
 pub enum Filter {
     /// No filter.
     None,
-    /// Two depth-aware lines, one after the other. Close to the square on flat surfaces. On the generated city, their
-    /// RMS difference from the square is 0.15 of the change that the square makes.
+    /// Two depth-aware lines, one after the other. Close to the square on flat surfaces. On the generated
+    /// city, their RMS difference from the square is 0.15 of the change that the square makes.
     Bilateral,
     /// The square of equation 7.
     BilateralSquare,
@@ -70,14 +70,15 @@ pub struct OcclusionSettings {
     pub sigma_texels: f64,
     /// Standard deviation of view depth in the filter, radii.
     pub sigma_depth: f64,
-    /// Whether the filter measures differences of depth from the centre's surface, extrapolated to each tap, so that it
-    /// smooths planes at any angle. Otherwise it measures them from the centre's depth, as equation 7 is printed.
+    /// Whether the filter measures differences of depth from the centre's surface, extrapolated to each tap,
+    /// so that it smooths planes at any angle. Otherwise it measures them from the centre's depth, as
+    /// equation 7 is printed.
     pub planes: bool,
     /// Whether the filter skips texels whose neighbourhood needs no smoothing.
     pub edge_test: bool,
     /// Whether to estimate at half the width and height.
     pub half: bool,
-    /// Whether to reuse what is still valid of previous frames.
+    /// Whether to reuse the still valid parts of previous frames.
     pub reuse: bool,
     /// Largest number of frames in the mean, 1 to 64.
     pub frames: u32,
@@ -128,8 +129,8 @@ impl OcclusionSettings {
         if self.half { [width.div_ceil(2), height.div_ceil(2)] } else { [width, height] }
     }
 
-    /// Returns the estimator's uniform for a frame. Each quantity that depends on the scene's unit of length appears
-    /// once, so that scaling a scene together with its radius gives the same picture.
+    /// Returns the estimator's uniform for a frame. Each quantity that depends on the scene's unit of length
+    /// appears once, so that scaling a scene together with its radius gives the same picture.
     pub fn params(&self, frame: &Frame) -> OcclusionParams {
         let scale = if self.half { 2 } else { 1 };
         let size = self.size(frame.size);
@@ -203,7 +204,8 @@ impl OcclusionSettings {
         };
         match self.estimator {
             Estimator::Issao => {
-                // The role of φ in each interpretation: factor, exponent of the falloff, exponent of the visibility.
+                // The role of φ in each interpretation: factor, exponent of the falloff, exponent of the
+                // visibility.
                 let [factor, falloff, contrast] = match double("reading").round() as u8 {
                     1 => [double("phi"), 0.0, 1.0],
                     2 => [1.0, 1.0 / double("phi"), 1.0],
@@ -277,9 +279,10 @@ impl OcclusionSettings {
     }
 }
 
-/// Directions of a march of `samples` taps, and steps along each. The number of directions is even, so that two make a
-/// slice, except for a single tap. It is 1/2 to 3 times the number of steps, so a few taps may be unused. Picks the
-/// pair that leaves the fewest unused; among equals, the one nearest to four directions per three steps.
+/// Directions of a march of `samples` taps, and steps along each. The number of directions is even, so that
+/// two make a slice, except for a single tap. It is 1/2 to 3 times the number of steps, so a few taps may be
+/// unused. Picks the pair that leaves the fewest unused; among equals, the one nearest to four directions per
+/// three steps.
 pub(super) fn march(samples: u32) -> [u32; 2] {
     let pairs = (2..=samples).step_by(2).map(|directions| [directions, samples / directions]);
     let fitting = pairs.filter(|&[d, s]| s <= 2 * d && d <= 3 * s);

@@ -155,9 +155,9 @@ fn read(reader: &mut SpecReader<'_>, default_radius_world: f64) -> Result<()> {
     AmbientSettings::from_reader(reader, default_radius_world).map(drop)
 }
 
-/// The settings that the paper published for its figures 3, 4 and 5, converted to radii. With v = R w its equation
-/// takes λ / R and σ / R², while φ and ψ are unchanged. The radius itself is not preset, because the paper's R is in
-/// the units of unpublished scenes.
+/// The settings that the paper published for its figures 3, 4 and 5, converted to radii. With v = R w its
+/// equation takes λ / R and σ / R², while φ and ψ are unchanged. The radius itself is not preset, because the
+/// paper's R is in the units of unpublished scenes.
 fn preset(r: &mut SpecReader<'_>) -> Result<&'static [(&'static str, f64)]> {
     Ok(
         match r.choice(
@@ -190,7 +190,7 @@ mod tests {
     use crate::technique::parameter::tests::holds;
 
     #[test]
-    fn every_default_and_end_of_a_range_is_taken_and_nothing_beyond() {
+    fn accepts_defaults_and_range_ends_but_nothing_beyond() {
         for text in OCCLUSIONS.iter().map(|(name, _)| *name).chain(["issao:preset=fig4", "gtao:power=2"]) {
             holds(&text.parse().unwrap(), |spec| describe(spec, 0.7));
         }
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn describe_gives_what_settings_are() {
+    fn describe_matches_the_settings() {
         let spec: SpecText = "issao:preset=fig4:radius=2:before=nothing".parse().unwrap();
         let settings = OcclusionSettings::from_spec(&spec, 1.0).unwrap();
         let described = describe(&spec, 1.0).unwrap();
@@ -213,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn change_says_no_more_than_it_must() {
+    fn change_writes_the_shortest_text() {
         for (text, key, value, expected) in [
             ("issao:radius=2", "radius", "1", "issao"),
             ("issao", "half", "on", "issao:half=on"),

@@ -1,10 +1,12 @@
-//! The noise of ambient occlusion: a separate set of taps for each texel of a 4 × 4 tile, the same on GPU and CPU.
+//! The noise of ambient occlusion: a separate set of taps for each texel of a 4 × 4 tile, the same on GPU and
+//! CPU.
 //!
-//! Values come from one sequence of points that fills the unit square evenly from any start: multiples of 1/p and 1/p²,
-//! where p is the plastic number (M. Roberts, *The Unreasonable Effectiveness of Quasirandom Sequences*, 2018). Texel k
-//! of the tile takes the k-th run of the sequence, so that the taps of a whole tile, which the filter averages, are as
-//! even as those of a texel. Marches instead rotate from texel to texel by a 16th of the angle between two directions,
-//! and their start offsets are multiples of the golden ratio.
+//! Values come from one sequence of points that fills the unit square evenly from any start: multiples of 1/p
+//! and 1/p², where p is the plastic number (M. Roberts, *The Unreasonable Effectiveness of Quasirandom
+//! Sequences*, 2018). Texel k of the tile takes the k-th run of the sequence, so that the taps of a whole
+//! tile, which the filter averages, are as even as those of a texel. Marches instead rotate from texel to
+//! texel by a 16th of the angle between two directions, and their start offsets are multiples of the golden
+//! ratio.
 
 use std::f64::consts::TAU;
 
@@ -65,10 +67,10 @@ fn disc_tap([e1, e2]: [f64; 2]) -> [f64; 2] {
     [e1 * libm::sin(TAU * e2), e2 * libm::cos(TAU * e1)]
 }
 
-/// [`disc_tap`] with e1 = e2, on the assumption that this is the relation that was lost in print. It gives a spiral of
-/// one turn whose density falls with the distance from the middle and which ends at the rim. Independent e1 and e2
-/// reach a distance of 1.255, and points beyond 1 are skipped. Each texel of the tile rotates its spiral by a further
-/// 16th of a circle.
+/// [`disc_tap`] with e1 = e2, on the assumption that this is the relation that was lost in print. It gives a
+/// spiral of one turn whose density falls with the distance from the middle and which ends at the rim.
+/// Independent e1 and e2 reach a distance of 1.255, and points beyond 1 are skipped. Each texel of the tile
+/// rotates its spiral by a further 16th of a circle.
 fn spiral_tap(e: f64, place: usize) -> [f32; 4] {
     let [x, y] = disc_tap([e, e]);
     let (sin, cos) = libm::sincos(TAU * place as f64 / PLACES as f64);
@@ -80,18 +82,18 @@ fn within_tile(place: usize) -> f64 {
     (place as f64 + 0.5) / PLACES as f64
 }
 
-/// A point in the unit ball, denser towards the middle. `at` is the tap's position from the first to the last, 0 to 1;
-/// its distance is lerp(0.1, 1, at²).
+/// A point in the unit ball, denser towards the middle. `at` is the tap's position from the first to the
+/// last, 0 to 1; its distance is lerp(0.1, 1, at²).
 fn ball_tap([e1, e2]: [f64; 2], at: f64) -> [f32; 4] {
     let (z, length) = (1.0 - 2.0 * e1, 0.1 + 0.9 * at * at);
     let r = (1.0 - z * z).sqrt();
     [r * libm::cos(TAU * e2), r * libm::sin(TAU * e2), z, 0.0].map(|v| (v * length) as f32)
 }
 
-/// Writes the taps of a march, by direction, then by step. With `paired`, only the first half of the directions is
-/// written, because the others are their opposites. x and y are the direction, y up. z is the distance of the step as a
-/// share of the radius, and w that of the opposite direction. Over the tile, directions rotate by the angle between two
-/// of them, and each direction's steps shift by one step.
+/// Writes the taps of a march, by direction, then by step. With `paired`, only the first half of the
+/// directions is written, because the others are their opposites. x and y are the direction, y up. z is the
+/// distance of the step as a share of the radius, and w that of the opposite direction. Over the tile,
+/// directions rotate by the angle between two of them, and each direction's steps shift by one step.
 fn march_taps(
     place: &mut [[f32; 4]],
     number: usize,
@@ -130,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn taps_of_a_disc_are_even() {
+    fn disc_taps_are_evenly_spread() {
         let taps = taps_for(Estimator::Alchemy, 12);
         assert!(taps.iter().all(|t| t[0].hypot(t[1]) < 1.0));
         assert!((mean(&taps, |t| t[0] * t[0] + t[1] * t[1]) - 0.5).abs() < 0.02);
@@ -150,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn taps_of_a_march_are_unit_directions_all_round_and_steps_outwards() {
+    fn march_taps_are_unit_directions_with_outward_steps() {
         for samples in 1..=64 {
             let [directions, steps] = march(samples);
             for (estimator, slices) in
@@ -166,8 +168,8 @@ mod tests {
                     assert!(used.chunks_exact(steps as usize).all(outwards));
                 }
             }
-            // HBAO directions cover a whole turn. GTAO directions cover half a turn, because each also represents its
-            // opposite.
+            // HBAO directions cover a whole turn. GTAO directions cover half a turn, because each also
+            // represents its opposite.
             let turns = |estimator| {
                 mean(&taps_for(estimator, samples), |t| t[0])
                     .hypot(mean(&taps_for(estimator, samples), |t| t[1]))

@@ -17,8 +17,8 @@ pub struct Volume {
 }
 
 impl Volume {
-    /// Whether a box may intersect the volume. Conservative: it may return true for a box outside, never false for one
-    /// that intersects.
+    /// Whether a box may intersect the volume. Conservative: it may return true for a box outside, never
+    /// false for one that intersects.
     pub fn may_touch(&self, center: [f64; 3], half: [f64; 3]) -> bool {
         self.planes.iter().all(|p| {
             let distance: f64 = (0..3).map(|a| p[a] * center[a]).sum::<f64>() + p[3];
@@ -93,7 +93,8 @@ impl Placed {
     }
 }
 
-/// Whether an instance has a finite transform. One that has not is neither drawn nor part of any bounding box.
+/// Whether an instance has a finite transform. Instances without one are neither drawn nor part of a bounding
+/// box.
 fn has_place(instance: &adumbra_scene::Instance) -> bool {
     instance.world_from_mesh.iter().flatten().all(|&c| (c as f32).is_finite())
 }
@@ -116,8 +117,8 @@ pub(super) fn bounds(scene: &Scene) -> Bounds {
     b
 }
 
-/// Returns the origin of a mesh's positions on the GPU: the point of its bounding box nearest to zero. A mesh far from
-/// its own zero thus keeps as much precision as one around it.
+/// Returns the origin of a mesh's positions on the GPU: the point of its bounding box nearest to zero. A mesh
+/// far from its own zero thus keeps as much precision as one around it.
 pub(super) fn mesh_origin(positions: &[[f32; 3]]) -> [f64; 3] {
     nearest_to_zero(mesh_extent(positions))
 }
@@ -164,9 +165,9 @@ impl InstanceList {
         Self { label: label.to_owned(), buffer, ranges: Vec::new(), count: 0 }
     }
 
-    /// Lists the instances that may intersect `volume`, with transforms relative to `anchor_world`; only shadow casters
-    /// if `casters_only`. Cost: one test per instance, and 48 bytes uploaded per listed instance. Allocates a new
-    /// buffer if the list outgrows the present one.
+    /// Lists the instances that may intersect `volume`, with transforms relative to `anchor_world`; only
+    /// shadow casters if `casters_only`. Cost: one test per instance, and 48 bytes uploaded per listed
+    /// instance. Allocates a new buffer if the list outgrows the present one.
     pub fn update(
         &mut self,
         gpu: &Gpu,
@@ -239,7 +240,7 @@ mod tests {
     use adumbra_scene::{GeneratedKind, generate};
 
     #[test]
-    fn instances_without_a_place_are_left_out() {
+    fn skips_instances_without_a_finite_transform() {
         let mut scene = generate(GeneratedKind::Primitives, 1);
         let fine = scene.bounds();
         for broken in [f64::NAN, f64::INFINITY, 1e300] {
@@ -253,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn volume_keeps_what_may_reach_in() {
+    fn may_touch_keeps_boxes_that_may_intersect() {
         let volume = Volume { planes: vec![[1.0, 0.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 10.0]] };
         assert!(volume.may_touch([5.0, 0.0, 0.0], [0.1; 3]));
         assert!(volume.may_touch([-1.0, 0.0, 0.0], [1.5, 0.0, 0.0]));

@@ -68,8 +68,8 @@ pub struct SceneBuffers {
 }
 
 impl SceneBuffers {
-    /// Uploads a scene, which must be valid, as those from [`adumbra_scene::load`] are. Cost: one pass over the stored
-    /// triangles, and one over the instanced vertices for the bounds.
+    /// Uploads a scene, which must be valid, as those from [`adumbra_scene::load`] are. Cost: one pass over
+    /// the stored triangles, and one over the instanced vertices for the bounds.
     ///
     /// # Errors
     /// Returns [`RenderError::TooLarge`] if a buffer or a texture is larger than the device allows.
@@ -118,13 +118,14 @@ impl SceneBuffers {
         self.bounds
     }
 
-    /// World position of the scene's first instance: a point that moves with the scene, whatever else is in it. Zero if
-    /// there are no instances.
+    /// World position of the scene's first instance: a point that moves with the scene, whatever else is in
+    /// it. Zero if there are no instances.
     pub(crate) fn lattice_world(&self) -> [f64; 3] {
         self.placed.first_world()
     }
 
-    /// Returns the extent of all instances' bounding boxes along the light's axes. Cost: eight corners per instance.
+    /// Returns the extent of all instances' bounding boxes along the light's axes. Cost: eight corners per
+    /// instance.
     pub(crate) fn light_extent(&self, sun: &Sun) -> LightExtent {
         let mut extent = LightExtent::empty(sun);
         self.placed.boxes().for_each(|b| extent.add_box(&b));
@@ -136,15 +137,17 @@ impl SceneBuffers {
         self.corners.size() + self.positions.size() + self.indices.size() + self.materials.bytes
     }
 
-    /// Updates the transforms of the instances. `scene` must have the meshes and instances that this was created from.
+    /// Updates the transforms of the instances. `scene` must have the meshes and instances that this was
+    /// created from.
     pub(crate) fn move_instances(&mut self, scene: &Scene) {
         self.placed = Placed::new(scene);
         self.bounds = instances::bounds(scene);
         self.id = next_id();
     }
 
-    /// Draws every material of the listed instances. `bind` is called before opaque and before masked corners, with
-    /// whether they are masked, to set the pipeline. Bind group 1 is the material's: [`material_layout`].
+    /// Draws every material of the listed instances. `bind` is called before opaque and before masked
+    /// corners, with whether they are masked, to set the pipeline. Bind group 1 is the material's:
+    /// [`material_layout`].
     pub(crate) fn draw_surfaces(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -154,8 +157,8 @@ impl SceneBuffers {
         self.draw_runs(pass, list, bind, |_| true);
     }
 
-    /// Draws the opaque casters of the listed instances with positions only: vertex buffer 0 holds positions, 1
-    /// instances.
+    /// Draws the opaque casters of the listed instances with positions only: vertex buffer 0 holds positions,
+    /// 1 instances.
     pub(crate) fn draw_opaque_casters(&self, pass: &mut wgpu::RenderPass<'_>, list: &InstanceList) {
         if self.indices.size() <= 4 {
             return;
@@ -170,8 +173,9 @@ impl SceneBuffers {
         }
     }
 
-    /// Draws the masked casters of the listed instances. The vertex buffers are corners and instances, and bind group 1
-    /// is the material's. `bind` is called once before the first draw, and not at all if there is none.
+    /// Draws the masked casters of the listed instances. The vertex buffers are corners and instances, and
+    /// bind group 1 is the material's. `bind` is called once before the first draw, and not at all if there
+    /// is none.
     pub(crate) fn draw_masked_casters(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -181,8 +185,8 @@ impl SceneBuffers {
         self.draw_runs(pass, list, |pass, _| bind(pass), |run| run.masked && run.casts);
     }
 
-    /// Draws the corners of all casters of the listed instances, as [`SceneBuffers::draw_surfaces`] does for all
-    /// surfaces.
+    /// Draws the corners of all casters of the listed instances, as [`SceneBuffers::draw_surfaces`] does for
+    /// all surfaces.
     pub(crate) fn draw_caster_corners(
         &self,
         pass: &mut wgpu::RenderPass<'_>,
@@ -229,8 +233,8 @@ pub(crate) fn material_layout(gpu: &Gpu) -> wgpu::BindGroupLayout {
     materials::layout(gpu)
 }
 
-/// Vertex buffers of a pipeline that draws corners: position, normal and texture coordinates at locations 0 to 2,
-/// instance rows at 3 to 5, colour (sRGB with linear alpha) at 6.
+/// Vertex buffers of a pipeline that draws corners: position, normal and texture coordinates at locations 0
+/// to 2, instance rows at 3 to 5, colour (sRGB with linear alpha) at 6.
 pub(crate) const CORNER_LAYOUT: [Option<wgpu::VertexBufferLayout<'static>>; 2] = [
     Some(wgpu::VertexBufferLayout {
         array_stride: CORNER_BYTES,

@@ -1,10 +1,10 @@
-//! Splits triangles that are far larger than the rest, for the GPU. Vertices far behind the camera are clipped in
-//! `f32`, which moves nearby parts off their plane, by centimetres on a quad of 1000 km. Pure arithmetic, without the
-//! GPU.
+//! Splits triangles that are far larger than the rest, for the GPU. Vertices far behind the camera are
+//! clipped in `f32`, which moves nearby parts off their plane, by centimetres on a quad of 1000 km. Pure
+//! arithmetic, without the GPU.
 //!
-//! An edge is halved while it is longer than [`LONGEST_EDGES`] times the scene's median edge. Every triangle that
-//! shares an edge splits it alike, so they leave no cracks. The median changes neither with a stray triangle nor with
-//! the scene's unit.
+//! An edge is halved while it is longer than [`LONGEST_EDGES`] times the scene's median edge. Every triangle
+//! that shares an edge splits it alike, so they leave no cracks. The median changes neither with a stray
+//! triangle nor with the scene's unit.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -34,8 +34,8 @@ pub(super) fn largest_scales(scene: &Scene) -> Vec<f64> {
     scales
 }
 
-/// Returns the length of the longest edge that is drawn unsplit, world units; infinite for a scene without edges.
-/// `scales` are those of [`largest_scales`].
+/// Returns the length of the longest edge that is drawn unsplit, world units; infinite for a scene without
+/// edges. `scales` are those of [`largest_scales`].
 pub(super) fn longest_edge(scene: &Scene, scales: &[f64]) -> f64 {
     let step = (scene.stored_triangles() as usize).div_ceil(SAMPLE).max(1);
     let placed = scene.meshes.iter().zip(scales).filter(|(_, scale)| **scale > 0.0);
@@ -55,8 +55,8 @@ fn square(mesh: &Mesh, a: u32, b: u32) -> f64 {
     (0..3).map(|k| (f64::from(p[k]) - f64::from(q[k])).powi(2)).sum()
 }
 
-/// Returns the mesh with edges longer than `longest` halved until none is left, as far as [`MAX_TRIANGLES`] allows.
-/// `longest` is in the mesh's own units.
+/// Returns the mesh with edges longer than `longest` halved until none is left, as far as [`MAX_TRIANGLES`]
+/// allows. `longest` is in the mesh's own units.
 pub(super) fn split_long_edges(mesh: &Mesh, longest: f64) -> Cow<'_, Mesh> {
     let mut split = Cow::Borrowed(mesh);
     while let Some(next) = halved(&split, longest) {
@@ -65,7 +65,8 @@ pub(super) fn split_long_edges(mesh: &Mesh, longest: f64) -> Cow<'_, Mesh> {
     split
 }
 
-/// Halves each edge that is too long once. Returns `None` if there is none, or if too many triangles would result.
+/// Halves each edge that is too long once. Returns `None` if there is none, or if too many triangles would
+/// result.
 fn halved(mesh: &Mesh, longest: f64) -> Option<Mesh> {
     let is_long = |a: u32, b: u32| square(mesh, a, b) > longest * longest;
     let sides = |[a, b, c]: [u32; 3]| [(a, b), (b, c), (c, a)];
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn long_edges_are_halved_until_none_is_and_triangles_still_meet() {
+    fn halves_long_edges_without_cracks() {
         for half in [3_000.0_f32, 50_000.0] {
             let mesh = quad(half);
             let split = split_long_edges(&mesh, LONGEST);
@@ -179,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_long_follows_the_usual_edge_and_the_unit() {
+    fn longest_edge_follows_the_median_edge_and_the_unit() {
         let mut scene = generate(GeneratedKind::City, 1);
         let of = |scene: &Scene| longest_edge(scene, &largest_scales(scene));
         let plain = of(&scene);

@@ -1,10 +1,12 @@
-//! Shadows blurred in screen space: the shadow factor is written to its own target, blurred there, and then composited.
+//! Shadows blurred in screen space: the shadow factor is written to its own target, blurred there, and then
+//! composited.
 //!
-//! Source: ZwqXin, notes on soft shadows, 2009 (MRT, separable Gaussian, dilation). They report a halo where a shadow
-//! crosses a silhouette, a gap that no dilation closes, and a cost that grows with samples and with weights computed in
-//! the shader. `blur` and `blur-dilate` reproduce that. `blur-bilateral` fixes it: its weights depend on depth and
-//! normal, as in J. Gumbau, M. Chover, M. Sbert, *Screen Space Soft Shadows*, GPU Pro, 2010. But its width is fixed in
-//! pixels instead of following the penumbra. Departure: a line has an odd number of texels, so that nothing shifts.
+//! Source: ZwqXin, notes on soft shadows, 2009 (MRT, separable Gaussian, dilation). They report a halo where
+//! a shadow crosses a silhouette, a gap that no dilation closes, and a cost that grows with samples and with
+//! weights computed in the shader. `blur` and `blur-dilate` reproduce that. `blur-bilateral` fixes it: its
+//! weights depend on depth and normal, as in J. Gumbau, M. Chover, M. Sbert, *Screen Space Soft Shadows*, GPU
+//! Pro, 2010. But its width is fixed in pixels instead of following the penumbra. Departure: a line has an
+//! odd number of texels, so that nothing shifts.
 
 mod passes;
 mod settings;

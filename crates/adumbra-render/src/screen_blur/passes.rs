@@ -50,8 +50,8 @@ struct Scratch {
 }
 
 impl BlurPasses {
-    /// Creates the pipelines. If the device does not filter 32-bit floats, pairs are disabled, and the technique's
-    /// notes say so.
+    /// Creates the pipelines. If the device does not filter 32-bit floats, pairs are disabled, and the
+    /// technique's notes say so.
     pub fn new(gpu: &Gpu, mut settings: BlurSettings) -> Self {
         settings.pairs &= gpu.has(Features::FLOAT32_FILTERABLE);
         let steps = settings.steps().into_iter().map(|step| {
@@ -69,7 +69,7 @@ impl BlurPasses {
         Self { settings, steps: steps.collect(), sampler, scratch: None }
     }
 
-    /// The settings in effect, which may be fewer than requested.
+    /// The settings in effect. Pairs may be disabled although they were requested.
     pub fn settings(&self) -> &BlurSettings {
         &self.settings
     }

@@ -52,8 +52,8 @@ pub struct BlurSettings {
     pub samples: u32,
     /// Standard deviation, pixels.
     pub sigma_pixels: f64,
-    /// Whether to blur along two lines, one after the other, instead of over one square. Within surfaces this is an
-    /// approximation.
+    /// Whether to blur along two lines, one after the other, instead of over one square. Within surfaces this
+    /// is an approximation.
     pub separable: bool,
     /// The source of the weights.
     pub weights: BlurWeights,
@@ -114,8 +114,8 @@ impl BlurStep {
 }
 
 impl BlurSettings {
-    /// Reads `base`, `samples`, `sigma`, `passes`, `weights`, `pairs` and `half`, as well as `radius` of a blur that
-    /// dilates and `tolerance` of one within surfaces.
+    /// Reads `base`, `samples`, `sigma`, `passes`, `weights`, `pairs` and `half`, as well as `radius` of a
+    /// blur that dilates and `tolerance` of one within surfaces.
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a value does not exist or values are incompatible.
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn blur_weights_add_to_one_and_pairs_hold_the_same() {
+    fn blur_weights_sum_to_one_and_pairs_match_single_taps() {
         for samples in (8..=64).step_by(2) {
             for half in ["off", "on"] {
                 let text = format!("blur:samples={samples}:half={half}:pairs=on");

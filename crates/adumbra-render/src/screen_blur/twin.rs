@@ -28,8 +28,8 @@ pub fn blur(settings: &BlurSettings, factor: &[f32], surfaces: &Surfaces<'_>) ->
     picture
 }
 
-/// Errors of a blur: pixels of factor 0 or 1 that it changes by more than 0.02 although no pixel within reach on their
-/// own surface has a different factor.
+/// Errors of a blur: pixels of factor 0 or 1 that it changes by more than 0.02 although no pixel within reach
+/// on their own surface has a different factor.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bleeding {
     /// Lit pixels that became darker: a halo around a shadow on another surface.
@@ -40,9 +40,9 @@ pub struct Bleeding {
     pub largest: f32,
 }
 
-/// Counts the errors of a blur of `factor`, which is 0 or 1 except at soft borders. A pixel's own surface is everything
-/// within five pixels' width of its plane that faces about the same way. `reach` is the blur's reach in pixels. Cost:
-/// `reach²` per pixel.
+/// Counts the errors of a blur of `factor`, which is 0 or 1 except at soft borders. A pixel's own surface is
+/// everything within five pixels' width of its plane that faces about the same way. `reach` is the blur's
+/// reach in pixels. Cost: `reach²` per pixel.
 pub fn bleeding(factor: &[f32], blurred: &[f32], surfaces: &Surfaces<'_>, reach: u32) -> Bleeding {
     const TOLERANCE_PIXELS: f64 = 5.0;
     let frame = surfaces.frame.size;

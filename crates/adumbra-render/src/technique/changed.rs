@@ -3,8 +3,8 @@
 use super::{SpecReader, SpecText};
 use crate::error::Result;
 
-/// Returns a technique with one parameter changed, as read by `read`. Parameters that no longer apply or have their
-/// default value are omitted.
+/// Returns a technique with one parameter changed, as read by `read`. Parameters that no longer apply or have
+/// their default value are omitted.
 ///
 /// # Errors
 /// Returns the errors of `read`, and [`crate::RenderError::Technique`] for a parameter that is never read.

@@ -7,7 +7,8 @@ use super::{Answer, FrameInput, Technique};
 use crate::error::{RenderError, Result};
 use crate::gpu::{Gpu, binding};
 
-/// A technique that returns one given factor per pixel. It supports frames of its own size, not lists of points.
+/// A technique that returns one given factor per pixel. It supports frames of its own size, not lists of
+/// points.
 pub struct Given {
     name: String,
     size: [u32; 2],

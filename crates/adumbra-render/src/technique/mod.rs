@@ -1,6 +1,6 @@
-//! The interface of shadow techniques: their own buffers, passes before the look-up, the look-up, and screen-space
-//! passes after it. This module also reads a technique's text, a name and parameters ([`SpecText`],
-//! [`SpecReader`]). The list of techniques is in [`crate::techniques`].
+//! The interface of shadow techniques: their own buffers, passes before the look-up, the look-up, and
+//! screen-space passes after it. This module also reads a technique's text, a name and parameters
+//! ([`SpecText`], [`SpecReader`]). The list of techniques is in [`crate::techniques`].
 
 mod changed;
 mod given;
@@ -57,14 +57,16 @@ pub enum Answer {
     Visibility,
     /// The cascade that contains the point, from 0; -1 beyond the last cascade and for the background.
     Cascade,
-    /// The level at which a look-up in a hybrid map ends, 0 = finest; -1 outside the map and for the background.
-    Level,
-    /// The size of the block or cube of a baked file in which the unfiltered look-up of the point ends. Such a block is
-    /// entirely lit or entirely shadowed. The value is log2 of its edge in voxels ([`Technique::voxel_world`]): 0 = a
-    /// single voxel or column, up to the root; -1 outside the file and for the background.
-    Voxel,
-    /// The level of detail of a streamed file that answers: 0 = the finest in use; -1 outside the file and for the
+    /// The level at which a look-up in a hybrid map ends, 0 = finest; -1 outside the map and for the
     /// background.
+    Level,
+    /// The size of the block or cube of a baked file in which the unfiltered look-up of the point ends. Such
+    /// a block is entirely lit or entirely shadowed. The value is log2 of its edge in voxels
+    /// ([`Technique::voxel_world`]): 0 = a single voxel or column, up to the root; -1 outside the file and
+    /// for the background.
+    Voxel,
+    /// The level of detail of a streamed file that answers: 0 = the finest in use; -1 outside the file and
+    /// for the background.
     Resident,
 }
 
@@ -85,17 +87,17 @@ pub trait Technique {
     /// Encodes the passes between the depth passes and the look-up.
     fn encode_build(&mut self, _input: &FrameInput<'_>, _encoder: &mut wgpu::CommandEncoder) {}
 
-    /// Reports errors that only the device could detect. Called after a frame's commands were submitted. Waits for the
-    /// device only if something may have gone wrong.
+    /// Reports errors that only the device could detect. Called after a frame's commands were submitted.
+    /// Waits for the device only if something may have gone wrong.
     ///
     /// # Errors
-    /// Returns what the technique failed to do.
+    /// Returns an error that describes the failure.
     fn check(&self, _gpu: &Gpu) -> Result<()> {
         Ok(())
     }
 
-    /// The WGSL files that define `adumbra_shadow_factor` and everything that they need except core/surface.wgsl.
-    /// `None` if the technique does not support this answer.
+    /// The WGSL files that define `adumbra_shadow_factor` and everything that they need except
+    /// core/surface.wgsl. `None` if the technique does not support this answer.
     fn sources(&self, answer: Answer) -> Option<Vec<Source>>;
 
     /// Layouts of bind groups 1 and 2.
@@ -138,19 +140,19 @@ pub trait Technique {
         None
     }
 
-    /// Edge of the texel or voxel that the look-up compares with at a view depth, world units, as of the last prepared
-    /// frame. `None` if there is none.
+    /// Edge of the texel or voxel that the look-up compares with at a view depth, world units, as of the last
+    /// prepared frame. `None` if there is none.
     fn texel_world(&self, _view_depth: f32) -> Option<f64> {
         None
     }
 
-    /// Edge of the finest voxels of the baked file, world units. A block of level n ([`Answer::Voxel`]) spans 2^n of
-    /// them per side. `None` if there is no file.
+    /// Edge of the finest voxels of the baked file, world units. A block of level n ([`Answer::Voxel`]) spans
+    /// 2^n of them per side. `None` if there is no file.
     fn voxel_world(&self) -> Option<f64> {
         None
     }
 
-    /// What the technique had to omit on this device, or to change of what was requested.
+    /// Notes for the user: features omitted on this device, and changes of the requested settings.
     fn notes(&self) -> Vec<String> {
         Vec::new()
     }

@@ -36,7 +36,8 @@ pub enum ParameterKind {
     },
     /// Another technique, written with `/` for `:`.
     Technique {
-        /// The technique whose parameters the value lists. `None` if the value starts with a technique's name.
+        /// The technique whose parameters the value lists. `None` if the value starts with a technique's
+        /// name.
         of: Option<&'static str>,
     },
 }
@@ -66,8 +67,9 @@ impl Parameter {
     }
 
     /// Returns the range of a slider for a number, and whether the slider should be logarithmic. A
-    /// [`ParameterKind::Number`] whose range extends beyond 100 times a positive default gets at most a factor of 100
-    /// to either side of the default. Everything else gets its whole range. `None` if the parameter is not a number.
+    /// [`ParameterKind::Number`] whose range extends beyond 100 times a positive default gets at most a
+    /// factor of 100 to either side of the default. Everything else gets its whole range. `None` if the
+    /// parameter is not a number.
     pub fn slider(&self) -> Option<(RangeInclusive<f64>, bool)> {
         let (from, to) = match &self.kind {
             ParameterKind::Number { range } => (*range.start(), *range.end()),
@@ -144,8 +146,8 @@ impl Parameter {
     }
 }
 
-/// Parses `value` as a technique written with `/` for `:`. `of` is the technique's name if the value does not contain
-/// it.
+/// Parses `value` as a technique written with `/` for `:`. `of` is the technique's name if the value does not
+/// contain it.
 pub(super) fn nested(of: Option<&str>, value: &str) -> Result<SpecText> {
     let text = value.replace('/', ":");
     match of {
@@ -165,8 +167,8 @@ fn short(value: f64) -> String {
 pub(crate) mod tests {
     use super::*;
 
-    /// Asserts that a technique accepts the defaults and range ends of its described parameters and rejects values
-    /// beyond them, and that each parameter has a line of help.
+    /// Asserts that a technique accepts the defaults and range ends of its described parameters and rejects
+    /// values beyond them, and that each parameter has a line of help.
     pub(crate) fn holds(spec: &SpecText, describe: impl Fn(&SpecText) -> Result<Vec<Parameter>>) {
         let plain = describe(spec).unwrap();
         for p in &plain {
@@ -216,7 +218,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn parameter_s_slider_stays_near_a_default_of_a_wide_range() {
+    fn slider_of_a_wide_range_stays_near_the_default() {
         assert_eq!(number("0.5", 0.0..=1.0).slider(), Some((0.0..=1.0, false)));
         assert_eq!(number("0", 0.0..=16.0).slider(), Some((0.0..=16.0, false)));
         assert_eq!(number("2", 0.0..=1e9).slider(), Some((0.02..=200.0, true)));
@@ -224,14 +226,14 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn parameter_is_its_default_by_number() {
+    fn is_default_compares_numbers() {
         let p = Parameter { value: "0.50".to_owned(), ..number("0.5", 0.0..=1.0) };
         assert!(p.is_default());
         assert!(!Parameter { value: "0.51".to_owned(), ..p }.is_default());
     }
 
     #[test]
-    fn parameter_holds_a_technique() {
+    fn parameter_nests_a_technique() {
         let spec: SpecText = "csm:cascades=2:filter=3".parse().unwrap();
         for (of, value) in [(Some("csm"), "cascades=2/filter=3"), (None, "csm/cascades=2/filter=3")] {
             let p = Parameter {

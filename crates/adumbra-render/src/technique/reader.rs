@@ -1,5 +1,5 @@
-//! Reads a technique's settings from its text, parameter by parameter. Each parameter read is recorded with its default
-//! and range, so help and sliders show exactly what is accepted.
+//! Reads a technique's settings from its text, parameter by parameter. Each parameter read is recorded with
+//! its default and range, so help and sliders show exactly what is accepted.
 
 use std::ops::RangeInclusive;
 
@@ -152,12 +152,12 @@ impl<'s> SpecReader<'s> {
         value.parse().ok().filter(|n| range.contains(n)).ok_or_else(wrong)
     }
 
-    /// Reads another technique, written with `/` for `:`: only the parameters of technique `of`, or name and parameters
-    /// if `of` is `None`.
+    /// Reads another technique, written with `/` for `:`: only the parameters of technique
+    /// `of`, or name and parameters if `of` is `None`.
     ///
     /// # Errors
-    /// Returns [`crate::RenderError::Technique`] if the value does not parse as a technique. The parameters within it
-    /// are not validated.
+    /// Returns [`crate::RenderError::Technique`] if the value does not parse as a technique. The parameters
+    /// within it are not validated.
     pub fn technique(
         &mut self,
         key: &'static str,
@@ -190,8 +190,8 @@ impl<'s> SpecReader<'s> {
     /// Checks that every given parameter was read, and returns all parameters that were read.
     ///
     /// # Errors
-    /// Returns [`crate::RenderError::Technique`] with the first parameter that was not read and a list of those that
-    /// exist.
+    /// Returns [`crate::RenderError::Technique`] with the first parameter that was not read and a list of
+    /// those that exist.
     pub fn finish(self) -> Result<Vec<Parameter>> {
         let Some(unknown) = self.spec.keys().find(|k| self.asked.iter().all(|p| p.key != *k)) else {
             return Ok(self.asked);
@@ -211,7 +211,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn reader_takes_what_is_there_and_defaults_for_the_rest() {
+    fn reader_returns_given_values_and_defaults() {
         let spec: SpecText = "CSM:cascades=3:split=Uniform:lambda=0.25:base=pcf/filter=3".parse().unwrap();
         assert_eq!(spec.name(), "csm");
         let mut reader = spec.reader();
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn reader_names_what_is_wrong_and_what_would_do() {
+    fn reader_errors_name_the_fault_and_the_choices() {
         let spec: SpecText = "pcf:filter=4:taps=3".parse().unwrap();
         let mut reader = spec.reader();
         let error = reader.integer("filter", "", 5, &[2, 3, 5, 7]).unwrap_err().to_string();

@@ -83,8 +83,8 @@ impl Resolver {
         }
     }
 
-    /// Looks up every pixel and writes the answers to `targets.factor`. Does nothing if the technique does not support
-    /// this answer: see [`Lookup::answers`].
+    /// Looks up every pixel and writes the answers to `targets.factor`. Does nothing if the technique does
+    /// not support this answer: see [`Lookup::answers`].
     pub fn encode(
         &self,
         gpu: &Gpu,
@@ -116,8 +116,8 @@ impl Resolver {
     /// Looks up a list of points. The technique must be prepared and its depth passes must be done.
     ///
     /// # Errors
-    /// Returns [`RenderError::Technique`] if the technique cannot look up points, and whatever error the device
-    /// reports.
+    /// Returns [`RenderError::Technique`] if the technique cannot look up points, and whatever error the
+    /// device reports.
     pub fn answer(
         &self,
         gpu: &Gpu,
@@ -159,7 +159,8 @@ impl Resolver {
     }
 }
 
-/// Returns the maximum number of points in one dispatch, such that they fit into one binding of `max_binding_bytes`.
+/// Returns the maximum number of points in one dispatch, such that they fit into one binding of
+/// `max_binding_bytes`.
 fn most_points(max_binding_bytes: u64) -> usize {
     let fitting = max_binding_bytes.min(MAX_BYTES) as usize / PointQuery::SIZE;
     fitting.clamp(1, MAX_GROUPS * LIST_GROUP as usize)

@@ -1,6 +1,6 @@
-//! Techniques as text: `NAME[:key=value…]`, such as `csm:cascades=4:size=2048:filter=5`. Two sizes without a key, such
-//! as `4096-1024` in `hrsm:4096-1024`, are short for `sizes=4096-1024`; `soft` in `voxel:soft` is short for
-//! `shade=soft`, and `path` in `voxel:path` for `shade=path`.
+//! Techniques as text: `NAME[:key=value…]`, such as `csm:cascades=4:size=2048:filter=5`. Two sizes without a
+//! key, such as `4096-1024` in `hrsm:4096-1024`, are short for `sizes=4096-1024`; `soft` in
+//! `voxel:soft` is short for `shade=soft`, and `path` in `voxel:path` for `shade=path`.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -44,7 +44,7 @@ impl FromStr for SpecText {
     }
 }
 
-/// Whether a word stands without its key, `shade`.
+/// Whether a word may be written without its key, `shade`.
 fn is_shade(word: &str) -> bool {
     ["soft", "path"].contains(&word)
 }
@@ -76,8 +76,8 @@ impl SpecText {
         self.values.keys().map(String::as_str)
     }
 
-    /// Returns this technique with a parameter set to another value, or removed for `None`. The text is rewritten with
-    /// parameters sorted by key. Whether the parameter and the value exist is not checked: see
+    /// Returns this technique with a parameter set to another value, or removed for `None`. The text is
+    /// rewritten with parameters sorted by key. Whether the parameter and the value exist is not checked: see
     /// [`crate::TechniqueSpec::change`].
     pub fn with(&self, key: &str, value: Option<&str>) -> Self {
         let mut values = self.values.clone();
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn spec_names_what_is_wrong() {
+    fn spec_errors_name_the_fault() {
         let wrong = |text: &str| text.parse::<SpecText>().unwrap_err().to_string();
         assert!(wrong("pcf:5").contains("not key=value"));
         assert!(wrong("pcf:a=1:a=2").contains("twice"));
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn spec_with_another_value_is_the_spec_of_its_text() {
+    fn with_gives_a_sorted_text_that_parses_to_the_same() {
         let spec: SpecText = "CSM: size = 1024:split=Uniform".parse().unwrap();
         for (key, value, text) in [
             ("filter", Some("Poisson"), "csm:filter=poisson:size=1024:split=uniform"),

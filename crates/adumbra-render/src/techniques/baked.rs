@@ -11,7 +11,7 @@ use crate::voxel::LightFile;
 pub struct TechniqueFiles<'a> {
     /// A light-aligned file, for `voxel`.
     pub light: Option<LightFile<'a>>,
-    /// Files of other kinds, for techniques of a crate above, which knows the type.
+    /// Files of other kinds, for techniques of a dependent crate, which knows their type.
     pub other: Option<&'a (dyn Any + Send + Sync)>,
 }
 

@@ -1,5 +1,5 @@
-//! Lists of shadow techniques, and a technique chosen from one: its entry and its parameters, all of which are known to
-//! exist. All other code asks the entry and never compares names.
+//! Lists of shadow techniques, and a technique chosen from one: its entry and its parameters, all of which
+//! are known to exist. All other code asks the entry and never compares names.
 
 use std::fmt;
 
@@ -16,8 +16,8 @@ pub trait Design: fmt::Debug + Sync {
         Traits::DRAWN
     }
 
-    /// Reads the parameters, which validates them and records what they accept. Defaults that depend on a file, such
-    /// as the bias, come from `baked`; without a file they are those of a default bake.
+    /// Reads the parameters, which validates them and records what they accept. Defaults that depend on a
+    /// file, such as the bias, come from `baked`; without a file they are those of a default bake.
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] for a value that does not exist.
@@ -26,13 +26,13 @@ pub trait Design: fmt::Debug + Sync {
     /// Builds the technique.
     ///
     /// # Errors
-    /// Returns [`RenderError::Technique`] if a file is missing, and an error if the device cannot hold the technique's
-    /// resources.
+    /// Returns [`RenderError::Technique`] if a file is missing, and an error if the device cannot hold the
+    /// technique's resources.
     fn build(&self, gpu: &Gpu, spec: &TechniqueSpec, baked: TechniqueFiles<'_>)
     -> Result<Box<dyn Technique>>;
 }
 
-/// What a technique is in a comparison.
+/// The role of a technique in a comparison.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// It draws shadows.
@@ -41,7 +41,7 @@ pub enum Role {
     Cascades,
     /// It blurs the factor of another technique on the screen.
     Blur,
-    /// It draws none: a reference.
+    /// It draws no shadows: a reference.
     NoShadows,
     /// Rays on the CPU, whose factors the renderer receives from outside: a reference. See [`crate::Given`].
     Rays,
@@ -54,14 +54,15 @@ pub struct TechniqueEntry {
     pub name: &'static str,
     /// Summary in one line.
     pub summary: &'static str,
-    /// What it is in a comparison.
+    /// Its role in a comparison.
     pub role: Role,
     /// How it is read and built.
     pub design: &'static dyn Design,
 }
 
 impl TechniqueEntry {
-    /// Whether it is a reference that others are measured against (no shadows, or ray tracing), not a shadow technique.
+    /// Whether it is a reference that others are measured against (no shadows, or ray tracing), not a shadow
+    /// technique.
     pub fn is_reference(&self) -> bool {
         matches!(self.role, Role::NoShadows | Role::Rays)
     }
@@ -77,8 +78,8 @@ impl TechniqueEntry {
     }
 }
 
-/// The techniques that a program offers. [`Techniques::product`] are those of this crate; [`Techniques::with`] adds
-/// those of another.
+/// The techniques that a program offers. [`Techniques::product`] returns the techniques of this crate;
+/// [`Techniques::with`] adds techniques of another crate.
 #[derive(Clone, Copy, Debug)]
 pub struct Techniques {
     product: &'static [TechniqueEntry],
@@ -104,8 +105,8 @@ impl Techniques {
     /// Parses a technique: `NAME[:key=value…]`.
     ///
     /// # Errors
-    /// Returns [`RenderError::Technique`] for a name, parameter or value that does not exist, also within a parameter
-    /// that is a technique itself, such as the `base` of `blur`.
+    /// Returns [`RenderError::Technique`] for a name, parameter or value that does not exist, also within a
+    /// parameter that is a technique itself, such as the `base` of `blur`.
     pub fn parse(self, text: &str) -> Result<TechniqueSpec> {
         let text: SpecText = text.parse()?;
         let Some(entry) = self.iter().find(|entry| entry.name == text.name()) else {
@@ -171,13 +172,13 @@ impl TechniqueSpec {
         self.techniques
     }
 
-    /// Returns the parameters that apply to the technique with these values. If one of them has another word as its
-    /// value, other parameters may apply. Defaults that depend on a file, such as the bias, come from `baked`; without
-    /// a file they are those of a default bake. A nested technique, such as the `base` of `blur`, counts as one
-    /// parameter: [`Parameter::nested`].
+    /// Returns the parameters that apply to the technique with these values. If one of them has another word
+    /// as its value, other parameters may apply. Defaults that depend on a file, such as the bias, come from
+    /// `baked`; without a file they are those of a default bake. A nested technique, such as the `base` of
+    /// `blur`, counts as one parameter: [`Parameter::nested`].
     ///
     /// # Errors
-    /// Returns [`RenderError::Technique`] for what the file does not allow.
+    /// Returns [`RenderError::Technique`] for a parameter or value that the file does not allow.
     pub fn describe(&self, baked: TechniqueFiles<'_>) -> Result<Vec<Parameter>> {
         let mut reader = self.text.reader();
         self.entry.design.read(&mut reader, baked)?;
@@ -187,8 +188,8 @@ impl TechniqueSpec {
         reader.finish()
     }
 
-    /// Returns this technique with one parameter changed. Parameters that no longer apply or have their default value
-    /// are omitted: `voxel:soft:sun-degrees=2` with `shade=hard` becomes `voxel`.
+    /// Returns this technique with one parameter changed. Parameters that no longer apply or have their
+    /// default value are omitted: `voxel:soft:sun-degrees=2` with `shade=hard` becomes `voxel`.
     ///
     /// # Errors
     /// Returns [`RenderError::Technique`] for a parameter or value that does not exist.
@@ -197,8 +198,8 @@ impl TechniqueSpec {
         self.techniques.parse(&text.to_string())
     }
 
-    /// Returns this technique with a parameter set to another value, or removed for `None`. Its text has the parameters
-    /// sorted by key.
+    /// Returns this technique with a parameter set to another value, or removed for `None`. Its text has the
+    /// parameters sorted by key.
     ///
     /// # Errors
     /// Returns the errors of [`Techniques::parse`].
@@ -236,8 +237,8 @@ impl TechniqueSpec {
         self.entry.design.traits(self)
     }
 
-    /// Returns this technique with the sun's full angle set, if it has that parameter and does not set it already. For
-    /// a blur, the angle is set on its base.
+    /// Returns this technique with the sun's full angle set, if it has that parameter and does not set it
+    /// already. For a blur, the angle is set on its base.
     pub fn with_sun_degrees(&self, degrees: f64) -> Self {
         if !self.traits().takes_sun_degrees {
             return self.clone();

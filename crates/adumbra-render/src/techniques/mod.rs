@@ -1,9 +1,10 @@
 //! The techniques by name: their properties, their parameters, and how they are built.
 //!
-//! [`TECHNIQUES`] is the list of this crate's. [`Techniques::parse`] makes a [`TechniqueSpec`] of a text, whose name and
-//! parameters are known to exist; it describes and changes itself, and [`build()`] builds it. Building and describing
-//! read the settings with the same code, so help and sliders show exactly what is accepted. A crate above adds
-//! techniques of its own with [`Techniques::with`]. Ambient occlusion has its own list: [`crate::occlusion`].
+//! [`TECHNIQUES`] lists the techniques of this crate. [`Techniques::parse`] turns a text into a
+//! [`TechniqueSpec`], whose name and parameters are known to exist. The spec has methods that describe and
+//! change it, and [`build()`] builds it. Building and describing read the settings with the same code, so
+//! help and sliders show exactly what is accepted. A dependent crate adds its techniques with
+//! [`Techniques::with`]. Ambient occlusion has its own list: [`crate::occlusion`].
 
 mod baked;
 mod list;

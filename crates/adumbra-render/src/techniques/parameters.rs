@@ -7,9 +7,9 @@ use super::list::Techniques;
 use crate::technique::{Parameter, ParameterKind};
 
 impl Techniques {
-    /// Returns the parameters of a technique as shown in help: `key=default` and the other accepted values. Parameters
-    /// that always apply come first, then those that apply only with a certain word as another parameter's value. Empty
-    /// if the technique has no parameters or does not exist.
+    /// Returns the parameters of a technique as shown in help: `key=default` and the other accepted values.
+    /// Parameters that always apply come first, then those that apply only with a certain word as another
+    /// parameter's value. Empty if the technique has no parameters or does not exist.
     pub fn parameters(self, name: &str) -> String {
         let text = |(p, goes_with): &(Parameter, Option<String>)| match goes_with {
             None => p.help(),
@@ -18,8 +18,8 @@ impl Techniques {
         self.all(name).iter().map(text).collect::<Vec<_>>().join("; ")
     }
 
-    /// Returns a description of every parameter, sorted by key, as `key: description`. A key that means different
-    /// things in different techniques has several entries.
+    /// Returns a description of every parameter, sorted by key, as `key: description`. A key that means
+    /// different things in different techniques has several entries.
     pub fn parameter_texts(self) -> Vec<String> {
         let mut texts: BTreeMap<&str, BTreeMap<&str, Vec<&str>>> = BTreeMap::new();
         for technique in self.iter() {
@@ -36,7 +36,8 @@ impl Techniques {
         texts.iter().flat_map(of_key).collect()
     }
 
-    /// Returns a technique's parameters. Those that do not always apply come with the `key=word` that they require.
+    /// Returns a technique's parameters. Those that do not always apply come with the `key=word` that they
+    /// require.
     fn all(self, name: &str) -> Vec<(Parameter, Option<String>)> {
         let Ok(plain) = self.parse(name) else { return Vec::new() };
         let mut found: Vec<(Parameter, Option<String>)> = plain
@@ -73,7 +74,7 @@ mod tests {
     use crate::techniques::TECHNIQUES;
 
     #[test]
-    fn help_names_the_parameters_that_techniques_ask_for() {
+    fn help_names_every_parameter_of_every_technique() {
         for name in TECHNIQUES.iter().map(|t| t.name) {
             let (list, help) = (Techniques::product(), Techniques::product().parameters(name));
             for p in list.parse(name).unwrap().describe(TechniqueFiles::default()).unwrap() {
@@ -86,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn help_says_what_goes_with_what() {
+    fn help_says_when_a_parameter_applies() {
         let parameters = |name: &str| Techniques::product().parameters(name);
         let lists = |name: &str, part: &str| assert!(parameters(name).contains(part), "{}", parameters(name));
         lists("csm", "cascades=4 (1 to 8); ");

@@ -1,4 +1,5 @@
-//! The shadow techniques of this crate: what each is called, reads and shows, and how it is built.
+//! The shadow techniques of this crate: their names, the files that they read, their traits, and how to build
+//! them.
 
 use std::str::FromStr;
 
@@ -183,7 +184,7 @@ impl Design for Hybrid {
 struct Blur(BlurName);
 
 impl Design for Blur {
-    /// A blur widens edges as the sun's disc does, whatever it blurs.
+    /// A blur of any technique widens shadow edges as the sun's disc does.
     fn traits(&self, spec: &TechniqueSpec) -> Traits {
         let of_base = spec.base().map_or(Traits::DRAWN, TechniqueSpec::traits);
         Traits { truth: Truth::SunDisc, ..of_base }
@@ -209,7 +210,7 @@ impl BlurSettings {
     /// Reads the settings of a blur, apart from the technique that it blurs: [`TechniqueSpec::base`].
     ///
     /// # Errors
-    /// Returns [`RenderError::Technique`] if the technique is no blur.
+    /// Returns [`RenderError::Technique`] if the technique is not a blur.
     pub fn of(spec: &TechniqueSpec) -> Result<Self> {
         let name = match spec.name() {
             "blur" => BlurName::Plain,

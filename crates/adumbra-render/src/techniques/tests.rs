@@ -1,4 +1,4 @@
-//! Tests of the list of techniques: properties, parameters, and what is refused.
+//! Tests of the list of techniques: properties, parameters, and rejected texts.
 
 use super::{
     Design, Reads, Role, TECHNIQUES, TechniqueEntry, TechniqueFiles, TechniqueSpec, Techniques, Truth,
@@ -38,7 +38,7 @@ fn sun_degrees_reach_every_technique_that_takes_one() {
 }
 
 #[test]
-fn registry_s_sun_degrees_are_a_parameter_and_means_the_disc() {
+fn traits_state_which_techniques_take_sun_degrees() {
     for name in TECHNIQUES.iter().map(|t| t.name).chain(["voxel:soft", "blur:base=voxel/soft"]) {
         let spec = spec(name);
         let parameters = spec.base().unwrap_or(&spec).describe(TechniqueFiles::default()).unwrap();
@@ -49,7 +49,7 @@ fn registry_s_sun_degrees_are_a_parameter_and_means_the_disc() {
 }
 
 #[test]
-fn registry_knows_what_is_read() {
+fn reads_names_the_file_of_each_technique() {
     for (text, reads) in [
         ("csm", Reads::Nothing),
         ("truth", Reads::Nothing),
@@ -67,7 +67,7 @@ fn registry_knows_what_is_read() {
 }
 
 #[test]
-fn registry_knows_which_baked_shadows_leave_movers_out() {
+fn shows_movers_is_false_for_baked_shadows_alone() {
     for (text, shows) in [
         ("csm", true),
         ("none", true),
@@ -83,7 +83,7 @@ fn registry_knows_which_baked_shadows_leave_movers_out() {
 }
 
 #[test]
-fn list_refuses_unknown_names_and_says_which_exist() {
+fn rejects_unknown_names_and_lists_the_known_ones() {
     let error = |text: &str| text.parse::<TechniqueSpec>().unwrap_err().to_string();
     assert!(error("unknown:sun-degrees=3").contains("voxel+csm"));
     assert!(error("blur:base=unknown").contains("voxel+csm"));
@@ -109,7 +109,7 @@ impl Design for Foreign {
 }
 
 #[test]
-fn list_takes_techniques_of_another_crate() {
+fn list_accepts_techniques_of_another_crate() {
     const MORE: &[TechniqueEntry] =
         &[TechniqueEntry { name: "foreign", summary: "of a test", role: Role::Shadows, design: &Foreign }];
     let list = Techniques::product().with(MORE);
@@ -127,7 +127,7 @@ fn keys(text: &str) -> Vec<&'static str> {
 }
 
 #[test]
-fn describe_gives_what_applies() {
+fn describe_lists_the_parameters_that_apply() {
     assert!(keys("none").is_empty() && keys("truth").is_empty());
     assert_eq!(keys("voxel"), ["shade", "filter", "march", "bias", "slope", "normal"]);
     assert_eq!(keys("voxel:path"), keys("voxel"));
@@ -139,7 +139,7 @@ fn describe_gives_what_applies() {
 }
 
 #[test]
-fn describe_gives_values_beside_defaults() {
+fn describe_gives_values_and_defaults() {
     let found = spec("blur:samples=32").describe(TechniqueFiles::default()).unwrap();
     let said: Vec<_> = found.iter().filter(|p| !p.is_default()).map(|p| p.key).collect();
     assert_eq!(said, ["samples"]);
@@ -148,7 +148,7 @@ fn describe_gives_values_beside_defaults() {
 }
 
 #[test]
-fn list_refuses_what_cannot_be_built() {
+fn list_rejects_techniques_that_cannot_be_built() {
     for text in [
         "unknown",
         "none:size=3",
@@ -166,7 +166,7 @@ fn list_refuses_what_cannot_be_built() {
 }
 
 #[test]
-fn every_default_and_end_of_a_range_is_taken_and_nothing_beyond() {
+fn accepts_defaults_and_range_ends_but_nothing_beyond() {
     let more = ["csm:filter=poisson", "pcf:filter=poisson", "hrsm:test=paper", "voxel:soft"];
     for name in TECHNIQUES.iter().map(|t| t.name).chain(more) {
         holds(spec(name).text(), |text| spec_of(text)?.describe(TechniqueFiles::default()));
@@ -174,7 +174,7 @@ fn every_default_and_end_of_a_range_is_taken_and_nothing_beyond() {
 }
 
 #[test]
-fn change_says_no_more_than_it_must() {
+fn change_writes_the_shortest_text() {
     for (text, key, value, expected) in [
         ("voxel", "shade", "soft", "voxel:soft"),
         ("voxel:soft:sun-degrees=2:bias=0.5", "shade", "hard", "voxel:bias=0.5"),
@@ -195,7 +195,7 @@ fn change_says_no_more_than_it_must() {
 }
 
 #[test]
-fn registry_has_each_name_once() {
+fn names_are_unique() {
     for (i, entry) in TECHNIQUES.iter().enumerate() {
         assert!(TECHNIQUES[..i].iter().all(|t| t.name != entry.name), "{}", entry.name);
         assert!(!entry.summary.is_empty() && !entry.summary.contains('\n'), "{}", entry.name);

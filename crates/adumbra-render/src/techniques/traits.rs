@@ -1,5 +1,5 @@
-//! Properties of a technique that are known without a device: the file that it reads, the truth that it is compared
-//! with, and whether it shows shadows of movers.
+//! Properties of a technique that are known without a device: the file that it reads, the truth that it is
+//! compared with, and whether it shows shadows of movers.
 
 /// The baked file that a technique reads besides the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -8,7 +8,7 @@ pub enum Reads {
     Nothing,
     /// A light-aligned file.
     LightFile,
-    /// A file of another kind, which a crate above knows, by its name.
+    /// A file of another kind, which a dependent crate knows, by its name.
     Other(&'static str),
 }
 

@@ -22,7 +22,8 @@ impl VoxelBindings {
         Self::new(gpu, label, uniform, (words.access(), words.bytes()), (&storage, words.resources()))
     }
 
-    /// Creates the group for words in a texture, which takes 1 binding of type `kind` and `bytes` bytes on the device.
+    /// Creates the group for words in a texture, which takes 1 binding of type `kind` and `bytes` bytes on
+    /// the device.
     pub fn from_texture(
         gpu: &Gpu,
         label: &str,

@@ -13,7 +13,8 @@ use crate::gpu::Gpu;
 pub struct DepthsAnswer {
     /// Equals `Sampler::lit_taps` on the CPU.
     pub lit_taps: u32,
-    /// Equals [`adumbra::layout::depths::DepthTree::value`] for the receiver's column, clamped to the grid's border.
+    /// Equals [`adumbra::layout::depths::DepthTree::value`] for the receiver's column, clamped to the grid's
+    /// border.
     pub value: u32,
     /// Equals [`super::SoftTwin`] with the receiver's index in the list as pixel (x, 0).
     pub soft: f32,

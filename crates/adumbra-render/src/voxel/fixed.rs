@@ -1,5 +1,5 @@
-//! Runs passes such as `voxel_fixed` and `depths_fixed` on lists of receivers in fixed point, for the exact tests of the
-//! twins.
+//! Runs passes such as `voxel_fixed` and `depths_fixed` on lists of receivers in fixed point, for the exact
+//! tests of the twins.
 
 use adumbra_shaders::constants::LIST_GROUP;
 use adumbra_shaders::layout::GpuType;

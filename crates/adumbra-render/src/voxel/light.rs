@@ -1,4 +1,4 @@
-//! A light-aligned file on the GPU. Its words are those of the file, whatever its layout. The techniques `voxel`,
+//! A light-aligned file on the GPU. Its words are those of the file, in every layout. The techniques `voxel`,
 //! `voxel:soft` and `voxel+csm` use it.
 
 use std::sync::Arc;
@@ -16,28 +16,29 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::technique::FrameInput;
 
-/// The WGSL files of a look-up, but for the access file.
+/// The WGSL files of a look-up, except the access file.
 pub(super) const LOOK_UP: &[Source] = &[source::GRID, source::VOXEL, source::DEPTHS, source::DEPTHS_LEAF];
 
 /// A light-aligned file on the GPU with its look-up settings: bind group 1, and the WGSL that reads it.
 pub struct BakedLight {
-    /// The levels that look-ups may use, the finest first: one of a file that was uploaded whole.
+    /// The levels that look-ups may use, the finest first. A file that was uploaded whole has one level.
     levels: Levels,
     streamed: Option<Arc<StreamedFile>>,
-    /// Of a sun path, whose keys are in place of levels.
+    /// The keys of a sun path. They replace levels.
     path: Option<MovingKeys>,
     penumbra: Option<Penumbra>,
-    /// Where the app has the file's world.
+    /// Placement of the file's world in the app's world.
     placement: Placement,
     bindings: VoxelBindings,
 }
 
 impl BakedLight {
-    /// Uploads a valid file, or uses the pool of one that is streamed. Cost of a whole file: the bytes of its sections.
+    /// Uploads a valid file, or uses the pool of a streamed file. Cost of a whole file: the bytes of its
+    /// sections.
     ///
     /// # Errors
-    /// Returns [`crate::RenderError::TooLarge`] or [`crate::RenderError::VoxelLimit`] if the file or the pool exceeds the
-    /// device's limits, and [`crate::RenderError::Library`] if a setting is out of its range.
+    /// Returns [`crate::RenderError::TooLarge`] or [`crate::RenderError::VoxelLimit`] if the file or the pool
+    /// exceeds the device's limits, and [`crate::RenderError::Library`] if a setting is out of its range.
     pub fn new(gpu: &Gpu, file: LightFile<'_>, settings: VoxelSettings) -> Result<Self> {
         match file {
             LightFile::Whole(file) => Self::from_file(gpu, file, settings),
@@ -131,7 +132,8 @@ impl BakedLight {
         [self.file_factor(), vec![source::DISC, source::DEPTHS_SOFT, pass]].concat()
     }
 
-    /// The WGSL files that return the level at which a look-up ends. `None` of a sun path, whose look-ups march.
+    /// The WGSL files that return the level at which a look-up ends. `None` for a sun path, whose look-ups
+    /// march.
     pub(crate) fn level_sources(&self) -> Option<Vec<Source>> {
         if self.path.is_some() {
             return None;
@@ -141,13 +143,14 @@ impl BakedLight {
         Some([self.file_factor(), vec![source::DEPTHS_LEVEL, pass]].concat())
     }
 
-    /// The WGSL files that return the level of detail that answers. `None` of a file that was uploaded whole.
+    /// The WGSL files that return the level of detail that answers. `None` for a file that was uploaded
+    /// whole.
     pub(crate) fn resident_sources(&self) -> Option<Vec<Source>> {
         self.streamed.as_ref()?;
         Some([self.file_factor(), vec![source::VOXEL_LEVELS_RESIDENT_PASS]].concat())
     }
 
-    /// Moves on what is streamed or follows a sun, and writes the uniform, for a frame.
+    /// Advances a streamed file or a moving sun by one frame, and writes the uniform.
     ///
     /// # Errors
     /// Returns no error that [`BakedLight::new`] would not have returned.
@@ -166,9 +169,9 @@ impl BakedLight {
         self.set_anchor(input.gpu, input.anchor_world)
     }
 
-    /// Places the file's world elsewhere in the app's, from the next call of [`BakedLight::set_anchor`] or
-    /// [`BakedLight::prepare`] on. The sun of a path stays one of the file's world, which
-    /// [`Placement::direction_to_file`] gives.
+    /// Changes the placement of the file's world in the app's world. It takes effect with the next call of
+    /// [`BakedLight::set_anchor`] or [`BakedLight::prepare`]. The sun of a path remains a direction of the
+    /// file's world: convert it with [`Placement::direction_to_file`].
     pub fn place(&mut self, placement: Placement) {
         self.placement = placement;
     }
@@ -200,8 +203,8 @@ impl BakedLight {
         Ok(answers.into_iter().map(u32::from_le_bytes).collect())
     }
 
-    /// Returns what each key of a sun path knows of rays from these starts, equal to [`adumbra::query::march`] on the CPU:
-    /// 0 blocked, 1 clear, 2 unknown. Gradients do not matter.
+    /// Marches rays from these starts through each key of a sun path. The results equal
+    /// [`adumbra::query::march`] on the CPU: 0 blocked, 1 clear, 2 or more unknown. Gradients are ignored.
     ///
     /// # Errors
     /// Returns any error that the device reports.
@@ -225,8 +228,8 @@ impl BakedLight {
     }
 }
 
-/// Returns the uniform: the parameters of a whole file, or of the levels of a streamed one, as many as
-/// access/voxel_levels.wgsl has room for.
+/// Returns the uniform: the parameters of a whole file, or of the levels of a streamed file, padded to the
+/// number of levels in access/voxel_levels.wgsl.
 fn uniform_of(levels: &Levels, is_streamed: bool) -> Vec<u8> {
     let mut bytes: Vec<u8> = levels.iter().flat_map(|(_, parameters)| parameters.to_bytes()).collect();
     if is_streamed {

@@ -1,10 +1,10 @@
 //! Baked voxels on the GPU: the technique `voxel`.
 //!
-//! A file's words → [`WordBuffers`] → [`VoxelBindings`] (group 1) → [`BakedLight`]. The words are the file's unchanged
-//! sections. An engine binds a
-//! uniform at binding 0, then one storage buffer, or six if the words exceed one binding. Of a [`StreamedFile`] the words are a pool
-//! that changes from frame to frame, and the uniform has the parameters of each level. The CPU twin is
-//! `adumbra::Sampler`; receivers in fixed point get equal counts from the GPU and the CPU.
+//! A file's words → [`WordBuffers`] → [`VoxelBindings`] (group 1) → [`BakedLight`]. The words are the file's
+//! unchanged sections. An engine binds a uniform at binding 0, then one storage buffer, or six if the words
+//! exceed one binding. The words of a [`StreamedFile`] are a pool that changes from frame to frame, and its
+//! uniform has the parameters of each level. The CPU twin is `adumbra::Sampler`; receivers in fixed point get
+//! equal counts from the GPU and the CPU.
 
 mod bindings;
 mod depths;

@@ -1,7 +1,8 @@
-//! A sun that moves: the keys around it on the device, and the way to it in either of them.
+//! A moving sun: the two keys around it on the device, and the march slopes towards it in each key.
 //!
-//! Keys lie side by side in one pool of words, each in a slot. A new pair answers once both of its keys have been written,
-//! a few bytes per frame; until then the one before it answers, for the sun of the frame all the same.
+//! All keys are in one pool of words, each in its slot. A frame writes only a limited number of words.
+//! Look-ups use a new pair of keys once both have been written. Until then they use the previous pair, with
+//! the sun of the current frame.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
@@ -15,21 +16,21 @@ use super::{VoxelBindings, WordBuffers};
 use crate::error::{RenderError, Result};
 use crate::gpu::Gpu;
 
-/// Slots of a sun that moves: two for the keys that answer, two for those to come.
+/// Slots for a moving sun: two for the keys in use, two for the next pair.
 const MOVING_SLOTS: usize = 4;
-/// Room in a slot, as a share of the largest key that is known: others are larger.
+/// Size of a slot, relative to the largest known key. Later keys may be larger.
 const ROOM: f64 = 1.25;
 
 /// Grids and parameters of levels, or of keys.
 pub(super) type Levels = Vec<(LightGrid, Parameters)>;
 
-/// A sun that moves, with the files of the keys around it. Techniques of one device share it; whoever moves the sun sets
-/// its moment between frames.
+/// A moving sun, with the files of the keys around it. Techniques of one device share it. The caller sets the
+/// moment between frames.
 pub struct MovingLight {
     moment: Mutex<Moment>,
-    /// Words that a frame may write to the device.
+    /// Largest number of words that a frame writes to the device.
     upload_words: usize,
-    /// Whether the keys of the moment answered in the last frame.
+    /// Whether the last frame used the keys of the moment.
     is_settled: AtomicBool,
 }
 
@@ -40,8 +41,9 @@ struct Moment {
 }
 
 impl MovingLight {
-    /// Returns a sun at a moment: the files of the keys around, the one that is asked first and the other one, which may be
-    /// one file twice, and the unit vector towards the sun. A frame writes up to `upload_bytes` to the device.
+    /// Returns a sun at a moment. `keys` are the files of the keys around it: first the key that look-ups
+    /// read first, then the other one. Both may be the same file. `towards_sun` is a unit vector. A frame
+    /// writes up to `upload_bytes` to the device.
     pub fn new(keys: [&ShadowFile; 2], towards_sun: [f64; 3], upload_bytes: usize) -> Self {
         let moment = Moment { keys: keys.map(ShadowFile::clone), towards_sun };
         Self {
@@ -51,7 +53,7 @@ impl MovingLight {
         }
     }
 
-    /// Sets the moment. Cost: none that depends on the files.
+    /// Sets the moment. The cost does not depend on the files.
     pub fn set(&self, keys: [&ShadowFile; 2], towards_sun: [f64; 3]) {
         let next = Moment { keys: keys.map(ShadowFile::clone), towards_sun };
         let mut moment = self.moment();
@@ -61,12 +63,13 @@ impl MovingLight {
         *moment = next;
     }
 
-    /// Whether the keys of the moment answered in the last frame. Otherwise frames go on writing them to the device.
+    /// Whether the last frame used the keys of the moment. If not, the next frames continue to write them to
+    /// the device.
     pub fn is_settled(&self) -> bool {
         self.is_settled.load(Ordering::Relaxed)
     }
 
-    /// The file that is asked first.
+    /// The file that look-ups read first.
     pub fn first_key(&self) -> ShadowFile {
         self.moment().keys[0].clone()
     }
@@ -80,9 +83,9 @@ impl MovingLight {
 pub(super) struct MovingKeys {
     light: Arc<MovingLight>,
     pool: KeyPool,
-    /// A pool with larger slots, which will be in use once the keys around are in it.
+    /// A pool with larger slots. It replaces `pool` once the keys of the moment have been written to it.
     next: Option<KeyPool>,
-    /// Slots of the keys that answer.
+    /// Slots of the keys in use.
     shown: [usize; 2],
     slopes: [MarchSlope; 2],
     look_up: LookUp,
@@ -90,7 +93,7 @@ pub(super) struct MovingKeys {
 }
 
 impl MovingKeys {
-    /// Uploads the keys of the moment that is set. Those of a sun that stands still get no room for others.
+    /// Uploads the keys of the current moment. With `is_still`, the pool has no room for other keys.
     pub(super) fn new(
         gpu: &Gpu,
         light: Arc<MovingLight>,
@@ -115,8 +118,8 @@ impl MovingKeys {
         &self.pool.words
     }
 
-    /// Moves on to the moment that is set, as far as its keys are there. Returns the parameters of the keys if they
-    /// are others, and whether the words are in other buffers.
+    /// Writes the next words of the current moment's keys, and switches to these keys once they are complete.
+    /// Returns the parameters of the keys if they changed, and whether the words are now in other buffers.
     pub(super) fn advance(&mut self, gpu: &Gpu, anchor_world: [f64; 3]) -> Result<Option<(Levels, bool)>> {
         let moment = self.light.moment().clone();
         let budget = self.light.upload_words;
@@ -172,7 +175,7 @@ impl MovingKeys {
     }
 }
 
-/// Words of keys, side by side.
+/// The words of several keys in slots of equal size.
 struct KeyPool {
     words: WordBuffers,
     slot_words: u64,
@@ -200,8 +203,8 @@ impl KeyPool {
         moment.keys.iter().all(|key| words_of(key) <= self.slot_words)
     }
 
-    /// Writes up to so many words of the keys of a moment. `kept` are slots that answer. Returns the slots of the keys if
-    /// all has been written.
+    /// Writes up to `budget` words of the keys of a moment. `kept` are the slots in use, which are not
+    /// overwritten. Returns the slots of the keys once all their words have been written.
     fn write(&mut self, gpu: &Gpu, moment: &Moment, kept: &[usize], mut budget: usize) -> Option<[usize; 2]> {
         for key in &moment.keys {
             let Some(slot) = self.slot(key).or_else(|| self.free_slot(moment, kept)) else { continue };
@@ -237,7 +240,7 @@ impl KeyPool {
         self.slots[slot].as_ref().is_some_and(|slot| slot.written == words_of(&slot.file))
     }
 
-    /// Returns a slot that neither answers nor has a key of the moment.
+    /// Returns a slot that is not in use and does not hold a key of the moment.
     fn free_slot(&self, moment: &Moment, kept: &[usize]) -> Option<usize> {
         let is_of_moment = |slot: &Slot| moment.keys.iter().any(|key| is_same(&slot.file, key));
         (0..self.slots.len())
@@ -258,7 +261,8 @@ pub(super) const FILTER: &[Source] = &[source::DEPTHS_MARCH, source::VOXEL_PATH,
 pub(super) const DISC: &[Source] =
     &[source::DEPTHS_MARCH, source::DISC, source::VOXEL_PATH, source::VOXEL_PATH_DISC];
 
-/// Returns the way to a sun in either file. A sun that no march can reach is each file's own.
+/// Returns the march slopes towards a sun in both files. If no march reaches the sun, marches go to each
+/// file's sun.
 fn slopes(files: &[ShadowFile; 2], towards_sun: [f64; 3]) -> [MarchSlope; 2] {
     let slopes = files.each_ref().map(|file| MarchSlope::new(&file.grid, towards_sun));
     match slopes {
@@ -267,7 +271,7 @@ fn slopes(files: &[ShadowFile; 2], towards_sun: [f64; 3]) -> [MarchSlope; 2] {
     }
 }
 
-/// Returns an error if a march cannot reach a sun from a file's own.
+/// Returns an error if a sun is too far from a file's sun to be reached by marching.
 pub(super) fn check_reach(files: [&ShadowFile; 2], towards_sun: [f64; 3]) -> Result<()> {
     let is_in_reach = files.iter().all(|file| MarchSlope::new(&file.grid, towards_sun).is_some());
     if is_in_reach { Ok(()) } else { Err(RenderError::SunTooFar { towards_sun }) }
@@ -285,7 +289,7 @@ fn are_same(a: &[ShadowFile; 2], b: &[ShadowFile; 2]) -> bool {
     is_same(&a[0], &b[0]) && is_same(&a[1], &b[1])
 }
 
-/// Returns the bindings of keys, as their uniform is now.
+/// Creates the bindings of keys with their current uniform.
 pub(super) fn bindings(gpu: &Gpu, keys: &MovingKeys, levels: &Levels) -> VoxelBindings {
     VoxelBindings::from_words(gpu, "voxel", &keys.uniform(levels), keys.words())
 }

@@ -1,8 +1,9 @@
 //! Colours of [`crate::Answer::Voxel`].
 
-/// Linear colours of the levels: from 0, purple, over blue, green and yellow to 11, peach. Each is lighter than the
-/// previous one by the same step and has a distinct hue. The first eight are furthest apart, since most pixels have
-/// those levels (Oklab: Björn Ottosson, *A perceptual color space for image processing*, 2020).
+/// Linear colours of the levels: from 0, purple, through blue, green and yellow, to 11, peach. Each is
+/// lighter than the previous one by the same step and has a distinct hue. The first eight are furthest apart,
+/// since most pixels have those levels (Oklab: Björn Ottosson, *A perceptual color space for image
+/// processing*, 2020).
 pub const VOXEL_LEVEL_COLORS: [[f32; 3]; 12] = [
     [0.326, 0.000, 0.103],
     [0.319, 0.000, 0.417],
@@ -40,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn palette_rises_in_lightness_and_tells_levels_apart() {
+    fn palette_grows_lighter_and_keeps_levels_distinct() {
         let labs = VOXEL_LEVEL_COLORS.map(oklab);
         for (i, a) in labs.iter().enumerate() {
             for (j, b) in labs.iter().enumerate().skip(i + 1) {

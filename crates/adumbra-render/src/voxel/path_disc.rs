@@ -19,7 +19,7 @@ struct Key<'k> {
 }
 
 impl<'k> PathDiscTwin<'k> {
-    /// Creates the look-up for a sun of `sun_degrees`, from the key that is asked first and the other one. `None` if no
+    /// Creates the look-up for a sun of `sun_degrees`. Rays march through the first key first. `None` if no
     /// march reaches the sun.
     pub fn new(keys: [&'k ShadowFile; 2], towards_sun: [f64; 3], sun_degrees: f64) -> Option<Self> {
         let key = |file: &'k ShadowFile| {
@@ -30,7 +30,8 @@ impl<'k> PathDiscTwin<'k> {
         Some(Self { keys: [key(keys[0])?, key(keys[1])?] })
     }
 
-    /// Visible share of the sun's disc at a point, 1 = all of it. `pixel` determines the rotation of the rays.
+    /// Visible share of the sun's disc at a point, 1 = all of it. `pixel` determines the rotation of the
+    /// rays.
     pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>, pixel: [u32; 2]) -> f32 {
         let turn = turn(pixel);
         let is_lit = |tap: &&[f32; 2]| {

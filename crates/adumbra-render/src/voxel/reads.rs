@@ -1,4 +1,5 @@
-//! The words that the look-up shaders read: the same shaders with an access file that notes every word.
+//! The words that the look-up shaders read: runs the same shaders with an access file that records every
+//! word.
 
 use adumbra::query::FixedReceiver;
 use adumbra_shaders::constants::MAX_READS;
@@ -16,7 +17,7 @@ const ANSWER_BYTES: usize = 4 * (2 + MAX_READS as usize);
 /// Receivers per pass: 64 MB of answers.
 const BATCH: usize = (64 << 20) / ANSWER_BYTES;
 
-/// A look-up and what it read.
+/// A look-up and the words that it read.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Reads {
     /// Equals `Sampler::lit_taps` on the CPU.
@@ -25,12 +26,12 @@ pub struct Reads {
     pub words: Vec<u32>,
 }
 
-/// Looks up receivers in fixed point and returns what was read for each. `look_up` are the WGSL files of the look-up but
-/// for the access file. The words must fit one binding.
+/// Looks up receivers in fixed point and returns the words read for each. `look_up` are the WGSL files of the
+/// look-up, except the access file. The words must fit one binding.
 ///
 /// # Errors
-/// Returns [`RenderError::VoxelLimit`] if a look-up reads more than [`MAX_READS`] words, and any error that the device
-/// reports.
+/// Returns [`RenderError::VoxelLimit`] if a look-up reads more than [`MAX_READS`] words, and any error that
+/// the device reports.
 pub fn reads(
     gpu: &Gpu,
     bindings: &VoxelBindings,
@@ -59,8 +60,8 @@ pub fn reads(
 }
 
 impl BakedLight {
-    /// Looks up points between the keys of a sun path, relative to the anchor. Returns the visibility and the number of words
-    /// that were read for each.
+    /// Looks up points, relative to the anchor, between the keys of a sun path. Returns the visibility and
+    /// the number of words read for each.
     ///
     /// # Errors
     /// Returns any error that the device reports.
@@ -78,7 +79,7 @@ impl BakedLight {
         Ok(all)
     }
 
-    /// Looks up receivers in fixed point and returns what was read for each.
+    /// Looks up receivers in fixed point and returns the words read for each.
     ///
     /// # Errors
     /// Returns the errors of [`reads`].

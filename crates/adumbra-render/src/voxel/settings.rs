@@ -1,5 +1,5 @@
-//! Parsing of a light-aligned file's look-up settings from a technique's text. Without a file, the bias is the default
-//! of a bake.
+//! Parsing of a light-aligned file's look-up settings from a technique's text. Without a file, the bias is
+//! the default of a bake.
 
 use adumbra::gpu::{LookUp, Penumbra};
 use adumbra::{Bias, Filter};
@@ -13,9 +13,9 @@ use crate::technique::{SpecReader, SpecText};
 /// Settings of a light-aligned file's look-up.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VoxelSettings {
-    /// Filter or penumbrae, and bias. Without a bias the file's applies.
+    /// Filter or penumbrae, and bias. Without a bias, the file's bias applies.
     pub look_up: LookUp,
-    /// Of a sun path: whether rays are marched only where the keys' own answers differ, as
+    /// For a sun path: whether rays are marched only where the answers of the two keys differ, as
     /// [`PathSampler::quick`](adumbra::PathSampler::quick) does.
     pub quick: bool,
 }
@@ -26,9 +26,10 @@ impl VoxelSettings {
         Self { look_up: LookUp { filter, bias: Some(bias), ..LookUp::default() }, quick: false }
     }
 
-    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or `voxel:soft[:sun-degrees=DEGREES][:radius=TEXELS]`, each
-    /// with `[:bias=…][:slope=…][:normal=…]`. Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias. Between
-    /// the keys of a sun path, a filter may have `:march=quick`, and penumbrae have no largest radius.
+    /// Parses `voxel[:filter=K]`, `voxel:path[:filter=K]` or
+    /// `voxel:soft[:sun-degrees=DEGREES][:radius=TEXELS]`, each with `[:bias=…][:slope=…][:normal=…]`.
+    /// Defaults: K = 5, a sun of 0.53°, 32 texels, and the file's bias. Between the keys of a sun path, a
+    /// filter may have `:march=quick`, and penumbrae have no largest radius.
     ///
     /// # Errors
     /// Returns [`crate::RenderError::Technique`] if a parameter is unknown or out of range.
@@ -41,7 +42,7 @@ impl VoxelSettings {
         spec.value("shade") == Some("soft")
     }
 
-    /// Whether a technique's text insists on a sun path.
+    /// Whether a technique's text requires a sun path.
     pub(crate) fn needs_path(spec: &SpecText) -> bool {
         spec.value("shade") == Some("path")
     }
@@ -49,7 +50,7 @@ impl VoxelSettings {
     pub(crate) fn from_reader(reader: &mut SpecReader<'_>, file: Option<LightFile<'_>>) -> Result<Self> {
         let usual = Penumbra::default();
         let what = "soft: penumbrae of the sun's disc; path: a moment of a sun path";
-        // A path is offered where there is no file yet, or one of a path.
+        // Offer `path` if there is no file yet or the file is a sun path.
         let has_path = file.is_none_or(LightFile::is_path) || Self::needs_path(reader.spec());
         let shades: &[&str] = if has_path { &["hard", "soft", "path"] } else { &["hard", "soft"] };
         let mut look_up = LookUp::default();

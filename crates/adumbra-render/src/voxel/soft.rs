@@ -18,15 +18,16 @@ pub struct SoftTwin<'d> {
 }
 
 impl<'d> SoftTwin<'d> {
-    /// Creates the look-up for a sun of `sun_degrees`. A penumbra's radius, from its middle to its edge, is at most
-    /// `max_radius_texels`.
+    /// Creates the look-up for a sun of `sun_degrees`. A penumbra's radius, from its middle to its edge, is
+    /// at most `max_radius_texels`.
     pub fn new(grid: &LightGrid, depths: &'d DepthTree, sun_degrees: f64, max_radius_texels: f64) -> Self {
         let ellipse = grid.circle_across_light().map(|row| row.map(|c| c as f32));
         let cone = grid.cone_texels_per_voxel(sun_degrees) as f32;
         Self { depths, cone, max_radius: max_radius_texels as f32, ellipse }
     }
 
-    /// Visible share of the sun's disc at a receiver, 1 = all of it. `pixel` determines the rotation of the taps.
+    /// Visible share of the sun's disc at a receiver, 1 = all of it. `pixel` determines the rotation of the
+    /// taps.
     pub fn visibility(&self, r: &FixedReceiver, pixel: [u32; 2]) -> f32 {
         let turn = turn(pixel);
         let Some(distance) = self.blocker_distance(r, turn) else { return 1.0 };

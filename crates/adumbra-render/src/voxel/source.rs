@@ -1,4 +1,4 @@
-//! What a light-aligned file is read from.
+//! The sources of a light-aligned file.
 
 use std::sync::Arc;
 
@@ -11,21 +11,22 @@ use super::{MovingLight, StreamedFile};
 pub enum LightFile<'f> {
     /// A file that was read whole.
     Whole(&'f ShadowFile),
-    /// A file that is read as cameras need it.
+    /// A file whose parts are read when cameras need them.
     Streamed(&'f Arc<StreamedFile>),
     /// A moment of a sun path.
     Between {
-        /// The files of the keys around, the one that is asked first and the other one. It may be one file twice.
+        /// The files of the keys around it: the key that look-ups read first, then the other. Both may be the
+        /// same file.
         keys: [&'f ShadowFile; 2],
         /// Unit vector towards the sun.
         towards_sun: [f64; 3],
     },
-    /// A sun that moves, from frame to frame.
+    /// A sun that moves from frame to frame.
     Moving(&'f Arc<MovingLight>),
 }
 
 impl LightFile<'_> {
-    /// Whether it is a sun path, between two of whose keys rays are marched.
+    /// Whether it is a sun path, whose look-ups march rays through two keys.
     pub fn is_path(self) -> bool {
         matches!(self, Self::Between { .. } | Self::Moving(_))
     }

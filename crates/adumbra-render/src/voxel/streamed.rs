@@ -1,4 +1,4 @@
-//! A file that is streamed: its pool of words on the device, kept in step with what its [`Streamer`] has read.
+//! A streamed file: its pool of words on the device, updated with the data that its [`Streamer`] has read.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock};
@@ -13,24 +13,24 @@ use super::WordBuffers;
 use crate::error::{RenderError, Result};
 use crate::gpu::Gpu;
 
-/// A file that is streamed. Techniques of one device share it; each frame that one of them draws moves it on.
+/// A streamed file. Techniques of one device share it. Each frame that one of them draws advances the stream.
 pub struct StreamedFile {
     streamer: Mutex<Streamer>,
     grid: LightGrid,
     settings: FileSettings,
-    /// Bytes that a frame may write to the device.
+    /// Largest number of bytes that a frame writes to the device.
     upload_bytes: usize,
     pool: OnceLock<Arc<WordBuffers>>,
-    /// Whether the last frame had all that its camera needs.
+    /// Whether the last frame had everything that its camera needs.
     is_settled: AtomicBool,
 }
 
 impl StreamedFile {
-    /// Waits until the beginning of a file has been read, at most so long. A frame writes up to `upload_bytes` to the
+    /// Waits up to `limit` for the beginning of a file to be read. A frame writes up to `upload_bytes` to the
     /// device.
     ///
     /// # Errors
-    /// Returns [`RenderError::Stream`] if the file cannot be opened, or has not been by then.
+    /// Returns [`RenderError::Stream`] if the file cannot be opened, or is not opened within `limit`.
     pub fn open(mut streamer: Streamer, upload_bytes: usize, limit: Duration) -> Result<Self> {
         streamer.settle(&[], limit, |_| ());
         let resident = streamer.resident();
@@ -64,32 +64,32 @@ impl StreamedFile {
         self.grid.sun
     }
 
-    /// What has been done, and what is left to do.
+    /// Counts of the completed and the remaining work.
     pub fn counts(&self) -> StreamCounts {
         self.streamer().counts()
     }
 
-    /// Takes the faults since the last call.
+    /// Takes the faults that occurred since the last call.
     pub fn take_faults(&self) -> Vec<StreamFault> {
         self.streamer().take_faults()
     }
 
-    /// Has everything that failed be asked for at once.
+    /// Retries everything that failed, at once.
     pub fn retry(&self) {
         self.streamer().retry();
     }
 
-    /// Whether the last frame had all that its camera needs and that fits the budget.
+    /// Whether the last frame had everything that its camera needs and that fits the budget.
     pub fn is_settled(&self) -> bool {
         self.is_settled.load(Ordering::Relaxed)
     }
 
-    /// The streamer. A frame waits while it is locked.
+    /// Locks and returns the streamer. Frames wait while it is locked.
     pub fn streamer(&self) -> MutexGuard<'_, Streamer> {
         self.streamer.lock().unwrap_or_else(|e| e.into_inner())
     }
 
-    /// Returns the pool on the device, which is made for the first caller.
+    /// Returns the pool on the device. The first call creates it.
     pub(super) fn pool(&self, gpu: &Gpu) -> Result<Arc<WordBuffers>> {
         if let Some(pool) = self.pool.get() {
             return Ok(Arc::clone(pool));
@@ -101,8 +101,8 @@ impl StreamedFile {
         Ok(Arc::clone(self.pool.get_or_init(|| pool)))
     }
 
-    /// Takes what a camera of an app that has placed the file sees now, and writes what has been read to the device. It does
-    /// not wait for anything.
+    /// Updates the stream with the current view of an app's camera, and writes new data to the device.
+    /// `placement` is the placement of the file in the app's world. Does not wait.
     pub(super) fn advance(&self, gpu: &Gpu, camera: &Camera, placement: &Placement) {
         let mut streamer = self.streamer();
         streamer.update(&[view_of(camera).of_placed(placement)]);
@@ -111,8 +111,8 @@ impl StreamedFile {
         self.is_settled.store(streamer.resident().is_settled(), Ordering::Relaxed);
     }
 
-    /// Waits until all that a camera in the file's world needs and that fits the budget is on the device, at most so long. Returns whether it
-    /// is.
+    /// Waits up to `limit` until the device has everything that a camera in the file's world needs and that
+    /// fits the budget. Returns whether it has.
     pub fn settle(&self, gpu: &Gpu, camera: &Camera, limit: Duration) -> bool {
         let mut streamer = self.streamer();
         let is_settled =
@@ -122,7 +122,7 @@ impl StreamedFile {
     }
 
     fn write(&self, gpu: &Gpu, writes: &[PoolWrite]) {
-        // A pool that is made later begins with all words that were written until then.
+        // A pool that is created later starts with all words written so far.
         if let Some(pool) = self.pool.get() {
             for write in writes {
                 pool.write(gpu, write.at.into(), &write.words);
@@ -139,7 +139,7 @@ impl StreamedFile {
     }
 }
 
-/// Returns what a camera sees, as far as pages are concerned.
+/// Returns a camera as the view that pages are selected by.
 pub fn view_of(camera: &Camera) -> View {
     let view = camera.view();
     let size = [camera.width, camera.height];

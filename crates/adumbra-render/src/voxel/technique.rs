@@ -1,5 +1,5 @@
-//! The techniques `voxel` (K × K texels), `voxel:path` (the same of a sun path) and `voxel:soft` (penumbrae), which use only a
-//! light-aligned file.
+//! The techniques `voxel` (K × K texels), `voxel:path` (the same for a sun path) and `voxel:soft`
+//! (penumbrae), which use only a light-aligned file.
 
 use adumbra_shaders::Source;
 
@@ -23,8 +23,8 @@ impl Voxel {
     /// Creates the technique `voxel` with the settings of [`VoxelSettings::from_spec`].
     ///
     /// # Errors
-    /// Returns the errors of [`BakedLight::new`], and [`crate::RenderError::Technique`] if a parameter is unknown
-    /// or there is no file.
+    /// Returns the errors of [`BakedLight::new`], and [`crate::RenderError::Technique`] if a parameter is
+    /// unknown or there is no file.
     pub fn from_spec(gpu: &Gpu, spec: &SpecText, file: Option<LightFile<'_>>) -> Result<Self> {
         let file = file.ok_or_else(|| spec.wrong(NO_FILE.to_owned()))?;
         let settings = VoxelSettings::from_spec(spec, Some(file))?;

@@ -6,8 +6,8 @@ use wgpu::{BindingResource, BufferUsages};
 use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
 
-/// Largest number of bindings that words are split over. With bindings of 128 MiB, the smallest limit of any device,
-/// they hold 768 MiB.
+/// Largest number of bindings that words are split over. With bindings of 128 MiB, the smallest limit of any
+/// device, they hold 768 MiB.
 pub const MAX_WORD_BINDINGS: usize = 6;
 
 /// Words on the GPU, in the form that wgsl/access/words_1.wgsl or words_6.wgsl reads.
@@ -17,8 +17,8 @@ pub struct WordBuffers {
 }
 
 impl WordBuffers {
-    /// Uploads `parts` one after the other. Cost: one copy in device memory and, until the upload is done, one in the
-    /// queue's.
+    /// Uploads `parts` one after the other. Cost: one copy in device memory and, until the upload is done,
+    /// one in the queue's.
     ///
     /// # Errors
     /// Returns [`RenderError::TooLarge`] if [`MAX_WORD_BINDINGS`] bindings cannot hold them.
@@ -34,7 +34,7 @@ impl WordBuffers {
         Ok(found)
     }
 
-    /// Writes words from the one with index `at` on.
+    /// Writes words starting at index `at`.
     pub(super) fn write(&self, gpu: &Gpu, mut at: u64, mut words: &[u32]) {
         let capacity = self.buffers[0].size() / 4;
         while !words.is_empty() {
@@ -97,8 +97,8 @@ fn capacity(max_bytes: u64) -> u64 {
     1 << (max_bytes / 4).max(1).ilog2()
 }
 
-/// Words of each buffer: one buffer, or [`MAX_WORD_BINDINGS`] with one word in each unused one. `None` if the words do
-/// not fit.
+/// Words of each buffer: one buffer, or [`MAX_WORD_BINDINGS`] with one word in each unused one. `None` if the
+/// words do not fit.
 fn split(words: u64, max_bytes: u64, max_bindings: u64) -> Option<Vec<u64>> {
     if words * 4 <= max_bytes {
         return Some(vec![words]);

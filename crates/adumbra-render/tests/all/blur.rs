@@ -1,5 +1,5 @@
-//! The screen-space blurs: GPU against CPU, and their known defects (halos and gaps), counted on a box in front of
-//! distant ground.
+//! The screen-space blurs: GPU against CPU, and their known defects (halos and gaps), counted on a box in
+//! front of distant ground.
 
 use adumbra::Sun;
 use adumbra_render::frame::frame;
@@ -26,7 +26,7 @@ fn scene() -> Scene {
     ])
 }
 
-/// What the camera sees, and the ray-traced factor.
+/// The camera's view, and the ray-traced factor.
 struct View {
     renderer: Renderer,
     shot: Shot,
@@ -120,8 +120,9 @@ impl View {
         (read_floats(gpu, &filtered, 0, 0).unwrap(), passes)
     }
 
-    /// Counts the pixels that a blur changed by more than 0.02 although no pixel of the other value is within its reach
-    /// on the same surface: lit ones (halo) and shadowed ones (gap). Also returns the largest such change.
+    /// Counts the pixels that a blur changed by more than 0.02 although no pixel of the other value is within
+    /// its reach on the same surface: lit ones (halo) and shadowed ones (gap). Also returns the largest such
+    /// change.
     fn bleeding(&self, blurred: &[f32], reach: i32) -> Bleeding {
         let mut found = Bleeding::default();
         let [width, height] = SIZE.map(|s| s as i32);
@@ -163,7 +164,7 @@ const ALL: [&str; 13] = [
 ];
 
 #[test]
-fn blur_on_the_gpu_is_the_cpu_s() {
+fn gpu_blur_matches_cpu() {
     for projection in [PERSPECTIVE, ORTHOGRAPHIC] {
         let view = view(kit::gpu(), projection);
         for text in ALL {
@@ -179,7 +180,7 @@ fn blur_on_the_gpu_is_the_cpu_s() {
 }
 
 #[test]
-fn blur_bleeds_over_silhouettes_and_within_surfaces_does_not() {
+fn plain_blur_bleeds_over_silhouettes_and_bilateral_does_not() {
     let view = view(kit::gpu(), PERSPECTIVE);
     let bleeding = |text: &str| {
         let settings = settings(text);
@@ -216,7 +217,7 @@ fn blur_bleeds_over_silhouettes_and_within_surfaces_does_not() {
 }
 
 #[test]
-fn blur_without_float_filtering_leaves_pairs_out() {
+fn blur_without_float_filtering_disables_pairs() {
     let options = GpuOptions { without: Features::FLOAT32_FILTERABLE, ..GpuOptions::default() };
     let view = view(Gpu::request(&options).unwrap(), PERSPECTIVE);
     let asked = settings("blur:pairs=on");
@@ -227,7 +228,7 @@ fn blur_without_float_filtering_leaves_pairs_out() {
 }
 
 #[test]
-fn blur_leaves_cascade_numbers_alone_and_answers_no_points() {
+fn blur_keeps_cascade_numbers_and_rejects_points() {
     let mut renderer = Renderer::new(kit::gpu(), &scene(), SceneOptions::default()).unwrap();
     let shot = Shot { camera: kit::camera(SIZE[0], SIZE[1]), towards_sun: kit::sun(), number: 0 };
     let [mut plain, mut blurred, mut none] =
@@ -249,7 +250,7 @@ fn blur_leaves_cascade_numbers_alone_and_answers_no_points() {
 }
 
 #[test]
-fn blur_is_a_technique_over_another() {
+fn blur_wraps_another_technique() {
     let gpu = kit::gpu();
     let make = |text: &str| build(&gpu, &text.parse()?, TechniqueFiles::default());
     let blur = make("blur:samples=8:base=none").unwrap();

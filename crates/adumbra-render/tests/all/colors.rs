@@ -67,7 +67,7 @@ fn scene() -> Scene {
 }
 
 #[test]
-fn textures_and_vertex_colours_are_the_cpu_renderer_s() {
+fn textures_and_vertex_colours_match_the_cpu_renderer() {
     let scene = scene();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
@@ -94,7 +94,7 @@ fn textures_and_vertex_colours_are_the_cpu_renderer_s() {
 }
 
 #[test]
-fn what_vertex_alpha_cuts_away_casts_no_shadow_on_either_device() {
+fn parts_cut_by_vertex_alpha_cast_no_shadow_on_cpu_or_gpu() {
     let scene = scene();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();

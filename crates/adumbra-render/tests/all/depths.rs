@@ -1,4 +1,5 @@
-//! A file's switch depths on the GPU against their CPU twins, and its penumbrae against a ray-traced sun disc.
+//! A file's switch depths on the GPU against their CPU twins, and its penumbrae against a ray-traced sun
+//! disc.
 
 use adumbra::Filter;
 use adumbra::gpu::{LookUp, Penumbra as PenumbraSettings};
@@ -63,7 +64,7 @@ fn exact(gpu: &Gpu, baked: &BakedScene, filter: Filter, count: usize) {
 
 #[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
-fn depths_on_the_gpu_count_the_taps_and_know_the_depths_that_the_cpu_does() {
+fn gpu_taps_and_depths_match_cpu() {
     let gpu = kit::gpu();
     for baked in BakedScene::in_each_frame(1024) {
         let depths = &baked.light.tree;
@@ -79,7 +80,7 @@ fn depths_on_the_gpu_count_the_taps_and_know_the_depths_that_the_cpu_does() {
 }
 
 #[test]
-fn depths_in_six_bindings_answer_as_in_one() {
+fn gpu_taps_and_depths_match_cpu_in_six_bindings() {
     let baked = BakedScene::new(generate(GeneratedKind::City, 3), [0.5, 0.8, 0.35], 512);
     let bytes = 4 * (baked.light.tree.bytes() / 16).next_power_of_two();
     let gpu = Gpu::request(&GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() }).unwrap();
@@ -87,7 +88,7 @@ fn depths_in_six_bindings_answer_as_in_one() {
 }
 
 #[test]
-fn depths_penumbrae_are_those_of_the_cpu() {
+fn gpu_penumbrae_match_cpu() {
     let gpu = kit::gpu();
     for baked in BakedScene::in_each_frame(512) {
         let file = &baked.light;
@@ -107,7 +108,7 @@ fn depths_penumbrae_are_those_of_the_cpu() {
 
 /// Uses a raised plate and a post over flat ground, under a sun of two degrees.
 #[test]
-fn depths_penumbrae_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
+fn penumbrae_beat_fixed_filters_on_a_sun_disc() {
     let angle: f64 = 2.0;
     let mut penumbra = Penumbra::new(angle);
     let baked = BakedScene::new(penumbra.scene.clone(), kit::sun(), 1024);
@@ -124,7 +125,7 @@ fn depths_penumbrae_are_nearer_to_a_sun_disc_than_any_filter_of_one_width() {
 }
 
 #[test]
-fn depths_techniques_are_chosen_by_name() {
+fn voxel_techniques_are_built_by_name() {
     let gpu = kit::gpu();
     let baked = BakedScene::new(generate(GeneratedKind::Primitives, 3), [0.5, 0.8, 0.35], 64);
     let mut file = baked.light;
@@ -163,7 +164,7 @@ fn depths_techniques_are_chosen_by_name() {
 
 /// On the GPU a file takes as many bytes as its sections, whichever technique reads it.
 #[test]
-fn voxel_techniques_take_the_sections_as_they_are() {
+fn voxel_techniques_take_the_bytes_of_the_sections() {
     let baked = BakedScene::new(kit::city(), kit::sun(), 256);
     let gpu = kit::gpu();
     for name in ["voxel", "voxel+csm:filter=3", "voxel:soft"] {

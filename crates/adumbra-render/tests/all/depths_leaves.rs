@@ -12,8 +12,8 @@ use adumbra_testing::{every_gradient, from_leaves, overhead_grid, settings_for};
 
 use crate::kit;
 
-/// Base depth of the leaves. It exceeds the rise of any column, so every layer at which a column may switch is in the
-/// grid.
+/// Base depth of the leaves. It exceeds the rise of any column, so every layer at which a column may switch
+/// is in the grid.
 const BASE: u32 = 450;
 
 /// Computes, with one thread per gradient, a hash of the depths of the leaf's columns.
@@ -41,7 +41,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 ";
 
 #[test]
-fn depths_on_the_gpu_are_the_specification_s_for_every_gradient() {
+fn gpu_leaves_match_the_specification_for_every_gradient() {
     let gpu = kit::gpu();
     let leaves = every_gradient();
     // A leaf of one depth is two half-words: the flag that it is slanted, and its gradient.
@@ -64,7 +64,7 @@ fn file_of(tree: DepthTree) -> ShadowFile {
 }
 
 #[test]
-fn filters_over_every_gradient_count_what_the_cpu_counts() {
+fn gpu_filters_match_cpu_for_every_gradient() {
     let gpu = kit::gpu();
     let leaves = every_gradient();
     let file = file_of(from_leaves(&leaves, 256, BASE, 512).unwrap());
@@ -102,7 +102,7 @@ fn filters_over_every_gradient_count_what_the_cpu_counts() {
 
 /// Even a tiny file may declare any grid size along the light.
 #[test]
-fn file_of_a_grid_that_no_shader_takes_is_refused() {
+fn rejects_files_whose_grid_no_shader_supports() {
     let gpu = kit::gpu();
     let leaves = vec![every_gradient()[5].clone(); 16];
     let file = file_of(from_leaves(&leaves, 4, BASE, u32::MAX).unwrap());

@@ -12,7 +12,7 @@ fn shot() -> Shot {
 }
 
 #[test]
-fn device_without_timestamps_still_draws_and_says_so() {
+fn device_without_features_draws_and_reports_wall_time() {
     let without = Features::all();
     let gpu = Gpu::request(&GpuOptions { without, ..GpuOptions::default() }).unwrap();
     assert_eq!(gpu.missing_features().len(), 3, "{:?}", gpu.missing_features());
@@ -32,7 +32,7 @@ fn device_without_timestamps_still_draws_and_says_so() {
 }
 
 #[test]
-fn lost_device_is_an_error_and_not_a_hang() {
+fn lost_device_gives_an_error_instead_of_a_hang() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let none = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut none = renderer.prepare(none).unwrap();
@@ -44,7 +44,7 @@ fn lost_device_is_an_error_and_not_a_hang() {
 }
 
 #[test]
-fn adapter_that_does_not_exist_is_named_with_what_is_there() {
+fn missing_adapter_error_names_the_request() {
     let adapter = Some("no such adapter".to_owned());
     let Err(error) = Gpu::request(&GpuOptions { adapter, ..GpuOptions::default() }) else {
         panic!("there is such an adapter");
@@ -54,7 +54,7 @@ fn adapter_that_does_not_exist_is_named_with_what_is_there() {
 }
 
 #[test]
-fn unknown_technique_is_named_with_those_that_exist() {
+fn unknown_technique_error_lists_the_known_ones() {
     let Err(error) = "cvs".parse::<TechniqueSpec>() else { panic!("it exists") };
     assert!(error.to_string().contains("none"), "{error}");
 }

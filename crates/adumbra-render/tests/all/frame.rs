@@ -17,7 +17,7 @@ fn cameras() -> [Camera; 2] {
 }
 
 #[test]
-fn gbuffer_sees_what_rays_see() {
+fn gbuffer_matches_rays() {
     let scene = kit::city();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
@@ -68,7 +68,7 @@ fn gbuffer_sees_what_rays_see() {
 }
 
 #[test]
-fn composite_is_the_cpu_renderer_s() {
+fn composite_matches_the_cpu_renderer() {
     let scene = kit::city();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();

@@ -1,5 +1,5 @@
-//! A frame drawn again with another technique reuses G-buffer and ambient occlusion and gives the same picture as a
-//! frame drawn from scratch.
+//! A frame drawn again with another technique reuses G-buffer and ambient occlusion and gives the same
+//! picture as a frame drawn from scratch.
 
 use adumbra_render::occlusion::OcclusionPasses;
 use adumbra_render::{
@@ -58,7 +58,7 @@ fn a_second_technique_shares_the_frame_and_its_history() {
 }
 
 #[test]
-fn ambient_occlusion_comes_after_an_answer_without_it() {
+fn draw_again_adds_ambient_occlusion_that_was_skipped() {
     let scene = kit::city();
     let [mut again, mut alone] = [renderer(&scene), renderer(&scene)];
     let [mut cascades, mut alone_cascades] = [prepared(&again, "csm"), prepared(&alone, "csm")];
@@ -70,9 +70,9 @@ fn ambient_occlusion_comes_after_an_answer_without_it() {
 }
 
 #[test]
-fn what_moves_or_looks_elsewhere_is_drawn_anew() {
+fn draw_again_redraws_after_movement_or_in_a_new_shot() {
     let scene = kit::city();
-    // In front of the camera, whatever is behind.
+    // Place the ball close to the camera, so that nothing hides it.
     let camera = shot(0).camera;
     let [x, y, z] = [0, 1, 2].map(|a| 0.8 * camera.eye[a] + 0.2 * camera.target[a]);
     let spec = format!("sphere:radius=2:from={x},{y},{z}:to={x},{},{z}:seconds=1", y + 3.0);

@@ -1,4 +1,5 @@
-//! Hybrid maps built on the GPU from synthetic depth images against the build on the CPU: the words must be equal.
+//! Hybrid maps built on the GPU from synthetic depth images against the build on the CPU: the words must be
+//! equal.
 
 use adumbra_render::hybrid::build::HybridMapBuilder;
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, MergeSettings};
@@ -15,7 +16,8 @@ use crate::kit::hybrid::check_shares;
 const SIZES: [(usize, u32); 5] = [(64, 1), (64, 3), (128, 2), (256, 3), (512, 2)];
 const TESTS: [&str; 3] = ["test=plane", "test=plane:tolerance=4", "test=paper"];
 
-/// The random number generator splitmix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
+/// The random number generator splitmix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom Number
+/// Generators*, 2014).
 struct Random(u64);
 
 impl Random {
@@ -146,7 +148,7 @@ fn check_images(gpu: &Gpu, (side, merges): (usize, u32), precision: DepthPrecisi
 }
 
 #[test]
-fn build_gives_the_twin_s_words_from_small_images() {
+fn gpu_build_matches_twin_on_small_images() {
     let gpu = kit::gpu();
     check_images(&gpu, (64, 3), DepthPrecision::Bits32);
     check_images(&gpu, (64, 1), DepthPrecision::Bits16);
@@ -154,14 +156,14 @@ fn build_gives_the_twin_s_words_from_small_images() {
 
 #[test]
 #[ignore = "slow: large hybrid maps"]
-fn build_gives_the_twin_s_words_from_any_image_of_32_bits() {
+fn gpu_build_matches_twin_on_32_bit_images() {
     let gpu = kit::gpu();
     SIZES.iter().for_each(|&size| check_images(&gpu, size, DepthPrecision::Bits32));
 }
 
 #[test]
 #[ignore = "slow: large hybrid maps"]
-fn build_gives_the_twin_s_words_from_any_image_of_16_bits() {
+fn gpu_build_matches_twin_on_16_bit_images() {
     let gpu = kit::gpu();
     SIZES.iter().for_each(|&size| check_images(&gpu, size, DepthPrecision::Bits16));
 }
@@ -185,7 +187,7 @@ fn upload_keeps_every_depth() {
 }
 
 #[test]
-fn upload_refuses_another_size_and_what_is_no_depth() {
+fn upload_rejects_wrong_sizes_and_invalid_depths() {
     let gpu = kit::gpu();
     let start = StartDepth::new(&gpu, 64, DepthPrecision::Bits32).unwrap();
     let error = start.write(&gpu, &image(32, |_, _| 0.5)).unwrap_err();
@@ -200,7 +202,7 @@ fn upload_refuses_another_size_and_what_is_no_depth() {
 }
 
 #[test]
-fn plane_s_map_is_at_most_the_tolerance_behind_the_image() {
+fn plane_map_is_within_the_tolerance_behind_the_image() {
     // Checks the meaning of the words, independently of how they were built.
     let units = PlaneUnits::new(MergeTest::Plane { tolerance_texels: 0.5 }, 1.0 / 128.0);
     let image = piecewise(128, &mut Random(77));

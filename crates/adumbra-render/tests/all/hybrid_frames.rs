@@ -1,5 +1,5 @@
-//! Hybrid maps of drawn scenes: look-ups against their CPU twin on the tree read back, that tree against the shadow map
-//! it was built from, and maps that are kept from frame to frame.
+//! Hybrid maps of drawn scenes: look-ups against their CPU twin on the tree read back, that tree against the
+//! shadow map it was built from, and maps that are kept from frame to frame.
 
 use adumbra_render::hybrid::twin::{DepthImage, HybridTree, HybridTwin};
 use adumbra_render::{Answer, Gpu, GpuOptions, Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
@@ -9,8 +9,8 @@ use crate::kit;
 use crate::kit::boxes::boxes;
 use crate::kit::hybrid::{SIZE, check_shares, hybrid, prepare, renderer, shot};
 
-/// Draws a frame and compares the map, the factors and the levels with the twin. Returns each level's share of the
-/// area.
+/// Draws a frame and compares the map, the factors and the levels with the twin. Returns each level's share
+/// of the area.
 fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     let mut technique = prepare(renderer, name);
     let shot = shot(camera);
@@ -38,8 +38,8 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) -> [f64; 4] {
     }
     println!("{name}: {apart} factors and {levels_apart} levels of {seen} apart; {mixed:?} shadowed, lit");
     assert!(seen > 5000 && mixed[0] > 300 && mixed[1] > 500, "{name}: {seen} {mixed:?}");
-    // A comparison may flip if receiver and texel are equally deep to the last bit, because positions are computed in
-    // another order here.
+    // A comparison may flip if receiver and texel are equally deep to the last bit, because positions are
+    // computed in another order here.
     assert!(apart * 500 < seen, "{name}: {apart} of {seen}");
     assert!(levels_apart * 500 < seen, "{name}: {levels_apart} levels of {seen}");
     tree.shares()
@@ -61,7 +61,7 @@ const KINDS: [&str; 10] = [
 
 #[test]
 #[ignore = "slow: large hybrid maps"]
-fn hybrid_answers_as_its_twin_does_in_a_city() {
+fn hybrid_matches_twin_in_a_city() {
     let mut renderer = renderer(&kit::city());
     let camera = kit::camera(SIZE[0], SIZE[1]);
     for name in KINDS {
@@ -89,7 +89,7 @@ fn over_boxes() -> Camera {
 }
 
 #[test]
-fn hybrid_answers_as_its_twin_does_among_boxes() {
+fn hybrid_matches_twin_among_boxes() {
     let mut renderer = renderer(&on_a_ground());
     for name in KINDS {
         check_twin(&mut renderer, over_boxes(), name);
@@ -97,7 +97,7 @@ fn hybrid_answers_as_its_twin_does_among_boxes() {
 }
 
 #[test]
-fn hybrid_of_planes_answers_as_the_shadow_map_does() {
+fn hybrid_of_planes_matches_the_shadow_map() {
     // Unmerged texels answer as the shadow map does. In merged ones, planes are within the tolerance.
     let mut renderer = renderer(&on_a_ground());
     let mut factors = |name: &str| {
@@ -117,7 +117,7 @@ fn hybrid_of_planes_answers_as_the_shadow_map_does() {
 
 #[test]
 #[ignore = "slow: large hybrid maps"]
-fn largest_start_is_built_and_answers_in_bindings_of_128_mib() {
+fn largest_start_works_in_bindings_of_128_mib() {
     // A limit that every device reaches. A map without any merges would not fit.
     let most = 128 << 20;
     let options = GpuOptions { max_binding_bytes: Some(most), ..GpuOptions::default() };
@@ -161,7 +161,7 @@ fn apart(a: &[f32], b: &[f32]) -> usize {
 }
 
 #[test]
-fn kept_map_answers_as_a_redrawn_one_in_less_memory() {
+fn kept_map_matches_a_redrawn_one_in_less_memory() {
     let mut renderer = renderer(&kit::city());
     for settings in ["1024-256", "512-128:depth=16:test=paper:filter=1"] {
         let mut redrawn = prepare(&renderer, &format!("hrsm:{settings}"));
@@ -173,8 +173,8 @@ fn kept_map_answers_as_a_redrawn_one_in_less_memory() {
             camera.target[2] -= 3.0 * f64::from(step);
             let shot = Shot { number: step, ..shot(camera) };
             let [a, b] = [&mut redrawn, &mut kept].map(|t| drawn(&mut renderer, &shot, t));
-            // The redrawn map was drawn relative to another eye, so a triangle's edge may round to the other side of a
-            // texel's centre.
+            // The redrawn map was drawn relative to another eye, so a triangle's edge may round to the other
+            // side of a texel's centre.
             assert!(apart(&a, &b) * 500 < a.len(), "{settings}, frame {step}: {}", apart(&a, &b));
             bytes.push(kept.technique().bytes());
         }
@@ -198,7 +198,7 @@ fn mover(along: f64) -> Scene {
 }
 
 #[test]
-fn kept_map_is_built_again_when_casters_or_the_sun_move() {
+fn kept_map_is_rebuilt_when_casters_or_the_sun_move() {
     let mut renderer = renderer(&on_a_ground());
     let mut redrawn = prepare(&renderer, "hrsm:512-128");
     let mut kept = prepare(&renderer, "hrsm:512-128:static=cached");
@@ -231,7 +231,7 @@ fn kept_map_is_built_again_when_casters_or_the_sun_move() {
 }
 
 #[test]
-fn mover_s_shade_comes_and_goes_with_a_kept_map() {
+fn mover_casts_a_moving_shadow_with_a_kept_map() {
     let mut renderer = renderer(&boxes(&[([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0])]));
     let mut kept = prepare(&renderer, "hrsm:512-128:static=cached");
     let shot = shot(over_boxes());
@@ -248,7 +248,7 @@ fn mover_s_shade_comes_and_goes_with_a_kept_map() {
 }
 
 #[test]
-fn levels_are_asked_of_every_surface_and_of_no_sky() {
+fn every_surface_has_a_level_and_the_sky_has_none() {
     let mut renderer = renderer(&on_a_ground());
     // A horizontal view, with sky above the ground.
     let camera = Camera { eye: [-30.0, 3.0, 22.0], target: [0.0, 3.0, 0.0], ..over_boxes() };

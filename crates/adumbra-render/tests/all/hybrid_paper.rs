@@ -1,5 +1,5 @@
-//! Hybrid maps in the paper's layout on the GPU: texels and links against their CPU twin, answers against those of the
-//! compact layout.
+//! Hybrid maps in the paper's layout on the GPU: texels and links against their CPU twin, answers against
+//! those of the compact layout.
 
 use adumbra_render::hybrid::HybridMap;
 use adumbra_render::hybrid::twin::{DepthImage, HybridPaper};
@@ -26,7 +26,7 @@ fn twin(gpu: &Gpu, map: &HybridMap) -> HybridPaper {
 }
 
 #[test]
-fn texels_and_links_are_the_twin_s() {
+fn paper_texels_and_links_match_twin() {
     for kind in [GeneratedKind::City, GeneratedKind::Landscape] {
         let mut renderer = renderer(&generate(kind, 7));
         for name in [
@@ -59,13 +59,13 @@ fn texels_and_links_are_the_twin_s() {
 }
 
 #[test]
-fn answers_of_a_small_map_are_the_compact_layout_s() {
+fn paper_layout_matches_compact_in_a_small_map() {
     answers_are_the_compact_layouts(&["hrsm:512-256:depth=16:filter=7"]);
 }
 
 #[test]
 #[ignore = "slow: large hybrid maps"]
-fn answers_are_the_compact_layout_s() {
+fn paper_layout_matches_compact() {
     answers_are_the_compact_layouts(&["hrsm:1024-256", "hrsm:1024-128:test=paper:filter=1"]);
 }
 
@@ -89,7 +89,7 @@ fn answers_are_the_compact_layouts(names: &[&str]) {
 }
 
 #[test]
-fn kept_map_answers_as_it_was_built_in_the_bytes_in_use() {
+fn kept_map_is_unchanged_and_takes_only_the_bytes_in_use() {
     let mut renderer = renderer(&kit::city());
     let mut technique = prepare(&renderer, "hrsm:1024-256:layout=paper:static=cached");
     draw(&mut renderer, &mut technique, 0, Answer::Visibility);
@@ -106,7 +106,7 @@ fn kept_map_answers_as_it_was_built_in_the_bytes_in_use() {
 }
 
 #[test]
-fn map_without_room_is_refused_and_one_that_fits_is_not() {
+fn rejects_only_maps_that_exceed_the_binding() {
     // Less than the largest possible map of either layout. For the city, the compact map fits.
     let options = GpuOptions { max_binding_bytes: Some(2 << 20), ..GpuOptions::default() };
     let draw = |options: &GpuOptions, name: &str| {

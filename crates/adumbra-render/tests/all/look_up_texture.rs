@@ -1,14 +1,14 @@
-//! The look-up texture against the CPU, in each frame and format, and the WGSL files that `adumbra::gpu` lists against
-//! those that the renderer includes.
+//! The look-up texture against the CPU, in each frame and format, and the WGSL files that `adumbra::gpu`
+//! lists against those that the renderer includes.
 
 use adumbra::gpu::{LookUp, LookUpTexture, WordSource, wgsl_files};
 use adumbra::{Filter, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_render::voxel::{BakedLight, VoxelSettings};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_shaders::source;
-use adumbra_testing::{bake_file, placements};
+use adumbra_testing::placements;
 
 use crate::kit;
 use crate::shade;
@@ -28,7 +28,7 @@ fn points(min: [f64; 3], max: [f64; 3], anchor: [f32; 3], count: usize) -> Vec<s
 }
 
 #[test]
-fn look_up_texture_answers_what_the_cpu_does_in_every_frame_and_format() {
+fn look_up_texture_matches_cpu_in_every_frame_and_format() {
     const COUNT: usize = 20_000;
     let gpu = kit::gpu();
     let scene = generate(GeneratedKind::City, 3);
@@ -36,7 +36,7 @@ fn look_up_texture_answers_what_the_cpu_does_in_every_frame_and_format() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)] {
         let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
-        let file = bake_file(&scene, &options).unwrap();
+        let file = Bake::with_options(&scene, &options).in_memory().unwrap();
         // Narrow rows, so that the words fill many of them.
         let mut texture =
             LookUpTexture::new(&file, &LookUp { filter: Filter::Nearest, ..LookUp::default() }, 2048)
@@ -65,14 +65,14 @@ fn look_up_texture_answers_what_the_cpu_does_in_every_frame_and_format() {
 }
 
 #[test]
-fn placed_textures_answer_what_the_cpu_does_where_the_file_is() {
+fn placed_textures_match_cpu() {
     const COUNT: usize = 2000;
     let gpu = kit::gpu();
     let scene = generate(GeneratedKind::City, 3);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)] {
         let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(512)) };
-        let file = bake_file(&scene, &options).unwrap();
+        let file = Bake::with_options(&scene, &options).in_memory().unwrap();
         for (place, placement) in placements() {
             let texture =
                 LookUpTexture::new(&file, &LookUp { placement, ..LookUp::default() }, 2048).unwrap();
@@ -105,11 +105,11 @@ fn placed_textures_answer_what_the_cpu_does_where_the_file_is() {
 }
 
 #[test]
-fn files_that_the_reader_names_are_those_that_the_renderer_includes() {
+fn reader_lists_the_wgsl_files_that_the_renderer_includes() {
     let gpu = kit::gpu();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(256));
-    let file = bake_file(&generate(GeneratedKind::Primitives, 1), &options).unwrap();
+    let file = Bake::with_options(&generate(GeneratedKind::Primitives, 1), &options).in_memory().unwrap();
     let settings = VoxelSettings::taps(Filter::Box5, file.settings.bias);
     let light = BakedLight::from_file(&gpu, &file, settings).unwrap();
     let included = [vec![source::SURFACE], light.look_up()].concat();

@@ -33,8 +33,8 @@ fn check_twin(renderer: &mut Renderer, camera: Camera, name: &str) {
     }
     println!("{name}: {apart} of {seen} apart; {mixed:?} shadowed, lit");
     assert!(seen > 5000 && mixed[0] > 500 && mixed[1] > 500, "{name}: {seen} {mixed:?}");
-    // A comparison may flip if receiver and texel are equally deep to the last bit, because positions are computed in
-    // another order here.
+    // A comparison may flip if receiver and texel are equally deep to the last bit, because positions are
+    // computed in another order here.
     assert!(apart * 500 < seen, "{name}: {apart} of {seen}");
 }
 
@@ -62,7 +62,7 @@ const EVERY_KIND: &[&str] = &[
 ];
 
 #[test]
-fn maps_answer_as_their_twins_do() {
+fn maps_match_their_twins() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let perspective = kit::camera(SIZE[0], SIZE[1]);
     for name in EVERY_KIND {
@@ -74,7 +74,7 @@ fn maps_answer_as_their_twins_do() {
 }
 
 #[test]
-fn maps_answer_as_their_twins_do_without_optional_features() {
+fn maps_match_their_twins_without_optional_features() {
     let without = Features::FLOAT32_FILTERABLE | Features::DEPTH_CLIP_CONTROL;
     let gpu = Gpu::request(&GpuOptions { without, ..Default::default() }).unwrap();
     let mut renderer = Renderer::new(gpu, &kit::city(), SceneOptions::default()).unwrap();
@@ -85,8 +85,8 @@ fn maps_answer_as_their_twins_do_without_optional_features() {
     assert!(notes.len() == 1 && notes[0].contains("without mip levels"), "{notes:?}");
 }
 
-/// Returns the numbers of pixels that are darker and lighter by more than 0.02 with 16-bit depth than with 32-bit
-/// depth, and the bytes of both.
+/// Returns the numbers of pixels that are darker and lighter by more than 0.02 with 16-bit depth than with
+/// 32-bit depth, and the bytes of both.
 fn half_against_full(renderer: &mut Renderer, camera: Camera, name: &str) -> ([usize; 2], [u64; 2]) {
     let shot = Shot { camera, towards_sun: kit::sun(), number: 0 };
     let mut answer = |name: &str| {
@@ -102,11 +102,12 @@ fn half_against_full(renderer: &mut Renderer, camera: Camera, name: &str) -> ([u
     ([darker, lighter], [half_bytes, full_bytes])
 }
 
-/// Tests the city, and cubes on a plain of two kilometres. On the plain, a step of 16-bit depth is six times the bias
-/// of the nearest cascade; without the minimum bias, 5 % of its pixels are darker than they should be.
+/// Tests the city, and cubes on a plain of two kilometres. On the plain, a step of 16-bit depth is six times
+/// the bias of the nearest cascade; without the minimum bias, 5 % of its pixels are darker than they should
+/// be.
 #[test]
 #[ignore = "slow: draws many maps"]
-fn maps_of_16_bits_shadow_no_lit_surface_by_their_rounding() {
+fn rounding_of_16_bit_maps_causes_no_false_shadows() {
     let mut corners = vec![([-1000.0, -1.0, -1000.0], [1000.0, 0.0, 1000.0])];
     corners.extend((0..25_u8).map(|i| {
         let [x, z] = [3.1 * f32::from(i % 5) - 6.3, 3.1 * f32::from(i / 5) - 6.3];

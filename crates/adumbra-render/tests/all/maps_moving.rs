@@ -26,7 +26,7 @@ fn depth_of(renderer: &Renderer, technique: &Prepared) -> Vec<f32> {
 }
 
 #[test]
-fn cached_layers_hold_what_redrawn_ones_do() {
+fn cached_layers_match_redrawn_ones() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     renderer.set_movers(&mover(0.0), SceneOptions::default()).unwrap();
     let mut redrawn = prepare(&renderer, "csm:size=256");
@@ -47,8 +47,8 @@ fn cached_layers_hold_what_redrawn_ones_do() {
             depth_of(&renderer, technique)
         });
         let apart = depths[0].iter().zip(&depths[1]).filter(|(a, b)| (*a - *b).abs() > 1e-5).count();
-        // Cached layers were drawn relative to another eye, so a triangle's edge may round to the other side of a
-        // texel's centre.
+        // Cached layers were drawn relative to another eye, so a triangle's edge may round to the other side
+        // of a texel's centre.
         assert!(apart * 5000 < depths[0].len(), "frame {step}: {apart} texels differ");
         let moved = depths[0].iter().zip(&last).filter(|(a, b)| a != b).count();
         assert!(step == 0 || moved > 20, "frame {step}: the mover casts nothing");
@@ -57,7 +57,7 @@ fn cached_layers_hold_what_redrawn_ones_do() {
 }
 
 #[test]
-fn movers_cast_and_leave_no_trace() {
+fn cached_layers_show_movers_and_keep_no_trace_of_them() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let shot = Shot { camera: kit::camera(160, 90), towards_sun: kit::sun(), number: 0 };
     let mut cached = prepare(&renderer, "csm:size=512:static=cached");
@@ -73,8 +73,8 @@ fn movers_cast_and_leave_no_trace() {
     assert!(depth_of(&renderer, &cached) == without);
 }
 
-/// Looks up fixed points while the camera walks and turns. Limits the share of points at shadow edges whose factor
-/// changes from frame to frame.
+/// Looks up fixed points while the camera walks and turns. Limits the share of points at shadow edges whose
+/// factor changes from frame to frame.
 #[test]
 #[ignore = "slow: draws many frames"]
 fn cascades_do_not_shimmer() {
@@ -130,7 +130,7 @@ fn range(values: &[f32]) -> [f32; 2] {
 }
 
 #[test]
-fn scene_of_movers_alone_is_drawn() {
+fn draws_a_scene_of_movers_only() {
     let nothing = Scene { instances: Vec::new(), ..mover(0.0) };
     // A plate over a floor, both of them movers.
     let plate = boxes(&[([-6.0, 0.0, -6.0], [6.0, 0.5, 6.0]), ([-2.0, 3.0, -2.0], [2.0, 3.5, 2.0])]);
@@ -169,7 +169,7 @@ fn scene_of_movers_alone_is_drawn() {
 }
 
 #[test]
-fn what_stands_beside_every_layer_is_lit() {
+fn points_outside_every_layer_are_lit() {
     let still = boxes(&[([-6.0, 0.0, -6.0], [6.0, 0.5, 6.0]), ([-2.0, 3.0, -2.0], [2.0, 3.5, 2.0])]);
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     let beside = boxes(&[([30.0, 0.0, -3.0], [36.0, 4.0, 3.0]), ([-40.0, 0.0, -3.0], [-34.0, 4.0, 3.0])]);
@@ -187,7 +187,7 @@ fn what_stands_beside_every_layer_is_lit() {
 }
 
 #[test]
-fn movers_may_be_set_again_with_more_of_them() {
+fn set_movers_accepts_more_movers_than_before() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let shot = Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 };
     let mut cached = prepare(&renderer, "csm:size=256:static=cached");
@@ -209,7 +209,7 @@ fn movers_may_be_set_again_with_more_of_them() {
 }
 
 #[test]
-fn kept_layers_are_not_taken_for_another_scene_s() {
+fn cached_layers_are_not_reused_for_another_scene() {
     let shot = Shot { camera: kit::camera(64, 36), towards_sun: kit::sun(), number: 0 };
     let first =
         boxes(&[([-160.0, 0.0, 0.0], [0.0, 1.0, 180.0]), ([-104.0, 14.0, 110.0], [-96.0, 18.0, 118.0])]);

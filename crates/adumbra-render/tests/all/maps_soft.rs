@@ -1,5 +1,5 @@
-//! Filters of shadow maps: moments and their blur, light bleeding and its reduction, and soft shadows against a
-//! ray-traced sun disc.
+//! Filters of shadow maps: moments and their blur, light bleeding and its reduction, and soft shadows against
+//! a ray-traced sun disc.
 
 use adumbra_render::maps::gaussian;
 use adumbra_render::maps::twin::MapTwin;
@@ -15,10 +15,10 @@ fn prepare(renderer: &Renderer, name: &str) -> Prepared {
     renderer.prepare(technique).unwrap()
 }
 
-/// Computes blurred moments of a few texels, and of the mip level above, directly and compares them with what the
-/// passes stored.
+/// Computes blurred moments of a few texels, and of the mip level above, directly and compares them with what
+/// the passes stored.
 #[test]
-fn moments_are_blurred_by_layer_and_shrunk() {
+fn moments_are_blurred_per_layer_and_reduced_to_mips() {
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
     let shot = Shot { camera: kit::camera(32, 18), towards_sun: kit::sun(), number: 0 };
     for name in ["csm-vsm:size=128:cascades=2:blur=7", "csm-evsm:size=128:cascades=2:blur=3", "msm:size=128"]
@@ -60,8 +60,8 @@ fn moments_are_blurred_by_layer_and_shrunk() {
     }
 }
 
-/// Uses ground at height 0, a low plate over the whole middle, and above it a high plate that ends at x = 0. Below the
-/// low plate everything is dark, but in a variance map the high plate's edge shows through it.
+/// Uses ground at height 0, a low plate over the whole middle, and above it a high plate that ends at x = 0.
+/// Below the low plate everything is dark, but in a variance map the high plate's edge shows through it.
 #[test]
 fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
     let scene = boxes(&[
@@ -81,8 +81,9 @@ fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
         let factors = renderer.answer(&shot, &mut technique, &points).unwrap();
         factors.into_iter().fold(0.0, f32::max)
     };
-    // A share q of the filter is the low plate, 1 above the ground; the rest is 9 nearer the sun. Chebyshev's bound is
-    // 81 q (1 - q) / (81 q (1 - q) + (10 - 9 q)²), at most 0.67, at q = 10/11. With the tail cut at 0.2 that is 0.59.
+    // A share q of the filter is the low plate, 1 above the ground; the rest is 9 nearer the sun. Chebyshev's
+    // bound is 81 q (1 - q) / (81 q (1 - q) + (10 - 9 q)²), at most 0.67, at q = 10/11. With the tail cut at
+    // 0.2 that is 0.59.
     let plain = brightest("vsm:size=512:blur=9:bleed=0");
     let usual = brightest("vsm:size=512:blur=9:bleed=0.2");
     let strong = brightest("vsm:size=512:blur=9:bleed=0.9");
@@ -98,9 +99,9 @@ fn light_bleeds_through_overlapping_casters_until_the_tail_is_cut() {
     assert!(exponential < 0.1 * plain && four < 0.1 * plain, "{exponential} {four}");
 }
 
-/// Uses a raised plate over flat ground, under a sun whose penumbra is about as wide as the widest filter. The mean of
-/// several comparisons has a smaller error than one comparison, and penumbrae that follow their casters have the
-/// smallest.
+/// Uses a raised plate over flat ground, under a sun whose penumbra is about as wide as the widest filter.
+/// The mean of several comparisons has a smaller error than one comparison, and penumbrae that follow their
+/// casters have the smallest.
 #[test]
 fn filters_are_nearer_to_a_sun_disc_than_one_comparison() {
     let angle: f64 = 2.0;

@@ -1,11 +1,10 @@
-//! Movers: the text that `--move` accepts, the path that leads a ball from sunlight into shadow, and the ball's own
-//! shadow along it.
+//! Movers: the text that `--move` accepts, the path that leads a ball from sunlight into shadow, and the
+//! ball's own shadow along it.
 
 use adumbra::{Filter, Sun};
-use adumbra_bake::{BakeOptions, Size};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_render::{Answer, Prepared, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::{Camera, Projection, Scene};
-use adumbra_testing::bake_file;
 use adumbra_truth::movers::MoveSpec;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 
@@ -16,7 +15,7 @@ fn spec(text: &str) -> MoveSpec {
 }
 
 #[test]
-fn moves_are_read() {
+fn parses_move_options() {
     let moved = spec("sphere:radius=0.5:from=0,1,2:to=-3,4,5:seconds=2");
     assert_eq!(moved.ends_world, Some([[0.0, 1.0, 2.0], [-3.0, 4.0, 5.0]]));
     assert_eq!((moved.radius_world, moved.seconds), (Some(0.5), 2.0));
@@ -58,7 +57,7 @@ fn ball_center(scene: &mut Scene, seconds: f64) -> [f64; 3] {
 }
 
 #[test]
-fn ball_goes_from_the_sun_into_the_shade_and_the_file_says_so() {
+fn ball_rolls_from_sun_to_shade_in_file_and_rays() {
     let mut scene = kit::city();
     let still = scene.clone();
     let tracer = Tracer::build(&still, TraceOptions::default());
@@ -66,7 +65,7 @@ fn ball_goes_from_the_sun_into_the_shade_and_the_file_says_so() {
     path.add_to(&mut scene);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(4096));
-    let file = bake_file(&still, &options).unwrap();
+    let file = Bake::with_options(&still, &options).in_memory().unwrap();
     let sampler = file.sampler(Filter::Box5);
     let end = scene.movers.end_seconds();
     let mut means = Vec::new();
@@ -158,7 +157,7 @@ fn frame(
 }
 
 #[test]
-fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
+fn ball_on_the_gpu_enters_the_shade_and_casts_a_shadow() {
     let mut scene = kit::city();
     let still = scene.clone();
     let still_tracer = Tracer::build(&still, TraceOptions::default());
@@ -167,7 +166,7 @@ fn ball_on_the_gpu_enters_the_shade_and_casts_its_own() {
     let mut moving = scene.clone().take_movers();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(4096));
-    let file = bake_file(&still, &options).unwrap();
+    let file = Bake::with_options(&still, &options).in_memory().unwrap();
     let baked = TechniqueFiles::of(&file);
     let mut renderer = Renderer::new(kit::gpu(), &still, SceneOptions::default()).unwrap();
     renderer.set_movers(&moving, SceneOptions::default()).unwrap();

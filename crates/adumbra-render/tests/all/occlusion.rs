@@ -66,7 +66,7 @@ fn mean(values: impl Iterator<Item = f32>) -> f32 {
 }
 
 #[test]
-fn occlusion_on_the_gpu_is_the_cpu_s() {
+fn gpu_occlusion_matches_cpu() {
     let perspective = kit::camera(203, 151);
     let orthographic = Camera { projection: Projection::Orthographic { height_world: 120.0 }, ..perspective };
     for camera in [perspective, orthographic] {
@@ -110,7 +110,7 @@ fn tilted_scene(mut scene: Scene) -> Scene {
 }
 
 #[test]
-fn occlusion_of_a_plane_is_none() {
+fn plane_is_unoccluded() {
     let ground = tilted_scene(boxes(&[([-500.0, -1.0, -500.0], [500.0, 0.0, 500.0])]));
     for degrees in [90.0_f64, 45.0, 15.0, 5.0] {
         for (projection, distance) in [
@@ -149,12 +149,13 @@ fn corner() -> View {
 }
 
 #[test]
-fn occlusion_of_an_inside_corner_is_darker_than_a_plane_s() {
+fn inside_corner_is_darker_than_a_plane() {
     let view = corner();
     let points = view.points();
     for estimator in Estimator::ALL {
         let found = view.occlude(estimator.name(), 2.0);
-        // Rings by distance from the corner, in radii. Visibility is nearly 1/2 in the corner and 1 from one radius on.
+        // Rings by distance from the corner, in radii. Visibility is nearly 1/2 in the corner and 1 from one
+        // radius on.
         let at = |from: f64, to: f64| {
             let of = |p: &[f64; 3]| (from..to).contains(&(p[0].max(p[1]) / 2.0));
             mean(points.iter().zip(&found).filter(|(p, _)| p.as_ref().is_some_and(of)).map(|(_, v)| *v))
@@ -170,11 +171,12 @@ fn occlusion_of_an_inside_corner_is_darker_than_a_plane_s() {
 }
 
 #[test]
-fn occlusion_of_gtao_with_many_taps_is_the_corner_s_integral() {
+fn gtao_with_many_taps_matches_the_integral_in_a_corner() {
     let view = corner();
     let text = "gtao:samples=64:falloff=0.99:power=1:distribution=1:cap=1000:filter=none";
     let found = view.occlude(text, 2.0);
-    // Cosine-weighted directions fill the unit disc uniformly. A wall at distance u R occludes its segment x < -u.
+    // Cosine-weighted directions fill the unit disc uniformly. A wall at distance u R occludes its segment x
+    // < -u.
     let open = |u: f64| 1.0 - (libm::acos(u) - u * (1.0 - u * u).sqrt()) / std::f64::consts::PI;
     let near = view.points().into_iter().zip(&found).filter_map(|(p, v)| {
         let u = p.map(|p| p[0].max(p[1]).max(0.0) / 2.0)?;
@@ -203,8 +205,8 @@ fn occlusion_does_not_depend_on_the_scene_s_unit() {
         let text = format!("{estimator}:filter=none");
         let (a, b) = (metres.occlude(&text, 7.3), millimetres.occlude(&text, 7300.0));
         let differences = || a.iter().zip(&b).map(|(a, b)| (a - b).abs());
-        // 1000 is not a power of two, so depths differ in their last bits, and a tap on the edge between two texels may
-        // take the other one.
+        // 1000 is not a power of two, so depths differ in their last bits, and a tap on the edge between two
+        // texels may take the other one.
         let moved = differences().filter(|d| *d > 1e-3).count();
         println!(
             "{estimator}: {} and {moved} texels",

@@ -20,8 +20,8 @@ fn frame_of(projection: Projection, [width, height]: [u32; 2]) -> Frame {
     frame(&camera, &BOUNDS, kit::sun(), 0)
 }
 
-/// A reproducible generator of numbers from 0 to 1: splitmix64 (Steele, Lea, Flood, *Fast Splittable Pseudorandom
-/// Number Generators*, 2014).
+/// A reproducible generator of numbers from 0 to 1: splitmix64 (Steele, Lea, Flood, *Fast Splittable
+/// Pseudorandom Number Generators*, 2014).
 struct Random(u64);
 
 impl Random {
@@ -34,8 +34,8 @@ impl Random {
     }
 }
 
-/// Random stored depths for view depths from `near` to `far`, a tenth of them sky, and random normals, most of them
-/// towards the eye.
+/// Random stored depths for view depths from `near` to `far`, a tenth of them sky, and random normals, most
+/// of them towards the eye.
 fn random(frame: &Frame, [near, far]: [f32; 2], seed: u64) -> (Vec<f32>, Vec<[f32; 3]>) {
     let mut random = Random(seed);
     (0..frame.size[0] * frame.size[1])
@@ -52,7 +52,7 @@ fn random(frame: &Frame, [near, far]: [f32; 2], seed: u64) -> (Vec<f32>, Vec<[f3
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn occlusion_on_the_gpu_is_the_cpu_s_on_random_depth() {
+fn gpu_occlusion_matches_cpu_on_random_depth() {
     let gpu = kit::gpu();
     let (mut compared, mut off, mut darkened) = (0, 0, 0);
     for text in
@@ -71,7 +71,8 @@ fn occlusion_on_the_gpu_is_the_cpu_s_on_random_depth() {
                 for (seed, range) in [(1, [2.0, 9.0]), (2, [6.0, 6.3])] {
                     let (depth, normal) = random(&frame, range, seed);
                     let buffers = Buffers::new(&gpu, size, &depth, &normal);
-                    // Radii on the screen: zero, a few texels, more than the picture has, more than the cap allows.
+                    // Radii on the screen: zero, a few texels, more than the picture has, more than the cap
+                    // allows.
                     for radius_world in [0.0, 0.7, 5.0, 1e4] {
                         settings.radius_world = radius_world;
                         assert!(passes.reshape(&gpu, &settings));
@@ -103,7 +104,7 @@ fn occlusion_on_the_gpu_is_the_cpu_s_on_random_depth() {
 }
 
 #[test]
-fn occlusion_of_empty_sky_and_of_a_far_plane_is_none() {
+fn empty_sky_and_a_far_plane_are_unoccluded() {
     let gpu = kit::gpu();
     for estimator in Estimator::ALL {
         for (projection, size) in [(PERSPECTIVE, [33, 17]), (ORTHOGRAPHIC, [33, 17]), (PERSPECTIVE, [1, 1])] {

@@ -1,4 +1,5 @@
-//! The cap on the radius in texels on the screen: a larger radius shrinks to the cap as a whole and is not cut off.
+//! The cap on the radius in texels on the screen: a larger radius shrinks to the cap as a whole and is not
+//! cut off.
 
 use adumbra_render::{Renderer, SceneOptions};
 use adumbra_scene::{Camera, Projection};
@@ -40,7 +41,7 @@ fn mean(values: impl ExactSizeIterator<Item = f32>) -> f64 {
 }
 
 #[test]
-fn capped_radius_is_the_smaller_radius_as_a_whole() {
+fn capped_radius_gives_the_result_of_the_smaller_radius() {
     let seen = corner(Projection::Orthographic { height_world: HEIGHT_WORLD });
     for estimator in ESTIMATORS {
         let small = visibility(&seen, estimator, CAP / 64.0, 4096.0);
@@ -55,8 +56,8 @@ fn capped_radius_is_the_smaller_radius_as_a_whole() {
             );
             assert!(moved * 1000 <= small.len(), "{estimator} {radius_world}: {moved}");
         }
-        // The corner must still be visible. If the region were cut off at the cap, a large radius would leave almost
-        // nothing of it.
+        // The corner must still be visible. If the region were cut off at the cap, a large radius would leave
+        // almost nothing of it.
         let darkest = small.iter().copied().fold(1.0, f32::min);
         assert!(darkest < 0.7, "{estimator}: {darkest}");
         let whole = visibility(&seen, estimator, 2.0, 4096.0);
@@ -66,7 +67,7 @@ fn capped_radius_is_the_smaller_radius_as_a_whole() {
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn result_goes_on_where_the_radius_passes_the_cap() {
+fn result_is_continuous_where_the_radius_passes_the_cap() {
     // From well below the cap everywhere to well above it.
     let perspective = Projection::Perspective { fov_degrees: 40.0 };
     for projection in [Projection::Orthographic { height_world: HEIGHT_WORLD }, perspective] {
@@ -75,7 +76,7 @@ fn result_goes_on_where_the_radius_passes_the_cap() {
 }
 
 #[test]
-fn result_goes_on_right_below_the_cap_and_right_above_it() {
+fn result_is_continuous_just_below_and_above_the_cap() {
     // The cap is a radius of half a unit.
     let projection = Projection::Orthographic { height_world: HEIGHT_WORLD };
     result_goes_on_while_the_radius_grows(projection, 0.48, 7);
@@ -98,8 +99,8 @@ fn result_goes_on_while_the_radius_grows(projection: Projection, from_world: f64
         println!(
             "{estimator} {projection:?}: mean step {first:.4} at first, {most:.4} at most, {last:.5} at last"
         );
-        // Rounding moves taps at every step. Reaching the cap adds no step of its own, and beyond it nothing
-        // changes.
+        // Rounding moves taps at every step. Reaching the cap causes no further change, and beyond the cap
+        // nothing changes.
         assert!(most < 0.02 && most < 2.0 * first, "{estimator} {projection:?}: {steps:?}");
         assert!(last < 1e-3, "{estimator} {projection:?}: {steps:?}");
     }

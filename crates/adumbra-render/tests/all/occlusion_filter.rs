@@ -1,5 +1,5 @@
-//! The passes around the estimators of ambient occlusion: filters, edge test, half size, normals from depth. Compares
-//! GPU and CPU and checks that each does its job.
+//! The passes around the estimators of ambient occlusion: filters, edge test, half size, normals from depth.
+//! Compares GPU and CPU and checks that each does its job.
 
 use adumbra_render::frame::frame;
 use adumbra_render::occlusion::OcclusionPasses;
@@ -33,7 +33,7 @@ fn orthographic(width: u32, height: u32) -> Camera {
 }
 
 #[test]
-fn every_option_on_the_gpu_is_the_cpu_s() {
+fn gpu_matches_cpu_with_every_option() {
     let mut renderer = city();
     let options = ["half=on", "normals=depth", "normals=depth:half=on", "half=on:depth=plain"];
     for camera in [kit::camera, orthographic] {
@@ -52,7 +52,7 @@ fn every_option_on_the_gpu_is_the_cpu_s() {
 }
 
 #[test]
-fn every_option_on_random_depth_is_the_cpu_s() {
+fn gpu_matches_cpu_with_every_option_on_random_depth() {
     let renderer = city();
     let gpu = renderer.gpu();
     for camera in [kit::camera, orthographic] {
@@ -74,7 +74,7 @@ fn every_option_on_random_depth_is_the_cpu_s() {
 }
 
 #[test]
-fn lines_are_near_the_square() {
+fn line_filters_are_close_to_the_square_filter() {
     let mut renderer = city();
     let seen = GBuffer::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     // Measured: 0.153 and 0.252 of the change that the square filter makes.
@@ -91,7 +91,7 @@ fn lines_are_near_the_square() {
 }
 
 #[test]
-fn planes_leave_less_noise_than_depth_alone() {
+fn plane_depth_leaves_less_noise_than_plain_depth() {
     let mut renderer = city();
     let seen = GBuffer::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
@@ -129,8 +129,8 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
     let seen = GBuffer::drawn(&mut renderer, before_pole(SIZE[0], SIZE[1]), 0);
     let [width, height] = seen.size();
     let raw = seen.on_cpu(&settings("issao:filter=none", 3.0));
-    // Pixels of open ground whose filter window contains only open ground and the pole in front of it. Any change there
-    // comes from the pole.
+    // Pixels of open ground whose filter window contains only open ground and the pole in front of it. Any
+    // change there comes from the pole.
     let is_open_ground = |at: usize| {
         seen.normal[at][1] > 0.9 && raw[at] > 0.999 && seen.view_depth(at).is_some_and(|z| z > 24.0)
     };
@@ -161,13 +161,13 @@ fn bilateral_filter_does_not_bleed_over_silhouettes() {
 }
 
 #[test]
-fn edge_test_leaves_out_what_it_may() {
+fn edge_test_skips_texels_at_little_cost() {
     let mut renderer = city();
     let seen = GBuffer::drawn(&mut renderer, kit::camera(SIZE[0], SIZE[1]), 0);
     let raw = seen.on_cpu(&settings("issao:filter=none", RADIUS_WORLD));
     let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
-    // Measured: a share of 0.34 to 0.49 is skipped. That changes the result by 0.13 to 0.15 of what the filter changes,
-    // and increases its distance from the estimator's mean by at most 0.016 of that distance.
+    // Measured: a share of 0.34 to 0.49 is skipped. That changes the result by 0.13 to 0.15 of what the
+    // filter changes, and increases its distance from the estimator's mean by at most 0.016 of that distance.
     for filter in ["bilateral", "square", "bilateral:side=8", "square:side=8"] {
         let [without, with] =
             ["off", "on"].map(|e| settings(&format!("issao:filter={filter}:edges={e}"), RADIUS_WORLD));
@@ -184,10 +184,10 @@ fn edge_test_leaves_out_what_it_may() {
 }
 
 #[test]
-fn half_size_is_near_the_whole() {
+fn half_size_is_close_to_full_size() {
     let mut renderer = city();
-    // Measured: 1.32 and 1.33 times as far from the estimator's mean as at full size, with a quarter of the taps. A
-    // constant visibility of 1 is 2.3 and 2.0 times as far.
+    // Measured: 1.32 and 1.33 times as far from the estimator's mean as at full size, with a quarter of the
+    // taps. A constant visibility of 1 is 2.3 and 2.0 times as far.
     for camera in [kit::camera, orthographic] {
         let seen = GBuffer::drawn(&mut renderer, camera(SIZE[0], SIZE[1]), 0);
         let smooth = seen.without_noise(&settings("issao", RADIUS_WORLD));
@@ -200,7 +200,7 @@ fn half_size_is_near_the_whole() {
 }
 
 #[test]
-fn normals_from_depth_are_those_of_the_surface() {
+fn normals_from_depth_match_the_surface() {
     let far = Renderer::new(
         kit::gpu(),
         &boxes(&[
@@ -274,7 +274,7 @@ fn normals_from_depth_are_those_of_the_surface() {
 }
 
 #[test]
-fn zero_radius_leaves_everything_open() {
+fn zero_radius_gives_no_occlusion() {
     let mut renderer = city();
     let seen = GBuffer::drawn(&mut renderer, kit::camera(31, 17), 0);
     for text in ["issao", "issao:half=on:normals=depth", "issao:filter=square"] {

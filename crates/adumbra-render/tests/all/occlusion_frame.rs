@@ -1,5 +1,5 @@
-//! Ambient occlusion in finished frames: which light it reduces, visibility given from outside, and answers that must
-//! not affect its history.
+//! Ambient occlusion in finished frames: which light it reduces, visibility given from outside, and answers
+//! that must not affect its history.
 
 use adumbra_render::occlusion::{GivenAmbient, OcclusionPasses};
 use adumbra_render::{Answer, RenderError, Renderer, SceneOptions, Shot, Stage, TechniqueFiles, build};
@@ -35,7 +35,7 @@ fn picture(renderer: &mut Renderer, technique: &str) -> Vec<u8> {
 }
 
 #[test]
-fn given_ambient_is_composited_as_the_passes_are() {
+fn given_ambient_is_composited_like_the_passes() {
     let mut renderer = city();
     let open = picture(&mut renderer, "pcf:size=256");
     assert_eq!(renderer.read_ambient().unwrap(), vec![1.0; (SIZE[0] * SIZE[1]) as usize]);
@@ -57,7 +57,7 @@ fn given_ambient_is_composited_as_the_passes_are() {
 }
 
 #[test]
-fn ambient_occlusion_takes_none_of_the_sun_s_light() {
+fn ambient_occlusion_does_not_dim_sunlight() {
     let mut renderer = city();
     let technique = build(renderer.gpu(), &"none".parse().unwrap(), TechniqueFiles::default()).unwrap();
     let mut technique = renderer.prepare(technique).unwrap();
@@ -104,7 +104,7 @@ fn given_ambient_of_another_size_is_an_error() {
 }
 
 #[test]
-fn history_is_untouched_by_frames_that_ask_for_cascades() {
+fn frames_that_answer_cascades_keep_the_history() {
     let ambient = |with_cascades: bool| {
         let mut renderer = city();
         let own = passes(&renderer);

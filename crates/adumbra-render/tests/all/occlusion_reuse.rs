@@ -30,7 +30,7 @@ fn on_demand(camera: Camera, number: u32) -> Camera {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn reuse_on_the_gpu_is_the_cpu_s() {
+fn gpu_reuse_matches_cpu() {
     let mut renderer = city();
     let texts = [
         "issao:reuse=on",
@@ -60,7 +60,7 @@ fn reuse_on_the_gpu_is_the_cpu_s() {
 
 /// A camera goes around a block, so that sides come into sight where the front was before.
 #[test]
-fn reuse_on_the_gpu_is_the_cpu_s_where_sides_come_into_sight() {
+fn gpu_reuse_matches_cpu_where_sides_come_into_view() {
     let scene = boxes(&[([-40.0, -1.0, -40.0], [40.0, 0.0, 40.0]), ([-3.0, 0.0, -3.0], [3.0, 6.0, 3.0])]);
     let mut renderer = Renderer::new(kit::gpu(), &scene, SceneOptions::default()).unwrap();
     let settings = settings("issao:reuse=on:filter=none", 3.0);
@@ -173,8 +173,8 @@ fn reuse_leaves_no_ghost_after_a_disocclusion() {
     let (old, new) = (camera(0.0).view(), camera(3.0).view());
     let seen = GBuffer::drawn(&mut renderer, camera(3.0), 8);
     let [width, height] = seen.size();
-    // Pixels whose point was not visible in the previous frame: each of the four pixels around its position there was
-    // covered by something nearer or was outside the picture.
+    // Pixels whose point was not visible in the previous frame: each of the four pixels around its position
+    // there was covered by something nearer or was outside the picture.
     let is_hidden = |at: usize| {
         let Some(z) = seen.view_depth(at) else { return false };
         let (origin, direction) = new.ray((at % width) as f64 + 0.5, (at / width) as f64 + 0.5);

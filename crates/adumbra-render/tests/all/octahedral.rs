@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
 
 /// Tests directions of a Fibonacci lattice over the sphere.
 #[test]
-fn octahedral_packs_as_its_twin_does() {
+fn gpu_octahedral_matches_twin() {
     let gpu = kit::gpu();
     let count = 64 * 512_u32;
     let directions: Vec<[f32; 4]> = (0..count)

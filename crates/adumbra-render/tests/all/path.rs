@@ -1,17 +1,16 @@
-//! Sun paths on the GPU: marches are those of the CPU, and so are pictures.
+//! Sun paths on the GPU: marches and pictures match those of the CPU.
 
 use std::sync::Arc;
 
 use adumbra::query::{FixedReceiver, MarchSlope, Marched, march, receiver};
 use adumbra::{Bounds, Filter, PathSampler, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::voxel::{BakedLight, LightFile, MovingLight, PathDiscTwin, SoftTwin, VoxelSettings};
 use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_scene::Scene;
 use adumbra_scene::random::Random;
 use adumbra_shaders::layout::PointQuery;
-use adumbra_testing::bake_file;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
 use crate::kit;
@@ -23,14 +22,14 @@ fn suns() -> [Sun; 3] {
         .map(|[azimuth, elevation]| Sun::from_angles(azimuth, elevation).unwrap())
 }
 
-/// Short, so that guesses are not rare.
+/// Small, so that the shaders guess some rays to be blocked.
 const DARK_AFTER_VOXELS: u32 = 3;
 
 fn keys(frame: FrameChoice, voxel_world: f64) -> [ShadowFile; 2] {
     let [first, second, _] = suns();
     [first, second].map(|sun| {
         let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::VoxelSize(voxel_world)) };
-        let mut file = bake_file(&kit::city(), &options).unwrap();
+        let mut file = Bake::with_options(&kit::city(), &options).in_memory().unwrap();
         file.settings.dark_after_voxels = DARK_AFTER_VOXELS;
         file
     })
@@ -41,7 +40,7 @@ fn between(keys: &[ShadowFile; 2]) -> LightFile<'_> {
 }
 
 #[test]
-fn marches_are_those_of_the_cpu() {
+fn gpu_marches_match_cpu() {
     let gpu = kit::gpu();
     for frame in [FrameChoice::ObliqueAt(0.0), FrameChoice::Light] {
         let keys = keys(frame, 0.3);
@@ -81,7 +80,7 @@ const HEIGHT: u32 = 80;
 type LookUp<'a> = &'a dyn Fn([f64; 3], Option<[f64; 3]>, [u32; 2]) -> f32;
 
 #[test]
-fn pictures_of_a_moment_are_those_of_the_cpu() {
+fn gpu_sun_path_pictures_match_cpu() {
     let keys = keys(FrameChoice::ObliqueAt(0.0), 0.3);
     let sun = suns()[2].towards();
     let shot = Shot { camera: kit::camera(WIDTH, HEIGHT), towards_sun: sun, number: 0 };
@@ -147,7 +146,7 @@ fn quick_look_ups_read_fewer_words_than_marches() {
     quick_look_ups_read_fewer_words(0.15, [240, 160]);
 }
 
-/// What a march costs: words of the file for each visible point.
+/// Compares the cost of look-ups: words read from the file per visible point.
 fn quick_look_ups_read_fewer_words(voxel_world: f64, [width, height]: [u32; 2]) {
     let keys = keys(FrameChoice::ObliqueAt(0.0), voxel_world);
     let sun = suns()[2].towards();
@@ -200,22 +199,23 @@ fn quick_look_ups_read_fewer_words(voxel_world: f64, [width, height]: [u32; 2]) 
 
 #[test]
 #[ignore = "slow: 32 marches and 256 rays for each point"]
-fn marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
+fn marches_to_a_disc_are_about_as_accurate_as_penumbrae() {
     marches_to_a_disc_are_near(&[0.53, 2.0, 6.0], 6000, 256, [1.25, 1.1]);
 }
 
 #[test]
-fn some_marches_to_a_disc_are_about_as_near_to_rays_as_penumbrae_of_a_file() {
-    // So few points and rays give errors to a third.
+fn few_marches_to_a_disc_are_about_as_accurate_as_penumbrae() {
+    // With so few points and rays, the measured errors are accurate only to a third.
     marches_to_a_disc_are_near(&[2.0], 1000, 64, [1.5, 1.5]);
 }
 
-/// Root-mean-square errors against rays to the sun's disc: of `voxel:soft` in a file of that very sun, and of marches.
-/// These may be larger by the first factor, and those between keys by the second again.
+/// Compares root-mean-square errors against rays to the sun's disc. Marches in a file of the same sun may
+/// have `times[0]` times the error of `voxel:soft` in that file. Marches between two keys may have `times[1]`
+/// times the error of marches in one file.
 fn marches_to_a_disc_are_near(angles: &[f64], points: usize, rays: u32, times: [f64; 2]) {
     let scene = kit::city();
     let mut keys = keys(FrameChoice::ObliqueAt(0.0), 0.15);
-    // As is measured for a city: 9 m.
+    // The value measured for a city: 9 m.
     keys.iter_mut().for_each(|key| key.settings.dark_after_voxels = 60);
     let [own, _, between] = suns().map(|sun| sun.towards());
     let tracer = Tracer::build(&scene, TraceOptions::default());
@@ -249,7 +249,7 @@ fn marches_to_a_disc_are_near(angles: &[f64], points: usize, rays: u32, times: [
         let marched = disc([&keys[0]; 2], own);
         let moved = disc(keys.each_ref(), between);
         println!("a disc of {angle}°: voxel:soft {soft:.4}, marches {marched:.4}, between keys {moved:.4}");
-        // Penumbrae of a file are smooth within a texel, marches are right where several casters overlap.
+        // Penumbrae of a file are smooth within a texel. Marches are correct where several casters overlap.
         assert!(marched < times[0] * soft && moved < times[1] * marched, "{angle}: {soft} {marched} {moved}");
         assert!(angle < 4.0 || marched < soft, "{angle}: {soft} {marched}");
     }
@@ -272,9 +272,9 @@ fn visible_points(scene: &Scene, tracer: &Tracer<'_>, count: usize) -> Vec<([f64
 }
 
 #[test]
-fn a_sun_that_moves_changes_its_keys_without_a_frame_between() {
+fn moving_sun_switches_keys_without_an_intermediate_frame() {
     let [first, second] = keys(FrameChoice::ObliqueAt(0.0), 0.6);
-    let third = bake_file(
+    let third = Bake::with_options(
         &kit::city(),
         &BakeOptions {
             levels: 1,
@@ -282,6 +282,7 @@ fn a_sun_that_moves_changes_its_keys_without_a_frame_between() {
             ..BakeOptions::new(Sun::from_angles(131.0, 44.0).unwrap(), Size::VoxelSize(0.4))
         },
     )
+    .in_memory()
     .unwrap();
     let sun = |azimuth, elevation| Sun::from_angles(azimuth, elevation).unwrap().towards();
     let mut renderer = Renderer::new(kit::gpu(), &kit::city(), SceneOptions::default()).unwrap();
@@ -297,7 +298,7 @@ fn a_sun_that_moves_changes_its_keys_without_a_frame_between() {
             if let LightFile::Moving(light) = light
                 && number == 0
             {
-                // The finer key does not fit the slots of the others.
+                // The finer key does not fit into the existing slots.
                 light.set([&third, &second], towards_sun);
             }
         }

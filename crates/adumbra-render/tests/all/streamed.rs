@@ -1,5 +1,5 @@
-//! Streamed files on the GPU: where a file is resident, pictures and words read are those of the file; where it is not,
-//! the answers are those of the CPU from the same pool.
+//! Streamed files on the GPU. Where a file is resident, pictures and words read match the whole file.
+//! Elsewhere, the answers match the CPU with the same pool.
 
 use std::io::Cursor;
 use std::sync::Arc;
@@ -9,12 +9,12 @@ use adumbra::gpu::{LookUp, Penumbra};
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra::stream::{BytesSource, StreamOptions, Streamer, View};
 use adumbra::{Encoding, Filter, LightGrid, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::voxel::{BakedLight, LightFile, StreamedFile, Voxel, VoxelSettings};
 use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
 use adumbra_shaders::layout::PointQuery;
-use adumbra_testing::{bake_file, full};
+use adumbra_testing::full;
 
 use crate::kit;
 use crate::kit::boxes::boxes;
@@ -32,7 +32,7 @@ fn city(resolution: u64) -> BakedScene {
     BakedScene::new(kit::city(), [0.5, 0.8, 0.35], resolution)
 }
 
-/// Streams a file, of which `view` is resident before the first frame.
+/// Streams a file. The pages for `view` are resident before the first frame.
 fn streamed(file: &ShadowFile, budget_bytes: u64, upload_bytes: usize, view: &[View]) -> Arc<StreamedFile> {
     let options = StreamOptions { budget_bytes, ..StreamOptions::default() };
     streamed_with(file, options, upload_bytes, view)
@@ -66,7 +66,7 @@ fn drawn(renderer: &mut Renderer, name: &str, file: TechniqueFiles<'_>, answer: 
 }
 
 #[test]
-fn a_resident_file_draws_what_the_whole_file_draws() {
+fn resident_file_draws_the_same_as_the_whole_file() {
     let scene = city(2048);
     let file = streamed(&scene.light, 64 << 20, 1 << 18, &[View::everything()]);
     let mut renderer = Renderer::new(kit::gpu(), &scene.scene, SceneOptions::default()).unwrap();
@@ -91,7 +91,7 @@ fn a_resident_file_draws_what_the_whole_file_draws() {
 
 /// Points on both sides of the border between two bundles, of which one is absent, below bars that cross it.
 #[test]
-fn penumbrae_are_of_one_level_where_a_page_is_absent() {
+fn penumbrae_use_one_level_next_to_an_absent_page() {
     const VOXEL: f64 = 1.0 / 64.0;
     // The border is at x = 0, 2048 columns from the ground's beginning.
     let mut corners = vec![([-32.0, -1.0, -1.0], [8.0, 0.0, 1.0])];
@@ -102,7 +102,7 @@ fn penumbrae_are_of_one_level_where_a_page_is_absent() {
     let frame = FrameChoice::ObliqueAt(0.0);
     let sun = Sun::from_angles(0.0, 90.0).unwrap();
     let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::VoxelSize(VOXEL)) };
-    let light = bake_file(&boxes(&corners), &options).unwrap();
+    let light = Bake::with_options(&boxes(&corners), &options).in_memory().unwrap();
     let penumbra = Some(Penumbra { sun_degrees: 10.0, max_radius_texels: 4.9 });
     let settings =
         VoxelSettings { look_up: LookUp { penumbra, ..LookUp::default() }, ..VoxelSettings::default() };
@@ -129,7 +129,7 @@ fn penumbrae_are_of_one_level_where_a_page_is_absent() {
         assert!(is_of.contains(&true), "{:?}: {found}, not {} or {}", points[n], fine[n], coarse[n]);
         (0..2).for_each(|level| counts[level] += u32::from(!is_of[1 - level]));
     }
-    // Many points have an answer of either level alone.
+    // For many points, only one of the two levels gives this answer.
     assert!(counts.iter().all(|count| *count > 200), "{counts:?}");
 }
 
@@ -201,17 +201,17 @@ fn hold(
 }
 
 #[test]
-fn frames_between_of_a_small_file_are_never_wrong_and_the_last_is_sharp() {
+fn streaming_a_small_file_is_never_wrong_and_ends_sharp() {
     frames_are_never_wrong(2048, 1 << 11);
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn frames_between_are_never_wrong_and_the_last_is_sharp() {
+fn streaming_is_never_wrong_and_ends_sharp() {
     frames_are_never_wrong(8192, 1 << 13);
 }
 
-/// Draws while less than a page is written per frame, so that most frames see a page that is half written.
+/// Draws frames that each write less than a page, so that most frames see a half-written page.
 fn frames_are_never_wrong(resolution: u64, upload_bytes: usize) {
     let scene = city(resolution);
     let file = streamed(&scene.light, 8 << 20, upload_bytes, &[]);
@@ -235,7 +235,7 @@ fn frames_are_never_wrong(resolution: u64, upload_bytes: usize) {
     let levels = drawn(&mut renderer, "voxel", baked(&file), Answer::Resident);
     let factor = drawn(&mut renderer, "voxel", baked(&file), Answer::Visibility);
     hold(&renderer, &file, Filter::Box5, [&factor, &levels]);
-    // At rest every pixel has the level that it wants, or a finer one.
+    // Once the stream has settled, every pixel has its required level or a finer one.
     let view = adumbra_render::voxel::view_of(&shot().camera);
     let depth = renderer.read_surface(&shot()).unwrap().view_depth;
     let voxel_world = scene.light.grid.voxel_size;
@@ -246,13 +246,13 @@ fn frames_are_never_wrong(resolution: u64, upload_bytes: usize) {
 }
 
 #[test]
-fn levels_of_a_small_file_that_fade_are_mixed_as_on_the_cpu() {
+fn fading_levels_of_a_small_file_match_cpu() {
     fade(2048, &[("voxel", 12)]);
 }
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn levels_that_fade_are_mixed_as_on_the_cpu_and_change_by_and_by() {
+fn fading_levels_match_cpu_and_change_gradually() {
     fade(8192, &[("voxel", 0), ("voxel", 12), ("voxel:soft:sun-degrees=2", 12)]);
 }
 
@@ -282,7 +282,7 @@ fn fade(resolution: u64, techniques: &[(&str, u32)]) {
             assert!(frame < 500, "{:?}", file.counts());
         }
         let levels = file.streamer().resident().grids().len();
-        // Each level but the coarsest may fade by a step.
+        // Each level except the coarsest may fade by one step.
         let by_and_by = (levels - 1) as f32 * 22.0 / 256.0 + 1e-5;
         println!("{name}, {fade_frames} frames, {levels} levels: at most {largest} from frame to frame");
         if fade_frames == 0 {
@@ -294,9 +294,9 @@ fn fade(resolution: u64, techniques: &[(&str, u32)]) {
 }
 
 #[test]
-fn a_stream_that_cannot_be_opened_says_why() {
+fn failed_stream_reports_the_reason() {
     let mut streamer = Streamer::new(BytesSource(b"no shadow file".to_vec()), StreamOptions::default());
-    // At most ten minutes, on however busy a machine.
+    // Wait at most ten minutes, even on a busy machine.
     let mut waits = 60_000;
     while !streamer.resident().has_failed() && waits > 0 {
         streamer.settle(&[], Duration::from_millis(10), |_| ());

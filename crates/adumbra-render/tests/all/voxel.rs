@@ -1,5 +1,5 @@
-//! Baked voxels on the GPU against their CPU twins: equal counts for every fixed-point receiver, and from f32 positions
-//! equal answers unless a point is on a voxel's face.
+//! Baked voxels on the GPU against their CPU twins: equal counts for every fixed-point receiver, and from f32
+//! positions equal answers unless a point is on a voxel's face.
 
 use adumbra::Filter;
 use adumbra_render::voxel::{BakedLight, MAX_WORD_BINDINGS, VoxelSettings};
@@ -21,7 +21,7 @@ const COUNT: usize = 100_000;
 
 #[test]
 #[ignore = "slow: draws on the GPU and counts on the CPU"]
-fn voxel_counts_the_taps_that_the_cpu_counts() {
+fn gpu_voxel_taps_match_cpu() {
     let gpu = kit::gpu();
     for baked in generated() {
         for filter in Filter::ALL {
@@ -31,13 +31,13 @@ fn voxel_counts_the_taps_that_the_cpu_counts() {
 }
 
 #[test]
-fn voxel_in_six_bindings_counts_the_same() {
+fn gpu_voxel_taps_match_cpu_in_six_bindings() {
     let baked = &generated()[0];
     let words = baked.light.gpu().words().count();
     let limited = |bytes: u64| {
         Gpu::request(&GpuOptions { max_binding_bytes: Some(bytes), ..GpuOptions::default() }).unwrap()
     };
-    // A limit, a power of two, that needs more than two bindings.
+    // A power-of-two limit with which the words need more than two bindings.
     let bytes = 4 * (words / 4).next_power_of_two();
     let gpu = limited(bytes);
     exact_light(&gpu, baked, Filter::Box9, 20_000);
@@ -74,7 +74,7 @@ fn voxel_from_f32_positions_differs_only_on_faces() {
 }
 
 #[test]
-fn constants_of_shaders_are_those_of_the_library() {
+fn shader_constants_match_the_library() {
     use adumbra as settings;
     use adumbra::query;
     use adumbra_shaders::constants as shaders;
@@ -96,7 +96,7 @@ fn constants_of_shaders_are_those_of_the_library() {
 }
 
 #[test]
-fn voxel_techniques_keep_the_name_they_are_asked_by_and_know_their_cells() {
+fn voxel_techniques_keep_their_name_and_voxel_size() {
     let gpu = kit::gpu();
     let baked = BakedScene::new(generate(GeneratedKind::Landscape, 3), [0.5, 0.8, 0.35], 64);
     let voxel = baked.light.grid.voxel_size;

@@ -1,4 +1,5 @@
-//! The levels at which look-ups in baked files end, for each pixel of drawn frames: shaders against their CPU twins.
+//! The levels at which look-ups in baked files end, for each pixel of drawn frames: shaders against their CPU
+//! twins.
 
 use adumbra::Filter;
 use adumbra::query::{FixedReceiver, receiver};
@@ -22,8 +23,8 @@ fn levels(renderer: &mut Renderer, baked: &BakedScene, name: &str) -> (Vec<f32>,
     (renderer.read_factor(&prepared).unwrap(), voxel_world)
 }
 
-/// Asserts that nearly every pixel equals the twin's answer, and every other one equals its answer at most 0.02 voxels
-/// away along each axis. That is as close as f32 and f64 can agree.
+/// Asserts that nearly every pixel equals the twin's answer, and that every other pixel equals the twin's
+/// answer at a point at most 0.02 voxels away along each axis. That is as close as f32 and f64 can agree.
 fn hold(name: &str, renderer: &Renderer, found: &[f32], twin: impl Fn([f64; 3], [f64; 3]) -> (f32, f64)) {
     let shot = shot();
     let anchor = shot.camera.view().eye.map(|c| f64::from(c as f32));
@@ -56,7 +57,7 @@ fn hold(name: &str, renderer: &Renderer, found: &[f32], twin: impl Fn([f64; 3], 
 }
 
 #[test]
-fn voxel_levels_are_those_of_the_cpu_whatever_the_filter() {
+fn gpu_voxel_levels_match_cpu_with_any_filter() {
     let baked = BakedScene::new(kit::city(), [0.5, 0.8, 0.35], 1024);
     let mut renderer = Renderer::new(kit::gpu(), &baked.scene, SceneOptions::default()).unwrap();
     let (found, voxel_world) = levels(&mut renderer, &baked, "voxel:filter=9");
@@ -73,7 +74,7 @@ fn voxel_levels_are_those_of_the_cpu_whatever_the_filter() {
 }
 
 #[test]
-fn voxel_levels_are_of_baked_files_alone() {
+fn only_baked_files_have_voxel_levels() {
     let gpu = kit::gpu();
     for name in ["none", "pcf:size=256", "csm:size=256", "hrsm:256-128", "blur"] {
         let technique = build(&gpu, &name.parse().unwrap(), TechniqueFiles::default()).unwrap();

@@ -17,7 +17,7 @@ fn baked(file: &str, resolution: u64) -> Option<BakedScene> {
 
 #[test]
 #[ignore = "slow: real scenes"]
-fn shared_voxel_counts_are_the_cpu_s() {
+fn shared_voxel_taps_match_cpu() {
     let gpu = kit::gpu();
     for file in SCENES {
         let Some(baked) = baked(file, 2048) else { return };
@@ -28,7 +28,8 @@ fn shared_voxel_counts_are_the_cpu_s() {
     }
 }
 
-/// Runs at 16384 for all scenes if full size is requested, else for the first scene only and at 4096 for the others.
+/// Runs at 16384 for all scenes if full size is requested, else for the first scene only and at 4096 for the
+/// others.
 #[test]
 #[ignore = "slow: real scenes"]
 fn shared_voxel_from_f32_positions_differs_only_on_faces() {

@@ -1,5 +1,5 @@
-//! A dimpled ball resting on the origin. Its triangle count matches the ball model of Li, Yang, Zhao and Chen,
-//! *Hybrid-resolution shadow map*, 2016, whose shape the paper does not specify.
+//! A dimpled ball resting on the origin. Its triangle count matches the ball model of Li, Yang, Zhao and
+//! Chen, *Hybrid-resolution shadow map*, 2016, whose shape the paper does not specify.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,8 @@ use adumbra::grid::vec3::dot;
 
 /// Segments around and rings from pole to pole: 2 · 400 · (337 - 1) = 268,800 triangles.
 const GRID: [u32; 2] = [400, 337];
-/// Number of dimple positions. Dimples that would reach a pole are omitted, so that the ball is exactly 2 high.
+/// Number of dimple positions. Dimples that would reach a pole are omitted, so that the ball is exactly 2
+/// high.
 const DIMPLES: u32 = 360;
 
 /// A dimple, circular as seen from the ball's centre.

@@ -1,5 +1,5 @@
-//! A city of closed boxes, 400 m across: blocks between streets, towers in the middle, parks, and objects on the
-//! pavements.
+//! A city of closed boxes, 400 m across: blocks between streets, towers in the middle, parks, and objects on
+//! the pavements.
 //!
 //! Each block is one mesh; objects in the streets are instanced.
 

@@ -1,4 +1,5 @@
-//! Buildings made of closed boxes: plain ones, towers with set-backs, offices with floor plates, slabs on a podium.
+//! Buildings made of closed boxes: plain ones, towers with set-backs, offices with floor plates, slabs on a
+//! podium.
 
 use crate::generate::city_measures::PAVEMENT;
 use crate::generate::shapes::MeshBuilder;

@@ -1,7 +1,7 @@
-//! A room open towards +Z with a tall and a short block, after Goral, Torrance, Greenberg, Battaile, *Modeling the
-//! Interaction of Light Between Diffuse Surfaces*, 1984, and the Cornell box as measured later. Its sizes and positions
-//! are scaled up ten times (10 cm become 1 m), and it is seen from +Z. The walls are thick, so that bakes and rays
-//! agree on what is inside them. The seed moves the blocks slightly.
+//! A room open towards +Z with a tall and a short block, after Goral, Torrance, Greenberg, Battaile,
+//! *Modeling the Interaction of Light Between Diffuse Surfaces*, 1984, and the Cornell box as measured later.
+//! Its sizes and positions are scaled up ten times (10 cm become 1 m), and it is seen from +Z. The walls are
+//! thick, so that bakes and rays agree on what is inside them. The seed moves the blocks slightly.
 
 use crate::generate::shapes::MeshBuilder;
 use crate::generate::{Placement, SINK, Scene, Stage};
@@ -19,8 +19,8 @@ const BLOCKS: [(&str, f64, [f64; 2], f64); 2] =
 /// Largest distance and angle by which the seed moves and rotates a block.
 const STRAY: f64 = 0.05;
 
-/// The corners of a box's faces, numbered as in [`MeshBuilder::cuboid`], without the open face: left, right, floor,
-/// ceiling, back.
+/// The corners of a box's faces, numbered as in [`MeshBuilder::cuboid`], without the open face: left, right,
+/// floor, ceiling, back.
 const SIDES: [[usize; 4]; 5] = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1]];
 /// The corners around the open face.
 const RIM: [usize; 4] = [4, 5, 7, 6];

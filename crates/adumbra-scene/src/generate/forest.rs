@@ -1,7 +1,8 @@
-//! A forest as games build them: trunks that carry crossed cards with a texture of leaves, whose alpha cuts them out.
+//! A forest as games build them: trunks that carry crossed cards with a texture of leaves, whose alpha cuts
+//! them out.
 //!
-//! Only the trunks and the ground are solid. A tree has 1,000 cards, and the forest 1,000 trees, so a million cards or
-//! two million triangles are placed.
+//! Only the trunks and the ground are solid. A tree has 1,000 cards, and the forest 1,000 trees, so a million
+//! cards or two million triangles are placed.
 
 use crate::generate::leaf_image::leaf_spray;
 use crate::generate::shapes::MeshBuilder;
@@ -90,7 +91,7 @@ pub(super) fn generate(seed: u64) -> Scene {
 fn add_pair(tree: &mut MeshBuilder, crown: &Crown, random: &mut Random) {
     let [low, high] = crown.ends;
     let share = random.unit();
-    // The part of the way up at which as much of the crown's surface is below as above, for a share of a half.
+    // Fraction of the crown's height below which `share` of its surface is.
     let (up, width) = if crown.is_cone {
         let left = (1.0 - share).sqrt();
         (1.0 - left, left)

@@ -6,17 +6,17 @@ use adumbra::{RangeError, RangeField};
 
 use crate::{Result, Scene};
 
-/// Height of the ground's top above the model's lowest point, as a fraction of its longest extent, so that no light
-/// leaks below it.
+/// Height of the ground's top above the model's lowest point, as a fraction of its longest extent, so that no
+/// light leaks below it.
 const SINK_SHARE: f64 = 0.002;
 /// Thickness of the ground as a fraction of its side.
 const THICKNESS_SHARE: f64 = 1.0 / 64.0;
 
 impl Scene {
-    /// Adds a square ground below the middle of everything placed: a closed slab of 12 triangles, `factor` times as
-    /// wide as the scene's longest extent along an axis. Its mesh, instance and material are called `ground`. The
-    /// scene's lowest point is 1/500 of that extent below the slab's top. A scene without triangles is left unchanged.
-    /// Cost: [`Scene::bounds`].
+    /// Adds a square ground below the middle of everything placed: a closed slab of 12 triangles, `factor`
+    /// times as wide as the scene's longest extent along an axis. Its mesh, instance and material are called
+    /// `ground`. The scene's lowest point is 1/500 of that extent below the slab's top. A scene without
+    /// triangles is left unchanged. Cost: [`Scene::bounds`].
     ///
     /// # Errors
     /// Returns [`crate::Error::Range`] if `factor` is not from 1 to 1,000.

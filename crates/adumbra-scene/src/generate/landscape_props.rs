@@ -1,4 +1,5 @@
-//! The objects of the landscape: trees, rocks and houses, each made of closed parts that reach into the ground.
+//! The objects of the landscape: trees, rocks and houses, each made of closed parts that reach into the
+//! ground.
 
 use crate::generate::shapes::MeshBuilder;
 use crate::generate::{SINK, Stage};

@@ -1,8 +1,8 @@
 //! Procedural scenes: the kinds used as tests in papers on shadows, and a city of closed boxes.
 //!
-//! Units are metres, Y is up. A seed gives the same bytes on every machine: the code uses only integers, `f64` sums,
-//! products, quotients and roots, and `libm` for the rest. Every solid is closed and wound outwards. If the scene has a
-//! ground, solids sink slightly into it.
+//! Units are metres, Y is up. A seed gives the same bytes on every machine: the code uses only integers,
+//! `f64` sums, products, quotients and roots, and `libm` for the rest. Every solid is closed and wound
+//! outwards. If the scene has a ground, solids sink slightly into it.
 
 mod ball;
 mod city;
@@ -37,11 +37,11 @@ pub enum GeneratedKind {
     Landscape,
     /// 400 m of city: closed boxes in blocks between streets.
     City,
-    /// A dimpled ball of radius 1 and 268,800 triangles, resting on the origin. Like the next two kinds, it has no
-    /// ground.
+    /// A dimpled ball of radius 1 and 268,800 triangles, resting on the origin. Like the next two kinds, it
+    /// has no ground.
     Ball,
-    /// 25 spheres, alternately resting on y = 0 and floating: instances of one mesh of 480 triangles, 12,000 triangles
-    /// in total.
+    /// 25 spheres, alternately resting on y = 0 and floating: instances of one mesh of 480 triangles, 12,000
+    /// triangles in total.
     SphereGrid,
     /// A pavilion of thin rods, with railings, braces and a net.
     Wires,
@@ -73,7 +73,7 @@ pub(super) fn unit_ball(name: &str, material: u32) -> Mesh {
     builder.finish()
 }
 
-/// Depth to which objects sink into what they are standing on, metres, so that no light leaks below them.
+/// Depth to which objects sink into the surface below them, metres, so that no light leaks below them.
 const SINK: f64 = 0.05;
 
 /// Assembles a scene.

@@ -15,8 +15,8 @@ pub(super) fn value_noise(seed: u64, x: f64, z: f64) -> f64 {
     near * (1.0 - tz) + far * tz
 }
 
-/// Noise of several octaves, each with half the amplitude and about twice the frequency of the one before; about -1 to
-/// 1.
+/// Noise of several octaves, each with half the amplitude and about twice the frequency of the one before;
+/// about -1 to 1.
 pub(super) fn fractal_noise(seed: u64, x: f64, z: f64, octaves: u64) -> f64 {
     let (mut sum, mut height, mut frequency, mut total) = (0.0, 1.0, 1.0, 0.0);
     for octave in 0..octaves {

@@ -29,7 +29,8 @@ pub(super) fn generate(seed: u64) -> Scene {
         shape(&mut stage, "stair", 0x7C968A, |b| b.extrude(&stair(), -1.2, 1.2)),
         shape(&mut stage, "arch", 0xB8A084, |b| b.extrude(&arch(), -0.7, 0.7)),
     ];
-    // The tall shapes are towards the back, each in its own cell of three by three; the middle cell stays free.
+    // The tall shapes are towards the back, each in its own cell of three by three; the middle cell stays
+    // free.
     let cells = [[0, 2], [1, 2], [2, 0], [2, 1], [0, 1], [2, 2], [1, 0], [0, 0]];
     for ((name, mesh), [i, j]) in shapes.into_iter().zip(cells) {
         let mut along = |k: i32| f64::from(k - 1) * 7.0 + random.range(-0.8, 0.8);

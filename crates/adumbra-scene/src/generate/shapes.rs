@@ -139,8 +139,8 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a ball made from an icosahedron whose triangles are split in four `cuts` times. `point` maps a unit
-    /// direction to a position.
+    /// Adds a ball made from an icosahedron whose triangles are split in four `cuts` times. `point` maps a
+    /// unit direction to a position.
     pub(super) fn ball(&mut self, cuts: u32, mut point: impl FnMut([f64; 3]) -> [f64; 3]) {
         let (directions, triangles) = icosphere(cuts);
         let first = self.mesh.positions.len() as u32;
@@ -152,8 +152,9 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a ball about the origin with `segments` around and `rings` from pole to pole: 2 · `segments` · (`rings` -
-    /// 1) triangles, and a vertex at each pole. `point` maps a unit direction to a position.
+    /// Adds a ball about the origin with `segments` around and `rings` from pole to pole: 2 ·
+    /// `segments` · (`rings` - 1) triangles, and a vertex at each pole. `point` maps a unit direction to a
+    /// position.
     pub(super) fn globe(&mut self, [segments, rings]: [u32; 2], point: impl Fn([f64; 3]) -> [f64; 3]) {
         let north = self.vertex(point([0.0, 1.0, 0.0]));
         for i in 1..rings {
@@ -175,8 +176,8 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a straight rod with flat ends: a prism with `sides` corners at distance `radius` from the line between two
-    /// distinct points.
+    /// Adds a straight rod with flat ends: a prism with `sides` corners at distance `radius` from the line
+    /// between two distinct points.
     pub(super) fn rod(&mut self, from: [f64; 3], to: [f64; 3], radius: f64, sides: u32) {
         let axis = normalize([0, 1, 2].map(|a| to[a] - from[a]));
         let aside = if axis[1].abs() < 0.9 { [0.0, 1.0, 0.0] } else { [1.0, 0.0, 0.0] };
@@ -222,8 +223,8 @@ impl MeshBuilder {
         }
     }
 
-    /// Adds a closed square slab about the origin. Its top, at y = 0, is a checkerboard of `cells` × `cells` in two
-    /// materials.
+    /// Adds a closed square slab about the origin. Its top, at y = 0, is a checkerboard of `cells` × `cells`
+    /// in two materials.
     pub(super) fn board(&mut self, side: f64, thickness: f64, cells: u32, tops: [u32; 2]) {
         let at = |i: u32| side * (f64::from(i) / f64::from(cells) - 0.5);
         let levels = [-thickness, 0.0].map(|y| {
@@ -253,8 +254,8 @@ impl MeshBuilder {
     }
 }
 
-/// Returns unit directions and triangles of an icosahedron whose triangles are split in four `cuts` times. The triangles
-/// are wound counter-clockwise from outside.
+/// Returns unit directions and triangles of an icosahedron whose triangles are split in four `cuts` times.
+/// The triangles are wound counter-clockwise from outside.
 pub fn icosphere(cuts: u32) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let g = (1.0 + 5.0_f64.sqrt()) / 2.0;
     let mut points: Vec<[f64; 3]> = Vec::new();

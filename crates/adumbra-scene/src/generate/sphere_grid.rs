@@ -1,5 +1,5 @@
-//! A grid of five by five spheres, alternately resting on y = 0 and floating, all instances of one mesh. The triangle
-//! count matches the spheres of Li, Yang, Zhao and Chen, *Hybrid-resolution shadow map*, 2016.
+//! A grid of five by five spheres, alternately resting on y = 0 and floating, all instances of one mesh. The
+//! triangle count matches the spheres of Li, Yang, Zhao and Chen, *Hybrid-resolution shadow map*, 2016.
 
 use crate::generate::shapes::MeshBuilder;
 use crate::generate::{Placement, Scene, Stage};

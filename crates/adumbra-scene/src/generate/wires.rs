@@ -1,5 +1,5 @@
-//! A pavilion of thin rods with railings, braces, a net and a slack cable: casters as thin as a shadow map's texels, as
-//! in Figure 5 of Li, Yang, Zhao and Chen, *Hybrid-resolution shadow map*, 2016.
+//! A pavilion of thin rods with railings, braces, a net and a slack cable: casters as thin as a shadow map's
+//! texels, as in Figure 5 of Li, Yang, Zhao and Chen, *Hybrid-resolution shadow map*, 2016.
 
 use std::f64::consts::TAU;
 
@@ -35,8 +35,8 @@ pub(super) fn generate(seed: u64) -> Scene {
     stage.finish()
 }
 
-/// A point at height `y` on the post circle, its radius scaled by `share`. A fractional `post` interpolates to the next
-/// post.
+/// A point at height `y` on the post circle, its radius scaled by `share`. A fractional `post` interpolates
+/// to the next post.
 fn on_circle(post: f64, y: f64, share: f64) -> [f64; 3] {
     let corner = |k: f64| {
         let angle = TAU * (k + 0.5) / POSTS as f64;

@@ -1,5 +1,5 @@
-//! Textures of a GLB file: images as PNG (W3C, *Portable Network Graphics*, third edition) in buffer views, and samplers.
-//! Texture n of the scene is texture, image and sampler n of the file.
+//! Textures of a GLB file: images as PNG (W3C, *Portable Network Graphics*, third edition) in buffer views,
+//! and samplers. Texture n of the scene is texture, image and sampler n of the file.
 
 use png::{BitDepth, ColorType, DeflateCompression, Encoder, Filter};
 use serde::Serialize;
@@ -32,7 +32,8 @@ pub(super) fn push_textures<'a>(scene: &'a Scene, document: &mut GltfJson<'a>, b
     }
 }
 
-/// Encodes a texture's texels. They are not compressed, so that the bytes depend on no version of a compressor.
+/// Encodes a texture's texels. They are stored uncompressed, so that the bytes do not depend on a
+/// compressor's version.
 fn png_of(texture: &Texture) -> Result<Vec<u8>, png::EncodingError> {
     let (color, pixels) = pixels_of(texture);
     let mut bytes = Vec::new();
@@ -47,7 +48,7 @@ fn png_of(texture: &Texture) -> Result<Vec<u8>, png::EncodingError> {
     Ok(bytes)
 }
 
-/// Returns the texels as PNG stores them. Missing ones are white and opaque, as they are when sampled.
+/// Returns the texels as PNG stores them. Missing texels are white and opaque, as in sampling.
 fn pixels_of(texture: &Texture) -> (ColorType, Vec<u8>) {
     let texels = texture.width as usize * texture.height as usize;
     let (color, channels, mut bytes) = match &texture.pixels {

@@ -1,5 +1,5 @@
-//! Node animations: which nodes move, and their keys. Animated morph weights and animation pointers are ignored, and
-//! skins do not follow animated joints.
+//! Node animations: which nodes move, and their keys. Animated morph weights and animation pointers are
+//! ignored, and skins do not follow animated joints.
 
 use std::path::Path;
 
@@ -16,7 +16,7 @@ use crate::gltf::faults::bad;
 use crate::movers::{Interpolation, MovingNode, Track, Tracks};
 use crate::{LoadNotes, Result};
 
-/// What the loader leaves out of animations, as a plural: channels that an extension defines.
+/// The animation channels that the loader leaves out, as a plural: those that an extension defines.
 pub(super) const OTHER_CHANNELS: &str = "animations of other things than nodes";
 
 /// The animated nodes of a file.
@@ -29,9 +29,10 @@ pub(super) struct Animations {
 }
 
 impl Animations {
-    /// Reads every channel that moves a node. All animations play together. If two of them animate the same property,
-    /// the first one is used, with a warning. Tracks that move nothing by more than rounding ([`Extents::are_moved`]) do
-    /// not make a mover. A matrix on an animated node, which glTF forbids, is taken apart, with a warning.
+    /// Reads every channel that moves a node. All animations play together. If two channels animate the same
+    /// property, the first one is used, with a warning. Tracks that move nothing by more than rounding
+    /// ([`Extents::are_moved`]) do not make a mover. A matrix on an animated node, which glTF forbids, is
+    /// decomposed, with a warning.
     pub(super) fn load(
         path: &Path,
         root: &Root,

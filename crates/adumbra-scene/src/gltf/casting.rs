@@ -1,21 +1,23 @@
-//! The mark of what casts no shadow: `extras: {"adumbra": {"cast": false}}`, on nodes, meshes and materials.
+//! Reads the mark of elements that cast no shadow: `extras: {"adumbra": {"cast": false}}`, on nodes, meshes
+//! and materials.
 
 use ::gltf::json::extras::Extras;
 use serde_json::Value;
 
-/// At most so many characters of a mark are shown.
+/// A message shows at most this many characters of a mark.
 const MOST_CHARACTERS: usize = 40;
 
-/// Reads marks, and remembers those that are neither true nor false.
+/// Reads marks, and collects those that are neither true nor false.
 #[derive(Default)]
 pub(super) struct Casting {
-    /// The first of them, as a clause.
+    /// The first such mark, as a clause.
     first: Option<String>,
     others: u64,
 }
 
 impl Casting {
-    /// Whether an element casts: unless its mark is `false` or 0. `name` says what it is, such as `node "lamp"`.
+    /// Whether an element casts: true unless its mark is `false` or 0. `name` describes the element, such as
+    /// `node "lamp"`.
     pub(super) fn of(&mut self, extras: &Extras, name: impl FnOnce() -> String) -> bool {
         let Some(raw) = extras else { return true };
         let value: Value = serde_json::from_str(raw.get()).unwrap_or_default();
@@ -37,7 +39,7 @@ impl Casting {
         true
     }
 
-    /// A warning of the marks that are neither.
+    /// A warning about marks that are neither true nor false.
     pub(super) fn warning(&self) -> Option<String> {
         let first = self.first.as_ref()?;
         let others = match self.others {

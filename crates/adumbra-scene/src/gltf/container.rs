@@ -29,11 +29,11 @@ pub(super) struct Container<'a> {
 const JSON: u32 = u32::from_le_bytes(*b"JSON");
 /// Chunk type of the binary data.
 const BIN: u32 = u32::from_le_bytes(*b"BIN\0");
-/// Chunks of other types are passed over (glTF 2.0, 4.4.3); more than this many are refused.
+/// Chunks of other types are skipped (glTF 2.0, 4.4.3). A file with more of them than this is rejected.
 const MAX_CHUNKS: usize = 1024;
 
-/// Returns the JSON and the binary chunk of a `.glb`, or the JSON alone of a `.gltf`. The container's lengths are
-/// checked first. If the file continues after its stated end, only the bytes up to that end are read.
+/// Returns the JSON and the binary chunk of a `.glb`, or the JSON alone of a `.gltf`. The container's lengths
+/// are checked first. If the file continues after its stated end, only the bytes up to that end are read.
 ///
 /// # Errors
 /// Returns [`Error::GltfVersion`] for version 1 of the container, and [`Error::SceneParse`] if it is broken.
@@ -65,7 +65,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>> {
     }
     let whole = bytes.get(..length as usize).ok_or_else(|| cut_off(length as usize))?;
     let (mut json, mut bin, mut others, mut at) = (None, None, Vec::new(), 12);
-    // Less than a chunk's header is padding.
+    // Trailing bytes that are too few for a chunk header are padding.
     while let (Some(length), Some(kind)) = (word(whole, at), word(whole, at + 4)) {
         let end = at + 8 + length as usize;
         let data = whole.get(at + 8..end).ok_or_else(|| cut_off(end))?;
@@ -81,7 +81,7 @@ pub(super) fn split<'a>(path: &Path, bytes: &'a [u8]) -> Result<Container<'a>> {
     Ok(Container { json: bare(json), bin, others })
 }
 
-/// JSON without a byte-order mark before it, and without the spaces or zeros after it that fill its chunk.
+/// Strips the byte-order mark before the JSON, and the spaces or zeros that pad its chunk.
 fn bare(json: &[u8]) -> &[u8] {
     let json = json.strip_prefix(b"\xef\xbb\xbf").unwrap_or(json);
     let end = json.iter().rposition(|&b| b != 0 && !b.is_ascii_whitespace()).map_or(0, |last| last + 1);
@@ -106,7 +106,7 @@ pub(super) struct Buffers<'a> {
     path: &'a Path,
     /// The elements of the file that cannot be read.
     pub(super) faults: &'a Faults,
-    /// `None` for a buffer that no view needs as it is, and for one that could not be read.
+    /// `None` for a buffer whose raw bytes no view needs, and for a buffer that could not be read.
     bytes: Vec<Option<Cow<'a, [u8]>>>,
     /// Why buffers could not be read.
     failed: RefCell<BTreeMap<usize, Failure>>,
@@ -116,7 +116,7 @@ pub(super) struct Buffers<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    /// Reads the buffers that are not in the file itself, without those that only stand in for compressed views. A
+    /// Reads the buffers that are not in the file itself, except fallback buffers of compressed views. A
     /// buffer that cannot be read is an error only where a view of it is used.
     ///
     /// # Errors
@@ -156,7 +156,7 @@ impl<'a> Buffers<'a> {
                 (None, None) => Cow::default(),
             };
             if (data.len() as u64) < stated {
-                // Views that reach past its end are errors.
+                // A view that reaches past the buffer's end is an error later.
                 notes.warnings.push(format!("buffer {index} has {} bytes, not {stated}", data.len()));
             }
             bytes.push(Some(data));
@@ -260,7 +260,8 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// For each buffer, whether a view needs it. The buffer of a view that is decoded is not needed by it.
+/// For each buffer, whether a view needs it. A view that is decoded needs only the buffer of its compressed
+/// bytes.
 fn needed_buffers(root: &Root) -> Vec<bool> {
     let mut needed = vec![false; root.buffers.len()];
     for view in &root.buffer_views {
@@ -278,7 +279,7 @@ fn compression(view: &buffer::View) -> Option<(&'static str, &Value)> {
     meshopt::extension(&view.extensions.as_ref()?.others)
 }
 
-/// Whether a buffer only stands in for compressed data, so that it need not exist.
+/// Whether a buffer is only a fallback for compressed data, so that it may be missing.
 fn is_fallback(buffer: &buffer::Buffer) -> bool {
     buffer.extensions.as_ref().is_some_and(|e| meshopt::is_fallback(&e.others))
 }

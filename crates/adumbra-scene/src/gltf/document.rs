@@ -1,9 +1,10 @@
-//! The JSON of a glTF 2.0 file (Khronos, ISO/IEC 12113), read one element at a time, so that a fault in what a bake does
-//! not need refuses no file.
+//! The JSON of a glTF 2.0 file (Khronos, ISO/IEC 12113). It is read one element at a time, so that a file is
+//! not rejected for a faulty element that the bake does not need.
 //!
-//! Departures from the definition, each seen in files that other programs load: whole numbers may be written `4.0`, a
-//! name may be anything, and a scene may lack its list of nodes. An element that cannot be read otherwise is replaced by
-//! an empty one, and is an error only where it is used. Cameras, generators and extras of the whole file are not read.
+//! Departures from the specification, each seen in files that other programs load: whole numbers may be
+//! written `4.0`, a name may be anything, and a scene may lack its list of nodes. An element that cannot be
+//! read even so is replaced by an empty one, and is an error only where it is used. Cameras, generators and
+//! extras of the whole file are not read.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -36,20 +37,22 @@ pub(super) struct GltfDocument {
     pub(super) warnings: Vec<String>,
 }
 
-/// The members of the file's object, as texts. Of two members with one name the last counts.
+/// The members of the file's top-level object, as raw text. If two members have the same name, the last one
+/// counts.
 type Members<'a> = BTreeMap<String, &'a RawValue>;
 
-/// Memory per object of the file's JSON once parsed, bytes: that of an empty node, which takes three bytes in the file.
+/// Memory per object of the file's JSON once parsed, bytes: that of an empty node, which takes three bytes in
+/// the file.
 const OBJECT_BYTES: u64 = 512;
 
-/// Memory per list item of the file's JSON once parsed, bytes: that of a number in an unknown extension, while its list
-/// grows.
+/// Memory per list item of the file's JSON once parsed, bytes: that of a number in an unknown extension,
+/// while its list grows.
 const ITEM_BYTES: u64 = 64;
 
-/// Memory that an element takes while its faults are looked for, per byte of its text.
+/// Memory needed to read an element leniently, per byte of its text.
 const SOFTENING_BYTES: u64 = 96;
 
-/// Says in plain words where a text is no JSON.
+/// Says in plain words where a text is not JSON.
 fn broken(error: &serde_json::Error) -> String {
     let what = if error.is_eof() { "it ends too early" } else { "what stands there is not JSON" };
     format!("its JSON is broken at line {}, column {}: {what}", error.line(), error.column())
@@ -59,8 +62,8 @@ impl GltfDocument {
     /// Parses the JSON of a file.
     ///
     /// # Errors
-    /// Returns [`Error::GltfVersion`] for other versions than 2.0, [`Error::SceneParse`] if it is no JSON or a list is
-    /// something else, and [`Error::SceneMemory`].
+    /// Returns [`Error::GltfVersion`] for versions other than 2.0, [`Error::SceneParse`] if the text is not
+    /// JSON or a list is something else, and [`Error::SceneMemory`].
     pub(super) fn parse(path: &Path, json: &[u8], budget: &Budget<'_>) -> Result<Self> {
         let objects = json.iter().filter(|&&byte| byte == b'{').count() as u64;
         let items = json.iter().filter(|&&byte| byte == b',').count() as u64;
@@ -92,7 +95,7 @@ impl GltfDocument {
         };
         let transforms = lists.read("nodes", "node", "{}")?;
         if members.get("cameras").is_some_and(|raw| raw.get().starts_with('[')) {
-            // Only for the warning about those that cannot be read.
+            // Cameras are read only for the warning about elements that cannot be read.
             let empty = r#"{"type":"perspective","perspective":{"yfov":1,"znear":1}}"#;
             lists.read::<Camera>("cameras", "camera", empty)?;
         }
@@ -114,7 +117,7 @@ impl GltfDocument {
     }
 }
 
-/// What morph targets of a mesh change besides its geometry.
+/// The attributes that a mesh's morph targets change besides its geometry.
 #[derive(serde::Deserialize)]
 struct Targets {
     #[serde(default)]
@@ -134,7 +137,7 @@ impl Targets {
     }
 }
 
-/// What the channels of an animation move.
+/// The targets of an animation's channels.
 #[derive(serde::Deserialize)]
 struct Channels {
     #[serde(default)]
@@ -152,7 +155,7 @@ struct ChannelTarget {
 }
 
 impl Channels {
-    /// Number of channels without a node: what they move is defined by an extension (glTF 2.0, 5.5).
+    /// Number of channels without a node: an extension defines what they move (glTF 2.0, 5.5).
     fn others(&self) -> u64 {
         self.channels.iter().filter(|channel| channel.target.node.is_none()).count() as u64
     }
@@ -206,7 +209,7 @@ impl Lists<'_> {
     }
 }
 
-/// The element `empty` with the name of the one in `text`, by which messages call it.
+/// The element `empty`, with the name of the element in `text`, for use in messages.
 fn with_the_name_of<T: DeserializeOwned>(text: &str, empty: &str) -> serde_json::Result<T> {
     #[derive(serde::Deserialize)]
     struct Named {
@@ -219,7 +222,8 @@ fn with_the_name_of<T: DeserializeOwned>(text: &str, empty: &str) -> serde_json:
     serde_json::from_str(&empty.to_string())
 }
 
-/// Reads an element that is not written as the definition asks, without what does not matter. The error is a clause.
+/// Reads an element that departs from the specification, ignoring departures that do not matter. The error is
+/// a clause.
 fn soften<T: DeserializeOwned>(text: &str, kind: &str) -> Result<T, String> {
     let clause = |e: serde_json::Error| {
         let text = e.to_string();
@@ -242,14 +246,15 @@ fn soften<T: DeserializeOwned>(text: &str, kind: &str) -> Result<T, String> {
     serde_json::from_str(&value.to_string()).map_err(clause)
 }
 
-/// The strings of a list; anything else in it is passed over.
+/// The strings of a list; other items are skipped.
 fn names(members: &Members<'_>, list: &str) -> Vec<String> {
     let elements: Vec<&RawValue> =
         members.get(list).and_then(|raw| serde_json::from_str(raw.get()).ok()).unwrap_or_default();
     elements.into_iter().filter_map(|raw| serde_json::from_str(raw.get()).ok()).collect()
 }
 
-/// For each light, whether it is directional and shines: a light of no intensity, or a black one, is no sun.
+/// For each light, whether it is directional and shines: a light with no intensity, or a black one, is not a
+/// sun.
 fn lights(members: &Members<'_>) -> Vec<bool> {
     #[derive(serde::Deserialize)]
     struct Extensions<'a> {
@@ -272,7 +277,7 @@ fn lights(members: &Members<'_>) -> Vec<bool> {
     let parsed =
         members.get("extensions").and_then(|raw| serde_json::from_str::<Extensions<'_>>(raw.get()).ok());
     let lights = parsed.and_then(|e| e.punctual).map_or_else(Vec::new, |p| p.lights);
-    // What cannot be read is passed over: a light shines unless it says otherwise.
+    // Ignore an intensity or a colour that cannot be read: a light shines by default.
     let is_sun = |raw: &RawValue| {
         serde_json::from_str::<Light<'_>>(raw.get()).is_ok_and(|light| {
             let intensity = light.intensity.and_then(|raw| serde_json::from_str(raw.get()).ok());
@@ -285,7 +290,8 @@ fn lights(members: &Members<'_>) -> Vec<bool> {
     lights.into_iter().map(is_sun).collect()
 }
 
-/// Refuses every version but 2.0. A later 2.x is read if it does not ask for more than 2.0 (glTF 2.0, 3.2).
+/// Rejects every version but 2.0. A later 2.x is read unless its minimum version is above 2.0 (glTF 2.0,
+/// 3.2).
 fn check_version(path: &Path, members: &Members<'_>, warnings: &mut Vec<String>) -> Result<()> {
     #[derive(Default, serde::Deserialize)]
     #[serde(default, rename_all = "camelCase")]

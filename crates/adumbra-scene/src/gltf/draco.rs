@@ -1,13 +1,13 @@
 //! Geometry compressed with Draco, as in the glTF extension KHR_draco_mesh_compression (Khronos, ratified).
 //!
-//! A primitive names a buffer view with a Draco stream, and for each of its attributes the number that the stream knows
-//! it by. What the stream holds takes the place of the accessors' data: its triangles that of the indices, whatever the
-//! primitive's mode, and its counts and component types those of the accessors. An accessor says only whether its values
-//! are normalised. Attributes that are not in the stream are read as usual.
+//! A primitive names a buffer view with a Draco stream, and gives the stream's id for each of its attributes.
+//! The stream's content replaces the accessors' data: its triangles replace the indices, whatever the
+//! primitive's mode, and its counts and component types replace those of the accessors. An accessor says only
+//! whether its values are normalised. Attributes that are not in the stream are read as usual.
 //!
-//! A primitive may have uncompressed data as well, for programs that do not know the extension. Where all of its
-//! accessors have data and the file does not require the extension, that data is read: it has not been quantised, and
-//! gives the same scene whether this crate is built with the feature `draco` or not.
+//! A primitive may have uncompressed data as well, for programs that do not know the extension. Where all of
+//! its accessors have data and the file does not require the extension, that data is read: it has not been
+//! quantised, and gives the same scene whether this crate is built with the feature `draco` or not.
 
 #[cfg(feature = "draco")]
 mod header;
@@ -42,7 +42,7 @@ pub(super) struct Streams {
 pub(super) struct Compressed<'s, 'p> {
     /// The buffer view with the stream.
     pub(super) view: usize,
-    /// What the stream holds.
+    /// The content of the stream.
     pub(super) decoded: &'s Decoded,
     ids: &'p Map<String, Value>,
 }
@@ -86,7 +86,7 @@ impl Decoded {
 }
 
 impl<'s> Compressed<'s, '_> {
-    /// The attribute that takes the place of an accessor's data, if the stream has it.
+    /// The stream's attribute that replaces an accessor's data, if there is one.
     pub(super) fn attribute(&self, semantic: &str) -> Option<&'s Attribute> {
         let id = whole(self.ids.get(semantic)?)?;
         self.decoded.attributes.iter().find(|a| u64::from(a.id) == id)
@@ -94,12 +94,13 @@ impl<'s> Compressed<'s, '_> {
 }
 
 impl Streams {
-    /// Decodes the streams of a mesh's primitives, given with their numbers, each stream once.
+    /// Decodes the streams of a mesh's primitives, each stream once. The primitives come with their indices.
     ///
     /// # Errors
     /// [`Error::SceneParse`](crate::Error::SceneParse) naming the mesh and the primitive,
-    /// [`Error::SceneMemory`](crate::Error::SceneMemory), and [`Error::MissingFeature`](crate::Error::MissingFeature)
-    /// if this crate was built without the feature `draco` and there is no uncompressed data.
+    /// [`Error::SceneMemory`](crate::Error::SceneMemory), and
+    /// [`Error::MissingFeature`](crate::Error::MissingFeature) if this crate was built without the feature
+    /// `draco` and there is no uncompressed data.
     pub(super) fn decode<'p>(
         &mut self,
         path: &Path,
@@ -155,7 +156,7 @@ fn view_and_ids(extension: &Value) -> Option<(usize, &Map<String, Value>)> {
     Some((view, extension.get("attributes")?.as_object()?))
 }
 
-/// Whether all accessors of a primitive have data of their own, and the file does not require the extension.
+/// Whether all accessors of a primitive have uncompressed data, and the file does not require the extension.
 fn has_fallback(root: &Root, primitive: &Primitive) -> bool {
     let mut accessors = primitive.attributes.values().chain(&primitive.indices);
     let has_data = |index: usize| root.accessors.get(index).is_some_and(|a| a.buffer_view.is_some());

@@ -1,14 +1,14 @@
-//! How far what hangs on each node reaches: by this, keys that move it are distinguished from rounding.
+//! How far the meshes on and below each node reach. This distinguishes keys that move them from rounding.
 
 use crate::affine::{Affine, IDENTITY, multiply, stretch};
 use crate::gltf::nodes::Nodes;
 use crate::movers::{Rest, Tracks};
 
-/// Keys that move nothing by more than this share of its size are rounding, as exporters leave it that sample every
-/// node.
+/// Keys that move the meshes by no more than this share of their size are rounding, as left by exporters that
+/// sample every node.
 const STILL: f64 = 1e-4;
 
-/// What hangs on each node.
+/// The extent of the meshes on and below each node.
 pub(super) struct Extents<'a> {
     pub(super) nodes: &'a Nodes,
     of_node: Vec<Extent>,
@@ -43,7 +43,7 @@ impl MeshBox {
         b
     }
 
-    /// The box's corners; none if no vertex is in it.
+    /// The box's corners; empty if the box contains no vertex.
     fn corners(&self) -> impl Iterator<Item = [f64; 3]> {
         let (low, high) = (self.low, self.high);
         let corner = move |i: usize| {
@@ -58,7 +58,7 @@ impl<'a> Extents<'a> {
         Self { nodes, of_node: vec![NOTHING; nodes.transforms.len()] }
     }
 
-    /// Adds a mesh to the node that it is on.
+    /// Adds a mesh to its node.
     pub(super) fn add(&mut self, node: usize, node_from_mesh: &Affine, mesh: MeshBox) {
         let extent = &mut self.of_node[node];
         for p in mesh.corners() {
@@ -68,7 +68,7 @@ impl<'a> Extents<'a> {
         }
     }
 
-    /// Adds to each node what its descendants have.
+    /// Adds to each node the extents of its descendants.
     pub(super) fn gather(&mut self) {
         for &node in self.nodes.order.iter().rev() {
             let Some(parent) = self.nodes.parent[node] else { continue };
@@ -84,8 +84,9 @@ impl<'a> Extents<'a> {
         }
     }
 
-    /// Whether tracks move what hangs on a node, compared with its place at rest, by more than a ten-thousandth of its
-    /// size. Of a node that nothing hangs on, the length of its translation counts as its size, or 1.
+    /// Whether tracks move the meshes on and below a node from their rest pose by more than a ten-thousandth
+    /// of their size. If there are no meshes, the size is the length of the node's translation, or 1 if that
+    /// is zero.
     pub(super) fn are_moved(&self, node: usize, rest: &Rest, tracks: &Tracks) -> bool {
         let nodes = self.nodes;
         let parent = nodes.parent[node].map_or(IDENTITY, |p| nodes.world[p]);
@@ -101,10 +102,10 @@ impl<'a> Extents<'a> {
         tracks.moments().any(|seconds| {
             let map = tracks.at(rest, seconds);
             let change = std::array::from_fn(|r| std::array::from_fn(|c| map[r][c] - rest_map[r][c]));
-            // The parent's translation does not take part in a difference.
+            // The parent's translation cancels out in a difference.
             let change = multiply(&linear(&parent), &change);
             let distance = length(change.map(|row| row[3])) + stretch(&change) * radius;
-            // Numbers that overflow move.
+            // Written so that an overflow or NaN counts as motion.
             !(distance <= STILL * size)
         })
     }

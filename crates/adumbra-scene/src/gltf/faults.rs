@@ -1,5 +1,5 @@
-//! The elements of a glTF file that cannot be read. A fault is an error where the element is used, and a warning
-//! otherwise.
+//! The elements of a glTF file that cannot be read. A fault is an error where the element is used, and a
+//! warning otherwise.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -16,11 +16,12 @@ pub(super) struct Faults {
 /// Memory for remembering a fault, bytes: a short text, and its place in the tree.
 const FAULT_BYTES: u64 = 512;
 
-/// At most this many characters of what is wrong are kept, as a message may quote the whole element.
+/// Maximum number of characters to keep of a description, because a message may quote the whole element.
 const MAX_CLAUSE: usize = 120;
 
 impl Faults {
-    /// Remembers that an element cannot be read. `kind` is the singular, such as "accessor"; `what` is a clause.
+    /// Remembers that an element cannot be read. `kind` is the singular, such as "accessor"; `what` is a
+    /// clause.
     ///
     /// # Errors
     /// Returns [`Error::SceneMemory`].
@@ -53,8 +54,8 @@ impl Faults {
         self.of.keys().filter(|(of, _)| *of == kind).count() as u64
     }
 
-    /// A warning for each kind, once it is known that none of them was needed. Animations are not among them: they are
-    /// an omission.
+    /// A warning for each kind, to be used once it is known that none of the elements was needed. Animations
+    /// are not included, because they are reported as omissions.
     pub(super) fn warnings(&self) -> impl Iterator<Item = String> {
         let mut counts: BTreeMap<&str, u64> = BTreeMap::new();
         for (kind, _) in self.of.keys().filter(|(kind, _)| *kind != "animation") {

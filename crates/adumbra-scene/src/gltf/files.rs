@@ -10,21 +10,23 @@ use super::uris;
 use crate::sources::{Sources, leaves};
 use crate::{LoadOptions, Result};
 
-/// The URIs of all buffers and images in files of their own.
+/// The URIs of all buffers and images that are separate files.
 fn uris(root: &Root) -> impl Iterator<Item = &str> {
     let buffers = root.buffers.iter().filter_map(|b| b.uri.as_deref());
     let images = root.images.iter().filter_map(|i| i.uri.as_deref());
     buffers.chain(images).filter(|uri| !uri.starts_with("data:"))
 }
 
-/// The files of all buffers and images by the names that the definition gives them, relative to the scene.
+/// The files of all buffers and images, relative to the scene, with names decoded according to the
+/// specification.
 pub(super) fn named(root: &Root) -> impl Iterator<Item = String> {
     uris(root).filter_map(|uri| uris::names(uri).into_iter().next())
 }
 
-/// Returns the files that a glTF scene names in its folder, sorted, with paths relative to it: buffers and images,
-/// whether [`load`](crate::load) needs them or not. For programs that fetch a scene from elsewhere. `bytes` are those
-/// of a `.glb` or `.gltf`, and `path` is its name. Files outside the folder are left out.
+/// Returns the files that a glTF scene names in its folder, sorted, with paths relative to it: buffers and
+/// images, whether [`load`](crate::load) needs them or not. For programs that fetch a scene from elsewhere.
+/// `bytes` is the content of a `.glb` or `.gltf`, and `path` is its name. Files outside the folder are left
+/// out.
 ///
 /// # Errors
 /// Returns [`Error::SceneParse`](crate::Error::SceneParse) if the container or the JSON is broken,
@@ -45,7 +47,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn files_are_those_in_the_folder() {
+    fn lists_only_files_inside_the_folder() {
         let json = br#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "b%20c.bin", "byteLength": 1},
             {"uri": "data:;base64,AA==", "byteLength": 1}, {"byteLength": 1}],
             "images": [{"uri": "../a.png"}, {"uri": "/a.png"}, {"uri": "t/a.png"}, {"uri": "t/a.png"}]}"#;

@@ -1,5 +1,5 @@
-//! The images of a glTF scene. Each is read and decoded once, however many image entries, textures and materials use
-//! the same bytes.
+//! The images of a glTF scene. Each is read and decoded once, however many image entries, textures and
+//! materials use the same bytes.
 
 use std::rc::Rc;
 
@@ -82,8 +82,8 @@ impl<'a> Images<'a> {
     /// Loads the texture with index `index` in the file, and returns its index in `textures`.
     ///
     /// # Errors
-    /// Returns [`Error::SceneMemory`] if it exceeds the memory budget. Other errors of a texture are returned as a
-    /// [`Problem`].
+    /// Returns [`Error::SceneMemory`] if it exceeds the memory budget. Other errors of a texture are returned
+    /// as a [`Problem`].
     pub(super) fn load(&mut self, index: usize, textures: &mut Vec<Texture>) -> Result<Loaded> {
         let Some(json) = self.root.textures.get(index) else {
             return Ok(Err(unreadable(index.to_string(), "it does not exist")));
@@ -125,7 +125,7 @@ impl<'a> Images<'a> {
         Ok(loaded)
     }
 
-    /// The image entry of a texture. One that every program reads goes before KTX2, which loses detail.
+    /// The image entry of a texture. KTX2 is used only if there is no other image, because it loses detail.
     fn image(&self, texture: &Json) -> usize {
         let named = |extension: &str| {
             let json = texture.extensions.as_ref()?.others.get(extension)?;

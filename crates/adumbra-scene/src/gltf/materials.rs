@@ -1,7 +1,7 @@
 //! Materials and the textures that they use.
 //!
-//! The base colour comes from KHR_materials_pbrSpecularGlossiness if the material has that extension, otherwise from
-//! metallic-roughness. Both have alpha in the fourth channel.
+//! The base colour comes from KHR_materials_pbrSpecularGlossiness if the material has that extension,
+//! otherwise from metallic-roughness. Both have alpha in the fourth channel.
 
 use std::path::Path;
 
@@ -67,8 +67,9 @@ struct SpecularGlossiness {
 /// Loads the materials, and the textures of those marked in `used`.
 ///
 /// # Errors
-/// Returns [`Error::Texture`] or [`Error::OutsideScene`] if a texture that affects opacity cannot be read; for a
-/// colour-only texture this is a warning instead. Returns [`Error::SceneMemory`] if textures are too large.
+/// Returns [`Error::Texture`] or [`Error::OutsideScene`] if a texture that affects opacity cannot be read;
+/// for a colour-only texture this is a warning instead. Returns [`Error::SceneMemory`] if textures are too
+/// large.
 pub(super) fn load(
     root: &Root,
     buffers: &Buffers<'_>,
@@ -147,8 +148,8 @@ fn describe(json: &Json, name: &str, base_color: [f32; 4], options: &LoadOptions
     }
 }
 
-/// KHR_texture_transform: scale, then rotate counter-clockwise as seen with v down (as the Khronos sample viewer and
-/// three.js do), then offset.
+/// KHR_texture_transform: scale, then rotate counter-clockwise as seen with v down (as the Khronos sample
+/// viewer and three.js do), then offset.
 fn placing(info: &Info) -> Coordinates {
     let transform = info.extensions.as_ref().and_then(|e| e.texture_transform.as_ref());
     let Some(transform) = transform else {

@@ -52,7 +52,7 @@ struct Source<'a> {
     joints: Vec<[Rc<Accessor<'a>>; 2]>,
 }
 
-/// Positions, and what morph targets add to them.
+/// Positions and the displacements of morph targets.
 struct Morphed<'a> {
     base: Rc<Accessor<'a>>,
     /// Weights and displacements.
@@ -74,7 +74,7 @@ impl Morphed<'_> {
 /// Identifies vertex data: primitives with equal keys share vertices.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct SourceKey {
-    /// The index of an accessor, as are those of the joints, weights and colours.
+    /// The index of an accessor. The joints, weights and colours below are accessor indices too.
     positions: usize,
     /// The buffer view of the Draco stream, if there is one.
     stream: Option<usize>,
@@ -87,7 +87,8 @@ struct SourceKey {
     targets: Option<usize>,
 }
 
-/// Whether a primitive consists of triangles. False for lines and points, and for a primitive without positions.
+/// Whether a primitive consists of triangles. False for lines and points, and for a primitive without
+/// positions.
 pub(super) fn has_triangles(primitive: &Primitive) -> bool {
     let mode =
         matches!(primitive.mode, Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan));
@@ -194,8 +195,8 @@ impl<'a> MeshBuilder<'a> {
         Ok(mesh)
     }
 
-    /// Charges the memory of `copies` copies of a mesh before any of it is allocated. The size is the largest that its
-    /// accessors allow.
+    /// Charges the memory of `copies` copies of a mesh before any of it is allocated. The size is the largest
+    /// that its accessors allow.
     pub(super) fn charge(
         &self,
         name: &str,
@@ -243,7 +244,8 @@ impl<'a> MeshBuilder<'a> {
         Ok((triangles, vertices.fold(0, u64::saturating_add)))
     }
 
-    /// The key that decides whether a primitive shares its vertices with another one, or `None` without positions.
+    /// The key that decides whether a primitive shares its vertices with another one, or `None` without
+    /// positions.
     fn source_key(&self, primitive: &Primitive, skinned: bool) -> Option<SourceKey> {
         let positions = attribute(primitive, Semantic::Positions)?;
         let joints_and_weights = if skinned { joints_and_weights(primitive) } else { Vec::new() };
@@ -290,7 +292,7 @@ impl<'a> MeshBuilder<'a> {
         primitive.indices.map(|index| self.accessor(index.value())).transpose()
     }
 
-    /// How the indices make triangles. A Draco stream holds triangles, whatever the primitive says.
+    /// The primitive mode of the indices. A Draco stream holds triangles, whatever mode the primitive states.
     fn mode(&self, primitive: &Primitive) -> Checked<Mode> {
         if self.streams.of(primitive).is_some() { Checked::Valid(Mode::Triangles) } else { primitive.mode }
     }
@@ -347,7 +349,8 @@ impl<'a> MeshBuilder<'a> {
         Ok(Source { positions, uvs, colors, joints })
     }
 
-    /// Calls `each` with the corners of every triangle, all less than `vertices`, wound as in glTF 2.0 section 3.7.2.1.
+    /// Calls `each` with the corners of every triangle, all less than `vertices`, wound as in glTF 2.0
+    /// section 3.7.2.1.
     fn each_triangle(
         &self,
         mesh: &str,

@@ -1,10 +1,10 @@
 //! Buffer views compressed with meshoptimizer: the glTF extensions `EXT_meshopt_compression` and
-//! `KHR_meshopt_compression`. Their streams are decoded by a port of meshoptimizer's own decoder, behind the feature
-//! `meshopt`.
+//! `KHR_meshopt_compression`. Their streams are decoded by a port of meshoptimizer's own decoder, behind the
+//! feature `meshopt`.
 //!
-//! Departures: both names take all that either of them defines, that is, version 1 of the vertex codec and the filter
-//! `COLOR` too, as files with these under the older name exist. A view may be shorter or longer than what it decodes
-//! to; its accessors are checked against the decoded bytes.
+//! Departures: both extension names accept everything that either of them defines, including version 1 of the
+//! vertex codec and the filter `COLOR`, because files with these under the older name exist. A view's stated
+//! length may differ from its decoded length; its accessors are checked against the decoded bytes.
 
 #[cfg(feature = "meshopt")]
 mod compressed;
@@ -16,7 +16,7 @@ use serde_json::{Map, Value};
 
 use crate::gltf::numbers::index_of;
 
-/// The extensions' names; the newer goes first where a view has both.
+/// The names of the extensions. If a view has both, the newer one is used.
 const EXTENSIONS: [&str; 2] = ["KHR_meshopt_compression", "EXT_meshopt_compression"];
 
 /// The extension of a buffer view, if it is compressed.
@@ -29,7 +29,7 @@ pub(super) fn buffer(extensions: &Map<String, Value>) -> Option<usize> {
     index_of(extension(extensions)?.1.get("buffer")?)
 }
 
-/// Whether a buffer with these extensions only stands in for compressed data.
+/// Whether a buffer with these extensions is only a fallback for compressed data.
 pub(super) fn is_fallback(extensions: &Map<String, Value>) -> bool {
     extension(extensions).and_then(|(_, json)| json.get("fallback")?.as_bool()) == Some(true)
 }

@@ -1,5 +1,5 @@
-//! Morph targets at their default weights: those of the node, or else those of its mesh (glTF 2.0, 3.7.2.2). No animation
-//! of weights is played.
+//! Morph targets at their default weights: those of the node, or else those of its mesh (glTF 2.0, 3.7.2.2).
+//! No animation of weights is played.
 
 use ::gltf::json::mesh::Mesh;
 
@@ -10,8 +10,8 @@ pub(super) struct Weights {
 }
 
 impl Weights {
-    /// The weights that apply to a mesh. Those beyond its number of targets are left out, and so are those that are not
-    /// finite.
+    /// The weights that apply to a mesh. Weights beyond its number of targets, and weights that are not
+    /// finite, have no effect.
     pub(super) fn of(weights: Option<&[f32]>, mesh: &Mesh) -> Self {
         let targets =
             mesh.primitives.iter().filter_map(|p| p.targets.as_ref().map(Vec::len)).max().unwrap_or(0);

@@ -30,13 +30,14 @@ pub(super) struct Nodes {
     suns: Vec<usize>,
     /// Whether the file has a default scene without nodes.
     pub(super) is_empty_scene: bool,
-    /// Number of nodes with a mesh that the scene does not reach, without those of coarser levels of detail.
+    /// Number of nodes with a mesh that the scene does not reach, excluding coarser levels of detail.
     pub(super) unreached: u64,
 }
 
 impl Nodes {
-    /// Computes the world transforms and collects the drawn nodes of the default scene. Without one it uses the first
-    /// scene, and without any scene all root nodes. Of the levels of detail of MSFT_lod only the finest is drawn.
+    /// Computes the world transforms and collects the drawn nodes of the default scene. Without one it uses
+    /// the first scene, and without any scene all root nodes. Of the levels of detail of MSFT_lod only the
+    /// finest is drawn.
     pub(super) fn load(
         path: &Path,
         root: &Root,
@@ -108,12 +109,13 @@ impl Nodes {
         Ok(Self { transforms, world, parent, order, drawn: walk.drawn, suns, is_empty_scene, unreached })
     }
 
-    /// The light of the first of the suns.
+    /// The light of the first sun.
     pub(super) fn first_sun(&self, root: &Root) -> Option<usize> {
         light(root.nodes.get(*self.suns.first()?)?)
     }
 
-    /// The directional lights of the scene. A node whose transform flattens its direction has none.
+    /// The directional lights of the scene. A light whose node's transform reduces its direction to zero is
+    /// left out.
     pub(super) fn suns(&self, root: &Root) -> Vec<FileSun> {
         let sun = |&node: &usize| {
             // A light shines along its node's -Z (KHR_lights_punctual).
@@ -125,7 +127,7 @@ impl Nodes {
     }
 }
 
-/// What a walk over a scene finds.
+/// The result of a walk over a scene.
 struct Walk {
     /// For each node, whether it is part of the scene, drawn or hidden.
     seen: Vec<bool>,
@@ -168,7 +170,8 @@ fn walk(
     Ok(walk)
 }
 
-/// For each node, whether it is marked, below a marked one, or a coarser level of detail of such a node.
+/// For each node, whether it is marked, is a descendant of a marked node, or is a coarser level of detail of
+/// either.
 fn with_all_below(root: &Root, mut marked: Vec<bool>) -> Vec<bool> {
     let mut stack: Vec<usize> = (0..marked.len()).filter(|&i| marked[i]).collect();
     while let Some(node) = stack.pop().and_then(|index| root.nodes.get(index)) {
@@ -194,8 +197,8 @@ fn light(node: &Node) -> Option<usize> {
     index_of(node.extensions.as_ref()?.others.get("KHR_lights_punctual")?.get("light")?)
 }
 
-/// The transforms within the node at which EXT_mesh_gpu_instancing places its mesh, or `None` if the node does not use
-/// it.
+/// The transforms within the node at which EXT_mesh_gpu_instancing places its mesh, or `None` if the node
+/// does not use it.
 pub(super) fn gpu_instances(
     path: &Path,
     root: &Root,
@@ -218,7 +221,7 @@ pub(super) fn gpu_instances(
         Accessor::open(path, root, buffers, accessor).map(Some)
     };
     let (move_by, turn_by, scale_by) = (open("TRANSLATION")?, open("ROTATION")?, open("SCALE")?);
-    // Attributes of other names place nothing, but say how many instances there are.
+    // Attributes with other names do not place anything, but they state the number of instances.
     let others = value.as_object().into_iter().flatten().map(|(semantic, _)| semantic.as_str());
     let mut counts = Vec::new();
     for semantic in others {
@@ -228,7 +231,7 @@ pub(super) fn gpu_instances(
     if counts.iter().any(|&c| c != count) {
         return Err(broken("have attributes of different lengths"));
     }
-    // Charged only while they are read; instances are charged when they are created.
+    // Charge the transforms only while they are read. The instances are charged when they are created.
     let bytes = (count * size_of::<Affine>()) as u64;
     buffers.sources.budget.charge(bytes, || format!("the instances of node {index}"))?;
     buffers.sources.budget.release(bytes);

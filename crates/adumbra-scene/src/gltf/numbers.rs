@@ -1,4 +1,5 @@
-//! Whole numbers of glTF files. JSON does not tell `4` from `4.0` (RFC 8259, 6), and some programs write the latter.
+//! Whole numbers of glTF files. JSON does not distinguish `4` from `4.0` (RFC 8259, 6), and some programs
+//! write the latter.
 
 use serde_json::Value;
 
@@ -16,7 +17,7 @@ pub(super) fn index_of(value: &Value) -> Option<usize> {
     usize::try_from(whole(value)?).ok()
 }
 
-/// Turns `4.0` into `4`, everywhere.
+/// Turns `4.0` into `4` everywhere in a value.
 pub(super) fn make_whole(value: &mut Value) {
     match value {
         Value::Number(number) => {
@@ -38,14 +39,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whole_numbers_may_have_a_point() {
+    fn make_whole_removes_zero_fractions() {
         let mut value: Value = serde_json::from_str(r#"{"a": [4.0, 1e2, -3.0, 0.5, 1e300]}"#).expect("JSON");
         make_whole(&mut value);
         assert_eq!(value.to_string(), r#"{"a":[4,100,-3,0.5,1e+300]}"#);
     }
 
     #[test]
-    fn whole_numbers_are_those_without_a_fraction() {
+    fn whole_accepts_only_non_negative_integers() {
         for (value, number) in [
             (json!(4), Some(4)),
             (json!(4.0), Some(4)),

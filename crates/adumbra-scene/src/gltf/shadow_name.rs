@@ -1,8 +1,8 @@
 //! Writes the name of a shadow file into a glTF file, where engines look for it.
 //!
-//! A directional light of `KHR_lights_punctual` gets `extras: {"adumbra": {"shadow": "city.adumbra"}}`. The path is
-//! relative to the glTF file. Extras survive most tools, and loaders pass them on. What is not changed keeps its text,
-//! number for number, and the binary chunk its bytes.
+//! A directional light of `KHR_lights_punctual` gets `extras: {"adumbra": {"shadow": "city.adumbra"}}`. The
+//! path is relative to the glTF file. Extras survive most tools, and loaders pass them on. Unchanged parts of
+//! the JSON keep the exact text of their numbers, and the binary chunk keeps its bytes.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -25,13 +25,14 @@ use crate::glb::container;
 
 const LIGHTS: &str = "KHR_lights_punctual";
 
-/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`: into the extras of its first directional
-/// light that shines, that of the first of [`Scene::suns`](crate::Scene::suns), or of a new one towards `sun` if it has
-/// none. `name` is the file's path relative to the folder of `path`, with `/` between its parts.
+/// Writes the name of a shadow file into the `.glb` or `.gltf` at `path`. The name goes into the extras of
+/// the file's first directional light that shines, that is, the light of the first of
+/// [`Scene::suns`](crate::Scene::suns). If there is no such light, a new light towards `sun` gets the name.
+/// `name` is the file's path relative to the folder of `path`, with `/` between its parts.
 ///
 /// # Errors
-/// Returns [`Error::Io`](crate::Error::Io), or the error with which [`load`](crate::load) refuses such JSON; the file is
-/// then as it was.
+/// Returns [`Error::Io`](crate::Error::Io), or the error with which [`load`](crate::load) rejects such JSON.
+/// The file is then unchanged.
 pub fn write_shadow_name(path: &Path, name: &str, sun: Sun) -> Result<()> {
     let bytes = std::fs::read(path).map_err(IoError::at("read", path))?;
     let bytes = with_shadow_name(path, &bytes, name, sun)?;
@@ -39,10 +40,10 @@ pub fn write_shadow_name(path: &Path, name: &str, sun: Sun) -> Result<()> {
     Ok(())
 }
 
-/// The parts of a JSON object, as texts.
+/// The members of a JSON object, as raw text.
 type JsonMembers = BTreeMap<String, Box<RawValue>>;
 
-/// Returns a glTF file's bytes with the name of a shadow file.
+/// Returns a glTF file's bytes after writing the name of a shadow file into them.
 fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<Vec<u8>> {
     let parts = split(path, bytes)?;
     let budget = Budget::new(path, None);
@@ -61,7 +62,7 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     let Value::Array(lights) = lights else {
         return Err(bad(path, format!("{LIGHTS} has no list of lights")));
     };
-    // A sun that no node of the scene has comes last.
+    // Prefer a sun that a node of the scene has.
     let existing = nodes.first_sun(&document).or_else(|| kinds.iter().position(|&is_sun| is_sun));
     if let Some(light) = existing.and_then(|index| lights.get_mut(index)) {
         let extras = member(light, "extras").and_then(|extras| member(extras, "adumbra"));
@@ -82,11 +83,11 @@ fn with_shadow_name(path: &Path, bytes: &[u8], name: &str, sun: Sun) -> Result<V
     Ok(if is_binary { container(text, parts.bin.unwrap_or_default().to_vec(), &parts.others) } else { text })
 }
 
-/// Adds a node with light `index` to the scene, and the extension to those in use. A file without scenes draws all of
-/// its nodes.
+/// Adds a node with light `index` to the scene, and lists the extension as used. In a file without scenes
+/// every node is drawn, so the node is not added to a scene.
 fn add_light(path: &Path, root: &mut JsonMembers, index: usize, scene: usize, sun: Sun) -> Result<()> {
     let fault = |e: serde_json::Error| bad(path, e.to_string());
-    // Nodes and scenes keep their own text.
+    // Keep nodes and scenes as raw text, so that their numbers do not change.
     let mut nodes: Vec<Box<RawValue>> = read(root, "nodes").map_err(fault)?.unwrap_or_default();
     let mut scenes: Vec<JsonMembers> = read(root, "scenes").map_err(fault)?.unwrap_or_default();
     let mut used: Vec<Value> = read(root, "extensionsUsed").map_err(fault)?.unwrap_or_default();
@@ -112,7 +113,8 @@ fn add_light(path: &Path, root: &mut JsonMembers, index: usize, scene: usize, su
     Ok(())
 }
 
-/// Returns a member of an object, `null` if it had none; `None` if this is neither an object nor `null`.
+/// Returns a member of an object, or `null` if the object lacks it. Returns `None` if `value` is neither an
+/// object nor `null`.
 fn member<'v>(value: &'v mut Value, name: &str) -> Option<&'v mut Value> {
     if value.is_null() {
         *value = json!({});
@@ -128,16 +130,17 @@ fn read<T: serde::de::DeserializeOwned>(parts: &JsonMembers, name: &str) -> serd
         .transpose()
 }
 
-/// Returns the matrix, column by column, that turns a light, which shines along its -Z, away from the sun. Its scale,
-/// from 1 to the root of 3, means nothing for lights.
+/// Returns the column-major matrix of a light's node. A light shines along its -Z, which the matrix turns
+/// away from the sun. The scale, from 1 to the square root of 3, does not affect lights.
 ///
-/// Bakes find objects of earlier ones by the bits of the sun, so its Z axis is one of which a loader makes the very
-/// same sun. No quaternion can promise that.
+/// A bake finds cache entries of earlier bakes by the bits of the sun. The Z axis is therefore chosen such
+/// that a loader computes exactly the same sun from it. No quaternion can guarantee that.
 fn placement(sun: Sun) -> [f64; 16] {
     let axis = axis_towards(sun);
     let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
     let [x, y, z] = sun.towards();
-    // The shortest turn from +Z towards the sun. Opposite to it any half turn about an axis across will do.
+    // The shortest rotation from +Z towards the sun. If the sun is opposite +Z, any half turn about a
+    // perpendicular axis works.
     let w = 1.0 + z;
     let rotation = if w < 1e-9 { [0.0, 1.0, 0.0, 0.0] } else { [-y, x, 0.0, w] };
     let map = compose([0.0; 3], rotation, [length; 3]);
@@ -149,9 +152,9 @@ fn placement(sun: Sun) -> [f64; 16] {
     })
 }
 
-/// Returns the vector, with a largest component of 1 or -1, of which [`Sun::from_direction`] makes this sun. A sun's
-/// components were divided by a length, so those of the vector are within two units in the last place of their
-/// quotients.
+/// Returns the vector, with a largest component of 1 or -1, from which [`Sun::from_direction`] computes
+/// exactly this sun. The sun's components were divided by a length, so the vector's components are within two
+/// units in the last place of their quotients.
 fn axis_towards(sun: Sun) -> [f64; 3] {
     let towards = sun.towards();
     let largest = towards.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
@@ -188,7 +191,7 @@ mod tests {
         assert_eq!(json["scenes"][0]["nodes"], json!([0, 1]));
         let light = &json["extensions"][LIGHTS]["lights"][0];
         assert_eq!(light["extras"]["adumbra"]["shadow"], "city.adumbra");
-        // The axes are at right angles and of one length, and +Z leads towards the sun.
+        // The axes are perpendicular and of equal length, and +Z points towards the sun.
         let matrix: Vec<f64> =
             serde_json::from_value(json["nodes"][1]["matrix"].clone()).expect("16 numbers");
         let axis = |c: usize| [0, 1, 2].map(|row| matrix[4 * c + row]);
@@ -198,13 +201,13 @@ mod tests {
         }
         let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
         assert_eq!(Sun::from_direction(axis(2)).expect("above the horizon"), sun);
-        // Named again, the light is the same one.
+        // Writing the name again does not add another light.
         assert_eq!(named(&json.to_string()), json);
     }
 
-    /// A bake finds the entries of the one before only if the sun has the same bits.
+    /// A bake finds the cache entries of an earlier bake only if the sun has the same bits.
     #[test]
-    fn light_leads_to_the_very_same_sun() {
+    fn written_light_loads_as_exactly_the_same_sun() {
         let mut random = crate::random::Random::new(3, 0);
         for number in 0..200 {
             let mut towards = [0; 3].map(|_| 2.0 * random.unit() - 1.0);
@@ -222,7 +225,7 @@ mod tests {
     }
 
     #[test]
-    fn first_directional_light_takes_the_name_and_keeps_the_rest() {
+    fn first_directional_light_gets_name_and_keeps_its_extras() {
         let lights = r#"[{"type":"point"},{"type":"directional","color":[1,0,0],"extras":{"mine":7}}]"#;
         let extensions = format!(r#","extensions":{{"{LIGHTS}":{{"lights":{lights}}},"OTHER":{{"a":1}}}}}}"#);
         let json = named(&MINIMAL.replace(
@@ -249,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_does_not_shine_takes_no_name() {
+    fn dark_light_gets_no_name() {
         for (lights, named_light) in [
             (r#"[{"type":"directional","intensity":0}]"#, 1),
             (r#"[{"type":"directional","color":[0,0,0]},{"type":"directional"}]"#, 1),
@@ -268,14 +271,14 @@ mod tests {
     }
 
     #[test]
-    fn file_without_scenes_still_draws_all_of_its_nodes() {
+    fn file_without_scenes_gets_no_scene() {
         let json = named(r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0}],"meshes":[{"primitives":[]}]}"#);
         assert!(json.get("scenes").is_none());
         assert_eq!(json["nodes"].as_array().map(Vec::len), Some(2));
     }
 
     #[test]
-    fn binary_files_keep_their_chunk() {
+    fn glb_keeps_its_binary_and_unknown_chunks() {
         let glb = container(MINIMAL.as_bytes().to_vec(), vec![7; 12], &[b"\x04\0\0\0ABCDabcd"]);
         let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("above the horizon");
         let bytes = with_shadow_name(Path::new("a.glb"), &glb, "a.adumbra", sun).expect("a glTF file");

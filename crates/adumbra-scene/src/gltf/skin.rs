@@ -74,9 +74,9 @@ impl<'a> Skins<'a> {
 }
 
 impl Skin {
-    /// Returns the vertex in world space: the weighted mean of its positions under each joint. Weights that do not add
-    /// up to one are normalised. A vertex whose weights sum to zero follows the first joint that it names, as in three.js and
-    /// Blender; glTF 2.0, 3.7.3.3, leaves it open.
+    /// Returns the vertex in world space: the weighted mean of its positions under each joint. Weights that
+    /// do not add up to one are normalised. A vertex whose weights sum to zero follows the first joint that
+    /// it names, as in three.js and Blender; glTF 2.0, 3.7.3.3, does not define this case.
     pub(super) fn place(&self, p: [f32; 3], influences: impl Iterator<Item = (u32, f32)>) -> [f32; 3] {
         let p = p.map(f64::from);
         let apply = |m: &Affine| m.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3]);

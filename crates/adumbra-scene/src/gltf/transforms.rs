@@ -5,8 +5,8 @@ use serde::Deserialize;
 use crate::affine::{Affine, decompose, from_columns};
 use crate::movers::Rest;
 
-/// A node's local transform in double precision, as JSON numbers are. The glTF crate stores `f32`, whose steps are half
-/// a metre at map coordinates.
+/// A node's local transform in double precision, as JSON numbers are. The glTF crate stores `f32`, whose
+/// steps are half a metre at map coordinates.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(from = "TransformJson")]
 pub(super) enum NodeTransform {

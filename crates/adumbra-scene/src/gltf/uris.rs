@@ -1,14 +1,16 @@
-//! URIs of glTF files (glTF 2.0, 2.8): data URIs with base64 or percent-encoding, and relative names of files.
+//! URIs of glTF files (glTF 2.0, 2.8): data URIs with base64 or percent-encoding, and relative names of
+//! files.
 //!
-//! The definition asks for percent-encoded names with slashes. Files with names that are not encoded, or with
-//! backslashes, are common: a name is looked for as the definition has it first, then as it is written.
+//! The specification requires percent-encoded names with slashes. Names that are not encoded, or that have
+//! backslashes, are common. A file is therefore looked for first under its decoded name, then under the name
+//! as written.
 
 use crate::error::{Error, Result};
 use crate::gltf::faults::bad;
 use crate::sources::{Located, Sources};
 
-/// Reads a data URI, or the first `max_bytes` bytes of a file next to the scene; `place` is the part of the scene that
-/// references it.
+/// Reads a data URI, or the first `max_bytes` bytes of a file next to the scene; `place` is the part of the
+/// scene that references it.
 pub(super) fn read(sources: &Sources<'_>, uri: &str, place: &str, max_bytes: u64) -> Result<Vec<u8>> {
     match uri.strip_prefix("data:") {
         Some(data) => read_data(sources, data, place),
@@ -25,7 +27,7 @@ pub(super) fn read_data(sources: &Sources<'_>, data: &str, place: &str) -> Resul
     decoded.ok_or_else(|| bad(sources.scene, format!("the data URI of {place} is not valid base64")))
 }
 
-/// The names under which a relative URI's file is looked for, the first of them as the definition has it.
+/// The names under which to look for the file of a relative URI. The decoded name comes first.
 pub(super) fn names(uri: &str) -> Vec<String> {
     let decoded = String::from_utf8_lossy(&decode_percent(uri)).into_owned();
     let mut names = vec![decoded];
@@ -41,8 +43,8 @@ pub(super) fn names(uri: &str) -> Vec<String> {
 /// Finds the file of a relative URI; `place` is the part of the scene that references it.
 ///
 /// # Errors
-/// Returns [`Error::OutsideScene`] if one of its names is outside the folder, otherwise the error of the first name; or
-/// [`Error::SceneMemory`].
+/// Returns [`Error::OutsideScene`] if one of its names is outside the folder, otherwise the error of the
+/// first name; or [`Error::SceneMemory`].
 pub(super) fn locate(sources: &Sources<'_>, place: &str, uri: &str) -> Result<Located> {
     let mut names = names(uri).into_iter();
     let mut error = match sources.locate(place, names.next().as_deref().unwrap_or_default()) {
@@ -118,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn uri_names_are_as_defined_then_as_written() {
+    fn uri_names_are_decoded_first_then_as_written() {
         assert_eq!(names("a%20b.bin"), ["a b.bin", "a%20b.bin"]);
         assert_eq!(names("t\\100%.bin"), ["t\\100%.bin", "t/100%.bin"]);
         assert_eq!(names("a.bin"), ["a.bin"]);

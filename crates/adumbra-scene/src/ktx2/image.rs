@@ -1,10 +1,11 @@
 //! Images in KTX 2.0 files with Basis Universal texels (ETC1S and UASTC LDR), as the glTF extension
-//! `KHR_texture_basisu` allows them: two-dimensional, one layer. Other KTX2 files are refused by the name of their
-//! format. Sources: the KTX File Format Specification 2.0 and the Khronos Data Format Specification 1.3.
+//! `KHR_texture_basisu` allows them: two-dimensional, one layer. Other KTX2 files are rejected with the name
+//! of their format. Sources: the KTX File Format Specification 2.0 and the Khronos Data Format Specification
+//! 1.3.
 //!
-//! The container is read here, and only the first mip level is kept. The transcoder gets a container that was written
-//! here, so that it meets none of the file's own offsets. Departures: sizes need not be multiples of four, and the
-//! keys `KTXorientation` and `KTXswizzle`, which the extension fixes, are not read.
+//! The container is read here, and only the first mip level is kept. The transcoder gets a new container
+//! written here, so that it never follows the file's own offsets. Departures: sizes need not be multiples of
+//! four, and the keys `KTXorientation` and `KTXswizzle`, which the extension fixes, are not read.
 
 use std::io::Read;
 
@@ -41,7 +42,7 @@ pub(crate) struct Image<'a> {
 enum Texels<'a> {
     /// BasisLZ: the header of the codebooks, their data, and the slices of colour and of alpha.
     Etc1s { header: &'a [u8], books: &'a [u8], slices: [&'a [u8]; 2] },
-    /// Blocks, and whether they are packed by Zstandard.
+    /// Blocks, and whether they are compressed with Zstandard.
     Uastc { blocks: &'a [u8], zstd: bool },
 }
 
@@ -68,7 +69,7 @@ impl<'a> Image<'a> {
         let format = part(word(header, 48).into(), word(header, 52).into()).ok_or_else(cut_off)?;
         let level = part(HEADER as u64, LEVEL_ENTRY as u64).ok_or_else(cut_off)?;
         let level = part(long(level, 0), long(level, 8)).ok_or_else(cut_off)?;
-        // Two samples of 16 bytes for colour and alpha, one for colour alone, after 28 bytes.
+        // After 28 bytes there are samples of 16 bytes: one for colour, and a second one if there is alpha.
         let samples = (format.len() as u64).checked_sub(28).filter(|n| [16, 32].contains(n)).map(|n| n / 16);
         let (Some(samples), model) = (samples, byte(format, 12)) else {
             return Err("the KTX2 file has an unknown data format descriptor".to_owned());
@@ -91,7 +92,7 @@ impl<'a> Image<'a> {
         Ok(Self { width, height, format, texels })
     }
 
-    /// Memory held while the image is decoded, with its result of four bytes per texel, bytes.
+    /// Memory held while the image is decoded, including its result of four bytes per texel, bytes.
     pub(crate) fn peak_bytes(&self) -> u64 {
         let packed = match &self.texels {
             Texels::Etc1s { header, books, slices: [color, alpha] } => {
@@ -104,7 +105,8 @@ impl<'a> Image<'a> {
         4 * texels + self.blocks() * BYTES_PER_BLOCK + packed + TABLES
     }
 
-    /// The texels of the first mip level, red, green, blue and alpha, row by row. The error is a clause about the image.
+    /// The texels of the first mip level, red, green, blue and alpha, row by row. The error is a clause about
+    /// the image.
     pub(crate) fn rgba(&self) -> Result<Vec<u8>, String> {
         let broken = || "its Basis Universal data is broken".to_owned();
         let file = self.repack()?;
@@ -182,8 +184,8 @@ impl<'a> Image<'a> {
     }
 }
 
-/// Finds the parts of ETC1S data: `global` holds the codebooks' header, an image description per level, and the
-/// codebooks; `level` is the data of the first level.
+/// Finds the parts of ETC1S data: `global` holds the codebooks' header, an image description per level, and
+/// the codebooks; `level` is the data of the first level.
 fn etc1s<'a>(global: &'a [u8], level: &'a [u8], levels: u32, has_alpha: bool) -> Option<Texels<'a>> {
     let (header, rest) = global.split_at_checked(CODEBOOK_PART)?;
     let books_at = usize::try_from(levels).ok()?.checked_mul(CODEBOOK_PART)?;
@@ -199,12 +201,12 @@ fn etc1s<'a>(global: &'a [u8], level: &'a [u8], levels: u32, has_alpha: bool) ->
     fits.then_some(Texels::Etc1s { header, books, slices: [slice(4)?, alpha] })
 }
 
-/// A little-endian 32-bit number; 0 where the bytes end.
+/// A little-endian 32-bit number; 0 past the end of the bytes.
 fn word(bytes: &[u8], at: usize) -> u32 {
     bytes.get(at..).and_then(<[u8]>::first_chunk).copied().map_or(0, u32::from_le_bytes)
 }
 
-/// A little-endian 64-bit number; 0 where the bytes end.
+/// A little-endian 64-bit number; 0 past the end of the bytes.
 fn long(bytes: &[u8], at: usize) -> u64 {
     bytes.get(at..).and_then(<[u8]>::first_chunk).copied().map_or(0, u64::from_le_bytes)
 }

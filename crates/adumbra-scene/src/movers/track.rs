@@ -1,4 +1,5 @@
-//! Keys of one property over time, and the values between them (Khronos, *glTF 2.0 Specification*, 2021, appendix C).
+//! Keys of one property over time, and the values between them (Khronos, *glTF 2.0 Specification*, 2021,
+//! appendix C).
 
 /// How values between keys are computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,8 +12,8 @@ pub(crate) enum Interpolation {
     Cubic,
 }
 
-/// An animated property of `N` numbers; four numbers are a rotation. Before the first key it has the first key's value,
-/// and after the last key the last one's.
+/// An animated property of `N` numbers; four numbers are a rotation. Before the first key it has the first
+/// key's value, and after the last key the last one's.
 #[derive(Clone, Debug)]
 pub(crate) struct Track<const N: usize> {
     /// Times of the keys, seconds, finite and not decreasing.
@@ -23,8 +24,8 @@ pub(crate) struct Track<const N: usize> {
 }
 
 impl<const N: usize> Track<N> {
-    /// Returns `None` unless there is at least one key, times are finite and do not decrease, and there are as many
-    /// finite values as the interpolation needs.
+    /// Returns `None` unless there is at least one key, times are finite and do not decrease, and there are
+    /// as many finite values as the interpolation needs.
     pub(crate) fn new(times: Vec<f32>, values: Vec<[f32; N]>, interpolation: Interpolation) -> Option<Self> {
         let each = if interpolation == Interpolation::Cubic { 3 } else { 1 };
         let sound = !times.is_empty()
@@ -40,7 +41,8 @@ impl<const N: usize> Track<N> {
         self.times.last().map_or(0.0, |&t| t.into())
     }
 
-    /// The times of the keys, and a third, a half and two thirds of the way from each key to the next, in seconds.
+    /// The times of the keys, and a third, a half and two thirds of the way from each key to the next, in
+    /// seconds.
     pub(crate) fn moments(&self) -> impl Iterator<Item = f64> {
         let times = || self.times.iter().map(|&t| f64::from(t));
         let between = times().zip(times().skip(1)).flat_map(|(from, to)| {
@@ -80,8 +82,8 @@ impl<const N: usize> Track<N> {
         })
     }
 
-    /// Value (`part` 1), incoming tangent (0) or outgoing tangent (2) of a key. Tracks without tangents return the
-    /// value for every `part`.
+    /// Value (`part` 1), incoming tangent (0) or outgoing tangent (2) of a key. Tracks without tangents
+    /// return the value for every `part`.
     fn key(&self, index: usize, part: usize) -> [f64; N] {
         let at = if self.interpolation == Interpolation::Cubic { 3 * index + part } else { index };
         self.values[at].map(f64::from)
@@ -108,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn steps_hold_and_lines_are_straight() {
+    fn step_holds_and_linear_interpolates() {
         let track = |kind| Track::new(vec![1.0, 3.0], vec![[0.0], [4.0]], kind).unwrap();
         let (step, line) = (track(Interpolation::Step), track(Interpolation::Linear));
         assert_eq!([0.0, 1.0, 2.9, 3.0, 9.0].map(|t| step.at(t)[0]), [0.0, 0.0, 0.0, 4.0, 4.0]);
@@ -117,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn splines_pass_their_keys_with_their_tangents() {
+    fn spline_matches_values_and_tangents_at_its_keys() {
         let values = vec![[0.0], [1.0], [2.0], [-1.0], [5.0], [0.0]];
         let track = Track::new(vec![0.0, 2.0], values, Interpolation::Cubic).unwrap();
         let slope = |t: f64| (track.at(t + 1e-6)[0] - track.at(t - 1e-6)[0]) / 2e-6;
@@ -140,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn tracks_that_make_no_sense_are_refused() {
+    fn rejects_invalid_keys() {
         let make = |times: &[f32], values: &[f32], kind| {
             Track::new(times.to_vec(), values.iter().map(|&v| [v]).collect(), kind).is_some()
         };

@@ -1,7 +1,8 @@
-//! The second reading of an OBJ file: its faces become the triangles of one mesh for each name of an object or group.
+//! The second pass over an OBJ file: its faces become the triangles of one mesh for each name of an object or
+//! group.
 //!
-//! Vertices are shared within a run of faces of one object and one material, and are in the order of their first use.
-//! Polygons are cut into fans, or triangulated where a fan would not cover them.
+//! Vertices are shared within a run of faces of one object and one material, and are in the order of their
+//! first use. Polygons are cut into fans, or triangulated where a fan would not cover them.
 
 use hashbrown::HashMap;
 
@@ -18,13 +19,13 @@ use crate::{Counts, Error, Instance, LoadOptions, Mesh, Result};
 
 /// The object of faces that precede any name.
 const UNNAMED: &str = "unnamed_object";
-/// Memory per object without its name, and what finds it; bytes.
+/// Memory per object and its entry in the map of names, without the name, bytes.
 const OBJECT_BYTES: u64 = size_of::<Object>() as u64 + 64;
 /// Memory per mesh and its instance, without the name; bytes.
 const MESH_BYTES: u64 = (size_of::<Mesh>() + size_of::<Instance>()) as u64;
 /// Memory per entry of a map from corners to vertices, bytes.
 const ENTRY_BYTES: u64 = 40;
-/// In place of a texture coordinate: none.
+/// The index that means no texture coordinate.
 const NONE: u32 = u32::MAX;
 
 /// The meshes of a file.
@@ -54,10 +55,10 @@ struct Object {
 /// A position and a texture coordinate, as indices from 0.
 type Corner = (u32, u32);
 
-/// A run of faces of one object and one material, from its first face on.
+/// A run of consecutive faces with the same object and material. Its first face creates it.
 struct Run {
     number: u32,
-    /// `None` if the filter drops it.
+    /// `None` if the filter drops the run.
     mesh: Option<usize>,
     material: u32,
     placing: Option<Placing>,
@@ -79,7 +80,7 @@ struct Reader<'a> {
     out: ObjMeshes,
 }
 
-/// Reads the faces. `uvs` are the file's texture coordinates, or none if no material needs them.
+/// Reads the faces. `uvs` holds the file's texture coordinates, and is empty if no material needs them.
 ///
 /// # Errors
 /// Returns [`Error::SceneParse`], [`Error::IndexOutOfRange`], [`Error::NotFinite`] or [`Error::SceneMemory`].
@@ -136,7 +137,7 @@ impl Welder {
         Ok(())
     }
 
-    /// The vertex of a corner in a run; `add` adds one.
+    /// The vertex of a corner in a run. `add` creates the vertex if it is new.
     fn vertex(&mut self, run: &Run, corner: Corner, add: impl FnOnce() -> u32) -> u32 {
         let known = match run.placing {
             Some(_) => Some(self.placed.entry(corner).or_default()),
@@ -306,7 +307,7 @@ impl Reader<'_> {
         if run.placing.is_some() || !mesh.uvs.is_empty() {
             let behind = mesh.positions.len() - mesh.uvs.len();
             make_room(budget, &mut mesh.uvs, behind + corners, what)?;
-            // The vertices so far are of materials without texture coordinates.
+            // The earlier vertices belong to materials without texture coordinates.
             mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
         }
         if run.placing.is_some() {
@@ -363,7 +364,8 @@ impl Reader<'_> {
     }
 }
 
-/// Converts an index to an absolute one, counted from 1; negative indices count back from the last element so far.
+/// Converts an index to an absolute one, counted from 1; negative indices count back from the last element so
+/// far.
 fn absolute(text: &[u8], so_far: u32) -> Option<u64> {
     let index: i64 = std::str::from_utf8(text).ok()?.parse().ok()?;
     match u64::try_from(index) {

@@ -1,5 +1,5 @@
-//! The files that OBJ and MTL files name. A name is bytes, may be in quotes, may contain spaces, may have backslashes
-//! and may differ in case from the file, as the scene may have been written on Windows.
+//! The files that OBJ and MTL files name. A name is a string of bytes. It may be in quotes, contain spaces or
+//! backslashes, and differ in case from the file, because the scene may have been written on Windows.
 
 use std::cell::RefCell;
 use std::ffi::OsString;
@@ -34,8 +34,8 @@ impl<'a> Files<'a> {
         Self { sources, folder, listings: RefCell::default() }
     }
 
-    /// Records every string of a statement that may name a file: all of it, because a name may contain spaces, and each
-    /// of its words, because there may be several names, or options before the name.
+    /// Records every string of a statement that may name a file: all of it, because a name may contain
+    /// spaces, and each of its words, because there may be several names, or options before the name.
     ///
     /// # Errors
     /// Returns [`Error::SceneMemory`] if the names do not fit the memory budget.
@@ -52,8 +52,8 @@ impl<'a> Files<'a> {
         self.sources.note_named(path_of(name))
     }
 
-    /// The file of the first of these names that has one. A name fits a file exactly, or as Latin-1, or in another case
-    /// if it then fits only one file.
+    /// Returns the file of the first of these names that matches one. A name matches a file exactly, or when
+    /// read as Latin-1, or in another case if it then matches only one file.
     ///
     /// # Errors
     /// Returns [`Error::SceneMemory`], or the error of the first name.
@@ -91,7 +91,7 @@ impl<'a> Files<'a> {
         Err(error)
     }
 
-    /// The path with each component in the case that the file system has it in, if only one file fits.
+    /// The path with each component in the case that the file system has, if only one file matches.
     fn in_its_case(&self, name: &Path) -> Result<Option<PathBuf>> {
         let Some(folder) = self.folder.as_ref().filter(|_| !leaves(name)) else { return Ok(None) };
         let (mut at, mut real) = (folder.clone(), PathBuf::new());
@@ -122,7 +122,7 @@ impl<'a> Files<'a> {
         Ok(Some(real))
     }
 
-    /// The files in a folder; none for one that is not inside the scene's.
+    /// The files in a folder; empty for a folder outside the scene's folder.
     fn listing(&self, at: &Path, folder: &Path) -> Result<Rc<Listing>> {
         if let Some(known) = self.listings.borrow().get(at) {
             return Ok(known.clone());
@@ -152,7 +152,8 @@ pub(super) fn both(name: &Name) -> Vec<&[u8]> {
     both
 }
 
-/// The names of a statement that may state several: those in quotes, and the others up to a word with this ending.
+/// Splits a statement that may hold several names. A name is in quotes, or extends to a word with this
+/// ending.
 pub(super) fn several<'n>(text: &'n [u8], ending: &str) -> Vec<&'n [u8]> {
     let mut names = Vec::new();
     let mut text = trim(text);
@@ -168,7 +169,7 @@ pub(super) fn several<'n>(text: &'n [u8], ending: &str) -> Vec<&'n [u8]> {
     names
 }
 
-/// The length of the words at the start of a text up to the first with this ending.
+/// The length of the text from its start to the end of the first word with this ending.
 fn end_of_name(text: &[u8], ending: &str) -> Option<usize> {
     let mut end = 0;
     for word in words(text) {
@@ -183,7 +184,7 @@ fn end_of_name(text: &[u8], ending: &str) -> Option<usize> {
     None
 }
 
-/// The path that a name in a file means.
+/// The path that a name in a file stands for.
 fn path_of(name: &[u8]) -> PathBuf {
     let slashed: Vec<u8> = name.iter().map(|&b| if b == b'\\' { b'/' } else { b }).collect();
     #[cfg(unix)]
@@ -202,7 +203,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn several_names_in_a_statement() {
+    fn splits_a_statement_into_several_names() {
         let is = |text: &str, expected: &[&str]| {
             let names: Vec<_> = several(text.as_bytes(), ".mtl").into_iter().map(shown).collect();
             assert_eq!(names, expected, "{text}");

@@ -1,25 +1,26 @@
-//! The texture statements of MTL files: `map_d -s 2 2 1 -clamp on leaf.png` (Wavefront's MTL text, "Options for texture
-//! map statements").
+//! The texture statements of MTL files: `map_d -s 2 2 1 -clamp on leaf.png` (Wavefront's MTL text, "Options
+//! for texture map statements").
 //!
-//! `-s`, `-o`, `-clamp`, `-imfchan` and `-mm` are applied. `-blendu`, `-blendv`, `-boost`, `-texres`, `-cc`, `-bm` and
-//! `-type` change no mask. `-t` moves coordinates by a noise that the format does not define, so it is reported.
+//! `-s`, `-o`, `-clamp`, `-imfchan` and `-mm` are applied. `-blendu`, `-blendv`, `-boost`, `-texres`, `-cc`,
+//! `-bm` and `-type` do not affect masks. `-t` moves coordinates by a noise that the format does not define,
+//! so it is reported.
 
 use crate::obj::text::{Name, number, shown, trim, unquoted, words};
 
-/// The part of an image that makes a scalar texture.
+/// The image channel that is used as a scalar texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Channel {
     Red,
     Green,
     Blue,
-    /// `m`: the alpha of the formats that are read.
+    /// `m`: the alpha of the supported formats.
     Matte,
     Luminance,
-    /// `z`, which none of these formats has.
+    /// `z`, which no supported format has.
     Depth,
 }
 
-/// How texture coordinates of the file become those of a texture: times `scale`, plus `offset`.
+/// Maps texture coordinates of the file to those of a texture: multiplies by `scale`, then adds `offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Placing {
     scale: [f32; 2],
@@ -38,7 +39,7 @@ pub(super) struct Map {
     pub(super) channel: Option<Channel>,
     /// A value becomes `base + gain * value`.
     pub(super) base_and_gain: [f32; 2],
-    /// Whether it asks for turbulence.
+    /// Whether the statement asks for turbulence.
     pub(super) turbulent: bool,
 }
 
@@ -49,8 +50,8 @@ impl Default for Placing {
 }
 
 impl Placing {
-    /// The coordinates in glTF's convention, from the top left corner; OBJ's are from the bottom left. A result that is
-    /// not finite becomes 0.
+    /// The coordinates in glTF's convention, from the top left corner; OBJ's are from the bottom left. A
+    /// result that is not finite becomes 0.
     pub(super) fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
         let [u, v] = [0, 1].map(|a| uv[a] * self.scale[a] + self.offset[a]);
         [u, 1.0 - v].map(|c| if c.is_finite() { c } else { 0.0 })
@@ -58,7 +59,7 @@ impl Placing {
 }
 
 impl Map {
-    /// Reads what follows the keyword; `None` if it names no file.
+    /// Parses the statement after its keyword; `None` if there is no file name.
     pub(super) fn of(statement: &Name) -> Option<Self> {
         let mut map = Self {
             names: Default::default(),
@@ -72,7 +73,7 @@ impl Map {
         if name.is_empty() {
             return None;
         }
-        // The comment is all that the long form has more.
+        // The long form differs only by the comment at its end.
         let long = statement.long.get(statement.short.len() - name.len()..).unwrap_or_default();
         let last = words(name).next_back().unwrap_or_default();
         map.names = [name, long, last].map(|name| unquoted(trim(name)).to_owned());
@@ -100,7 +101,7 @@ impl Map {
         self.names[0].eq_ignore_ascii_case(&other.names[0])
     }
 
-    /// Reads the options, and returns what follows them: at least the last word.
+    /// Reads the options, and returns the text after them, which has at least one word.
     fn read_options<'t>(&mut self, text: &'t [u8]) -> &'t [u8] {
         let mut text = trim(text);
         while text.starts_with(b"-")
@@ -144,7 +145,8 @@ impl Map {
     }
 }
 
-/// The values of an option. The last word of a statement is no value, but the file's name.
+/// Reads the values of an option. The last word of a statement is never a value, because it is the file's
+/// name.
 struct Values<'v, 't> {
     text: &'v mut &'t [u8],
 }
@@ -182,7 +184,7 @@ impl<'t> Values<'_, 't> {
     }
 }
 
-/// The first word and what follows it; `None` if nothing follows it.
+/// The first word and the text after it; `None` if nothing follows.
 fn next_word(text: &[u8]) -> Option<(&[u8], &[u8])> {
     let word = words(text).next()?;
     let rest = trim(text.get(word.len()..)?);
@@ -199,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn options_of_texture_statements() {
+    fn parses_options_of_texture_statements() {
         let m =
             map("-s 2 3 1 -o 0.5 -clamp on -imfchan M -mm 1 -1 -bm 2 -texres 64 -type sphere my leaf.png");
         assert_eq!(m.names[0], b"my leaf.png");

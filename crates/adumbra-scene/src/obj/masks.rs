@@ -1,11 +1,12 @@
 //! The textures of MTL files: `map_d`, which decides where a surface is opaque, and `map_Kd`, its colour.
 //!
-//! The value of a mask is the channel that `-imfchan` names. Without that option it is alpha if the image has texels
-//! that are not fully opaque, otherwise luminance, as programs write masks in both ways; but an image that is also the
-//! material's colour is no grey mask, so its alpha counts. Values are taken as they are stored, without gamma.
+//! The value of a mask is the channel that `-imfchan` names. Without that option it is alpha if the image has
+//! texels that are not fully opaque, otherwise luminance, because programs write masks in both ways. If the
+//! image is also the material's colour, it is not a grey mask, so its alpha is used. Values are used as
+//! stored, without gamma.
 //!
-//! A material has one texture. The mask decides its size and the placing of its coordinates, so that opacity does not
-//! depend on whether colours are loaded; the colours are sampled at the mask's texels.
+//! A material has one texture. The mask decides its size and the placing of its coordinates, so that opacity
+//! does not depend on whether colours are loaded; the colours are sampled at the mask's texels.
 
 use hashbrown::{HashMap, HashSet};
 
@@ -15,7 +16,7 @@ use crate::obj::materials::{Library, Mtl};
 use crate::sources::{Located, MAX_IMAGE_BYTES, OUTSIDE};
 use crate::{Error, LoadNotes, LoadOptions, Material, Pixels, Result, Texture, Wrap};
 
-/// What a texture is made of. Equal sources give the same texture.
+/// The sources of a texture. Equal sources give the same texture.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct Source {
     mask: Option<MaskSource>,
@@ -23,7 +24,7 @@ struct Source {
     clamps: bool,
 }
 
-/// What a mask is made of.
+/// The source of a mask.
 #[derive(Clone, PartialEq, Eq, Hash)]
 struct MaskSource {
     file: Located,
@@ -51,8 +52,9 @@ impl<'t, 'a> Textures<'t, 'a> {
     /// Loads the textures of the materials that are `used`.
     ///
     /// # Errors
-    /// Returns [`Error::Texture`] or [`Error::OutsideScene`] for a mask that cannot be read; a colour texture that
-    /// cannot be read is a warning instead. Returns [`Error::SceneMemory`] if textures exceed the budget.
+    /// Returns [`Error::Texture`] or [`Error::OutsideScene`] for a mask that cannot be read; a colour texture
+    /// that cannot be read is a warning instead. Returns [`Error::SceneMemory`] if textures exceed the
+    /// budget.
     pub(super) fn load(
         mut self,
         library: &Library,
@@ -129,7 +131,8 @@ impl<'t, 'a> Textures<'t, 'a> {
         Ok(MaskSource { file, channel, range: map.base_and_gain.map(f32::to_bits) })
     }
 
-    /// The error for a mask: those of memory and of files outside the folder stay as they are.
+    /// Converts an error into one about a mask. Errors about memory, files outside the folder and textures
+    /// are kept.
     fn error(&self, mtl: &Mtl, map: &Map, e: Error) -> Error {
         match e {
             e @ (Error::SceneMemory { .. } | Error::OutsideScene { .. } | Error::Texture { .. }) => e,
@@ -196,8 +199,8 @@ impl<'t, 'a> Textures<'t, 'a> {
         }
     }
 
-    /// Reads a colour texture; `None` with a warning if it is not valid. It is colour only: opacity must not depend on
-    /// whether colours are loaded.
+    /// Reads a colour texture; `None` with a warning if it is not valid. It is colour only: opacity must not
+    /// depend on whether colours are loaded.
     fn color(
         &mut self,
         mtl: &Mtl,
@@ -266,7 +269,7 @@ impl<'t, 'a> Textures<'t, 'a> {
     }
 }
 
-/// The value of a channel. Luminance has the weights of BT.709 as 256ths, so that grey stays what it is.
+/// The value of a channel. Luminance uses the weights of BT.709 as 256ths, so that a grey value is unchanged.
 fn value([r, g, b, a]: [u8; 4], channel: Channel) -> u8 {
     match channel {
         Channel::Red => r,

@@ -1,8 +1,9 @@
-//! Material libraries: MTL files, and the material that each name of an OBJ file means (Wavefront's MTL text).
+//! Material libraries: MTL files, and the material that each name in an OBJ file refers to (Wavefront's MTL
+//! text).
 //!
-//! Keywords may be in any case. `d` is opacity and `Tr` is 1 - opacity; `d` counts if a material has both. A name
-//! belongs to the first library that defines it, as the format says, and there to the last definition, as most loaders
-//! have it.
+//! Keywords may be in any case. `d` is opacity and `Tr` is 1 - opacity; `d` wins if a material has both. A
+//! name refers to the first library that defines it, as the format says, and within that library to the last
+//! definition, as in most loaders.
 
 use hashbrown::{HashMap, HashSet};
 
@@ -14,7 +15,7 @@ use crate::{AlphaMode, Error, LoadNotes, LoadOptions, Material, Result};
 
 /// The keyword that references a material library, used in errors.
 const LIBRARY: &str = "mtllib";
-/// The ending by which the names of several libraries in a statement are told apart.
+/// The file ending that separates several library names in a statement.
 const ENDING: &str = ".mtl";
 /// Statements that reference a texture, in addition to those that begin with `map_`.
 const OTHER_MAPS: [&[u8]; 5] = [b"bump", b"disp", b"decal", b"refl", b"norm"];
@@ -46,11 +47,11 @@ pub(super) struct Mtl {
 /// The materials of a scene.
 #[derive(Default)]
 pub(super) struct Library {
-    /// Those of the libraries, in order, then one for each name that no library defines.
+    /// The materials of the libraries, in order, then one for each name that no library defines.
     pub(super) list: Vec<Mtl>,
     /// The index of each name that the OBJ file uses.
     index_of: HashMap<Name, u32>,
-    /// How many are defined in a library.
+    /// The number of materials that a library defines.
     defined: usize,
     /// Whether all libraries were read.
     complete: bool,
@@ -62,12 +63,12 @@ impl Mtl {
         self.dissolve.or(self.transparency.map(|t| 1.0 - t)).unwrap_or(1.0)
     }
 
-    /// The mask, if the options want it.
+    /// The mask, unless the options ignore it.
     pub(super) fn wanted_mask(&self, options: &LoadOptions) -> Option<&Map> {
         self.mask.as_deref().filter(|_| !options.ignore_alpha)
     }
 
-    /// How its texture coordinates are placed; `None` if it needs none.
+    /// How to map the material's texture coordinates; `None` if it needs none.
     pub(super) fn placing(&self, options: &LoadOptions) -> Option<Placing> {
         let color = || {
             options.color_textures.then(|| self.color.as_ref().map_or_else(Placing::default, |m| m.placing))
@@ -75,7 +76,8 @@ impl Mtl {
         self.wanted_mask(options).map(|mask| mask.placing).or_else(color)
     }
 
-    /// The material without textures. Opacity below 1 is treated like glTF's BLEND: it casts if it is at least 0.5.
+    /// The material without textures. Opacity below 1 is treated like glTF's BLEND: it casts if it is at
+    /// least 0.5.
     pub(super) fn material(&self, options: &LoadOptions) -> Material {
         let [r, g, b] = self.diffuse.unwrap_or([0.8; 3]);
         let opacity = self.opacity();
@@ -90,8 +92,8 @@ impl Library {
     /// Reads the libraries that these statements name, and finds the materials of the names that are `used`.
     ///
     /// # Errors
-    /// Returns [`Error::OutsideScene`], [`Error::NotRegularFile`] or [`Error::SceneMemory`]. Libraries that cannot be
-    /// read are omissions.
+    /// Returns [`Error::OutsideScene`], [`Error::NotRegularFile`] or [`Error::SceneMemory`]. Libraries that
+    /// cannot be read are omissions.
     pub(super) fn read(
         files: &Files<'_>,
         statements: &[Name],
@@ -134,7 +136,8 @@ impl Library {
         Ok(out)
     }
 
-    /// The index of a name that the file uses; that of the default material, which follows the list, for others.
+    /// The index of the material with a name that the file uses. For other names, it is that of the default
+    /// material, which follows the list.
     pub(super) fn index(&self, name: &Name) -> u32 {
         self.index_of.get(name).copied().unwrap_or_else(|| self.default_index())
     }
@@ -150,10 +153,10 @@ impl Library {
         self.list.iter().map(|m| m.material(options)).chain([default]).collect()
     }
 
-    /// Reports what is lost of the materials that are used.
+    /// Reports undefined materials and unsupported features among the materials that are used.
     pub(super) fn report(&self, used: &[bool], options: &LoadOptions, notes: &mut LoadNotes) {
         let used = || self.list.iter().zip(used).enumerate().filter(|(_, (_, used))| **used);
-        // If a library is lost, so are the names that it defines.
+        // A missing library would explain undefined names, so report these only if all libraries were read.
         if self.complete {
             let undefined: Vec<&[u8]> =
                 used().filter(|&(i, _)| i >= self.defined).map(|(_, (m, _))| m.name.as_bytes()).collect();
@@ -187,7 +190,7 @@ struct Reader<'r, 'a> {
 }
 
 impl Reader<'_, '_> {
-    /// Reads the libraries of a statement. Its name may contain spaces, or there may be several.
+    /// Reads the libraries of a statement. The statement may hold one name with spaces, or several names.
     fn read_statement(&mut self, statement: &Name, notes: &mut LoadNotes) -> Result<()> {
         self.files.note(statement)?;
         let names = several(&statement.short, ENDING);
@@ -217,7 +220,8 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// Reads the libraries that the words of a text name. If none of them does, the text is one name.
+    /// Reads the libraries that the words of a text name. If no word names a library, the whole text counts
+    /// as one name.
     fn read_words(&mut self, text: &[u8], notes: &mut LoadNotes) -> Result<()> {
         let found: Vec<_> = words(text).map(|word| (word, self.files.locate(LIBRARY, &[word]))).collect();
         if found.iter().all(|(_, found)| matches!(found, Err(Error::Io(_)))) {
@@ -259,7 +263,7 @@ impl Reader<'_, '_> {
                 return Ok(());
             }
         };
-        // Lines that are joined are copied.
+        // Joining continued lines makes copies.
         let copied = text.len() as u64 * 2;
         sources.budget.charge(copied, || format!("the text of {:?}", shown(name)))?;
         self.parse(&text, notes)?;
@@ -314,7 +318,7 @@ impl Reader<'_, '_> {
         Ok(())
     }
 
-    /// Gives their names to the materials of a library, which begin at index `first`.
+    /// Names the materials of a library, which begin at index `first`.
     fn define(&mut self, first: usize, names: &[Name], notes: &mut LoadNotes) {
         let (mut long, mut short): (HashMap<Vec<u8>, u32>, HashMap<Vec<u8>, u32>) = Default::default();
         let mut twice: Vec<&[u8]> = Vec::new();
@@ -327,7 +331,7 @@ impl Reader<'_, '_> {
             }
             let is_other = short.insert(name.short.clone(), index as u32).is_some() && earlier.is_none();
             if let Some(mtl) = self.list.get_mut(index) {
-                // Names that differ only behind a `#` are told apart by it.
+                // If names differ only after a `#`, show that part.
                 mtl.name = shown(if is_other { &name.long } else { &name.short }).into_owned();
             }
         }
@@ -347,7 +351,7 @@ impl Reader<'_, '_> {
 }
 
 impl Mtl {
-    /// Whether two materials differ in their names at most.
+    /// Whether two materials are equal except for their names.
     fn same_as(&self, other: &Self) -> bool {
         Self { name: String::new(), ..self.clone() } == Self { name: String::new(), ..other.clone() }
     }

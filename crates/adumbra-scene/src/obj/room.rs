@@ -1,9 +1,10 @@
-//! Vectors that grow within the memory budget: what they are about to hold is counted before it is allocated.
+//! Vectors that grow within the memory budget: their memory is counted before it is allocated.
 
 use crate::Result;
 use crate::budget::Budget;
 
-/// Makes room for `more` elements: doubles the capacity if it is too small. `what` describes the elements in the error.
+/// Makes room for `more` elements: doubles the capacity if it is too small. `what` describes the elements in
+/// the error.
 ///
 /// # Errors
 /// Returns [`crate::Error::SceneMemory`] if the vector and its larger copy exceed the budget.

@@ -1,4 +1,5 @@
-//! The first reading of an OBJ file: its vertices, the names in it, and how many statements of each kind it has.
+//! The first pass over an OBJ file: its vertices, the names in it, and how many statements of each kind it
+//! has.
 
 use hashbrown::HashSet;
 
@@ -31,7 +32,7 @@ pub(super) enum Kind {
     Command,
     /// `shadow_obj`.
     ShadowObject,
-    /// States nothing that shadows depend on.
+    /// Does not affect shadows.
     Other,
     Unknown,
 }
@@ -52,8 +53,8 @@ impl Kind {
             b"call" => Self::Call,
             b"csh" => Self::Command,
             b"shadow_obj" => Self::ShadowObject,
-            // Normals, smoothing, display and textures in general; and the parts of curves and surfaces, which are
-            // counted by what they belong to.
+            // Normals, smoothing, display and textures in general; also the parts of curves and surfaces,
+            // which are counted with their curve or surface.
             b"vn" | b"vp" | b"s" | b"mg" | b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"maplib"
             | b"usemap" | b"trace_obj" | b"ctech" | b"stech" | b"cstype" | b"deg" | b"bmat" | b"step"
             | b"curv2" | b"parm" | b"trim" | b"hole" | b"scrv" | b"sp" | b"end" | b"con" | b"res" => {
@@ -65,7 +66,7 @@ impl Kind {
     }
 }
 
-/// What the first reading has found.
+/// The result of the first pass.
 #[derive(Default)]
 pub(super) struct Survey {
     /// Positions, with `offset` subtracted.
@@ -91,7 +92,8 @@ impl Survey {
     /// Reads everything but the faces.
     ///
     /// # Errors
-    /// Returns [`crate::Error::SceneParse`] for a vertex without three numbers, or [`crate::Error::SceneMemory`].
+    /// Returns [`crate::Error::SceneParse`] for a vertex without three numbers, or
+    /// [`crate::Error::SceneMemory`].
     pub(super) fn of(sources: &Sources<'_>, text: &[u8]) -> Result<Self> {
         let budget = &sources.budget;
         let mut out = Self::default();
@@ -142,7 +144,7 @@ impl Survey {
         Ok(out)
     }
 
-    /// Records what the scene lacks.
+    /// Records the statements that are left out of the scene.
     pub(super) fn report(&self, notes: &mut LoadNotes) {
         notes.omit("lines", self.lines);
         notes.omit("points", self.points);
@@ -154,7 +156,8 @@ impl Survey {
     }
 }
 
-/// The texture coordinates of a file, of which there are `count`; values that are missing or not finite become 0.
+/// The texture coordinates of a file, of which there are `count`; values that are missing or not finite
+/// become 0.
 ///
 /// # Errors
 /// Returns [`crate::Error::SceneMemory`] if they exceed the budget.

@@ -1,17 +1,18 @@
 //! The text of OBJ and MTL files: encodings, lines, statements, words and numbers.
 //!
-//! Text is handled as bytes, because neither format states an encoding: names are compared byte by byte, and shown as
-//! UTF-8 or else as Latin-1. A line ends in LF, CR or both. A `#` at the beginning of a word begins a comment, which
-//! ends with its line; one inside a word belongs to the word. A backslash at the end of a line joins it to the next,
-//! unless the line ends in a comment. NUL bytes count as white space.
+//! Text is handled as bytes, because neither format states an encoding: names are compared byte by byte, and
+//! shown as UTF-8 or else as Latin-1. A line ends in LF, CR or both. A `#` at the beginning of a word begins
+//! a comment, which ends with its line; one inside a word belongs to the word. A backslash at the end of a
+//! line joins it to the next, unless the line ends in a comment. NUL bytes count as white space.
 
 use std::borrow::Cow;
 
 use crate::Result;
 use crate::budget::Budget;
 
-/// Removes a byte-order mark, and converts UTF-16 to UTF-8; text that begins with a NUL byte, or has one behind its first
-/// character, is UTF-16 without its mark. The inner error is a clause for a message. The budget already holds the bytes.
+/// Removes a byte-order mark, and converts UTF-16 to UTF-8. Text whose first two characters each have a NUL
+/// byte before or after them is UTF-16 without a mark. The inner error is a clause for a message. The budget
+/// already holds the bytes.
 ///
 /// # Errors
 /// Returns [`crate::Error::SceneMemory`] if the converted text exceeds the budget.
@@ -51,16 +52,16 @@ pub(super) struct Statements<'t> {
     joined: Vec<u8>,
 }
 
-/// One statement: a keyword and what follows it.
+/// One statement: a keyword and the text after it.
 #[derive(Clone, Copy)]
 pub(super) struct Statement<'s> {
     /// Its first line, counted from 1.
     pub(super) line: usize,
-    /// Its first word; empty if lines were joined that hold nothing.
+    /// Its first word; empty if the joined lines are blank.
     pub(super) keyword: &'s [u8],
-    /// What follows the keyword, without white space around it and without a comment.
+    /// The text after the keyword, without surrounding white space and without a comment.
     pub(super) rest: &'s [u8],
-    /// The same with the comment.
+    /// The same text, including the comment.
     pub(super) whole: &'s [u8],
 }
 
@@ -126,13 +127,13 @@ impl<'s> Statement<'s> {
     }
 }
 
-/// A name that a statement states up to the end of its line. It is ambiguous if it holds a word that begins with `#`:
-/// `usemtl wood # oak` has a comment, `usemtl Material #25` has none.
+/// A name that a statement states up to the end of its line. It is ambiguous if it holds a word that begins
+/// with `#`: `usemtl wood # oak` has a comment, `usemtl Material #25` has none.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct Name {
     /// Without the comment.
     pub(super) short: Vec<u8>,
-    /// With it.
+    /// Including the comment.
     pub(super) long: Vec<u8>,
 }
 
@@ -149,8 +150,8 @@ pub(super) fn words(text: &[u8]) -> impl DoubleEndedIterator<Item = &[u8]> + Clo
     text.split(is_space).filter(|word| !word.is_empty())
 }
 
-/// A number as programs write it: NaN for any of the spellings that mean one, such as `-nan(ind)` and `1.#QNAN`. A
-/// comment may follow without white space.
+/// Parses a number as programs write it. Any spelling that means NaN, such as `-nan(ind)` and `1.#QNAN`,
+/// gives NaN. A comment may follow without white space.
 pub(super) fn number(word: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(word).ok()?;
     if let Ok(number) = text.parse() {
@@ -237,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn statements_of_all_kinds_of_lines() {
+    fn splits_lines_of_all_kinds_into_statements() {
         let is = |text: &str, expected: &[(usize, &str, &str)]| {
             let expected: Vec<_> =
                 expected.iter().map(|&(l, k, r)| (l, k.to_owned(), r.to_owned())).collect();
@@ -254,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_as_programs_write_them() {
+    fn parses_numbers_as_programs_write_them() {
         for nan in ["nan", "NaN", "-nan(ind)", "1.#IND", "-1.#IND00", "1.#QNAN", "+1.#INF", "-nan"] {
             assert!(number(nan.as_bytes()).is_some_and(f64::is_nan), "{nan}");
         }
@@ -268,7 +269,7 @@ mod tests {
     }
 
     #[test]
-    fn encodings_are_told_by_their_marks() {
+    fn detects_encodings_with_and_without_marks() {
         let budget = Budget::new(Path::new("scene.obj"), None);
         let text = "v 1 # \u{e9}\u{1f333}\n";
         let units: Vec<u16> = text.encode_utf16().collect();

@@ -1,14 +1,14 @@
-//! The header of a PLY file: its keywords, types and elements (Greg Turk, *The PLY Polygon File Format*, 1994, with the
-//! reserved words of his reader).
+//! The header of a PLY file: its keywords, types and elements (Greg Turk, *The PLY Polygon File Format*,
+//! 1994, with the reserved words of his reader).
 //!
-//! Beyond that text, as in common files: a byte-order mark, blank lines, several blanks between words, `comment` and
-//! `obj_info` anywhere and in any encoding, the types with stated sizes (`int8` … `float64`), and the line ends of the
-//! first line throughout, which are LF, CRLF or CR.
+//! Extensions of that text that common files need: a byte-order mark, blank lines, several blanks between
+//! words, `comment` and `obj_info` anywhere and in any encoding, and the types with stated sizes (`int8` …
+//! `float64`). The line end of the first line, LF, CRLF or CR, applies to the whole header.
 
 use crate::Result;
 use crate::sources::Sources;
 
-/// More elements than this are refused. Real files have fewer than ten.
+/// Maximum number of elements in a header. Real files have fewer than ten.
 const MAX_ELEMENTS: usize = 1000;
 /// Names are shown in messages up to this many characters.
 const SHOWN_CHARS: usize = 40;
@@ -89,7 +89,7 @@ pub(super) struct Element<'a> {
     pub(super) properties: Vec<Property<'a>>,
 }
 
-/// What the header says.
+/// The parsed header.
 #[derive(Debug)]
 pub(super) struct Header<'a> {
     pub(super) format: Format,
@@ -232,7 +232,7 @@ impl<'a> Lines<'a> {
 impl<'a> Iterator for Lines<'a> {
     type Item = Vec<&'a [u8]>;
 
-    /// Up to five words of the next line: no line that is read has more.
+    /// Returns up to five words of the next line. No statement that is read has more.
     fn next(&mut self) -> Option<Self::Item> {
         let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
         let length = rest.iter().position(|&b| b == self.end).unwrap_or(rest.len());
@@ -248,7 +248,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_are_shown_short_and_without_control_characters() {
+    fn shown_words_are_shortened_and_escaped() {
         assert_eq!(shown(b"vertex_indices"), "vertex_indices");
         assert_eq!(shown("größe".as_bytes()), "größe");
         assert_eq!(shown(b"gr\xf6\xdfe"), "größe");
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_line_end_holds_for_the_header() {
+    fn first_line_end_applies_to_the_whole_header() {
         let bodies = |bytes: &[u8]| {
             let mut lines = Lines::new(bytes);
             lines.find(|words| words == &[b"end_header"]).expect("is there");

@@ -1,5 +1,5 @@
-//! Random PLY files, whole and damaged. Whole ones load alike in every format. Damaged ones load or are refused, without
-//! a panic, and never with more than [`FILE_MULTIPLE`] times the file's size.
+//! Random PLY files, valid and damaged. A valid file loads identically in every format. A damaged file loads
+//! or is rejected, without a panic and with at most [`FILE_MULTIPLE`] times the file's size in memory.
 //!
 //! A case depends on its seed alone. `ADUMBRA_FUZZ_SECONDS=600` runs from seed 0 on for that many seconds:
 //! `ADUMBRA_FUZZ_SECONDS=600 cargo test --release -p adumbra-scene --lib ply::mutations -- --nocapture`.
@@ -74,7 +74,7 @@ fn valid(dice: &mut Random) -> Ply {
     Ply { elements }
 }
 
-/// Appends a property that nothing needs, and its values.
+/// Appends an unused property and its values.
 fn add_spare(dice: &mut Random, element: &mut PlyElement, number: usize) {
     let is_list = dice.chance(0.4);
     let kind = dice.pick(&SCALARS);
@@ -166,7 +166,7 @@ fn damage(dice: &mut Random, bytes: &[u8], header: usize) -> Vec<u8> {
     out
 }
 
-/// What a run has seen.
+/// The counts of a run.
 #[derive(Debug, Default)]
 struct Totals {
     seeds: u64,
@@ -180,7 +180,7 @@ struct Totals {
     unusable: u64,
 }
 
-/// Loads a file whose bytes are these.
+/// Loads a file with these bytes.
 fn load(bytes: &[u8]) -> Result<Scene> {
     let limit = FILE_MULTIPLE * bytes.len() as u64;
     let options = LoadOptions { max_memory_bytes: Some(limit), ..LoadOptions::default() };
@@ -232,7 +232,7 @@ impl Totals {
     }
 }
 
-/// Checks what every loaded scene promises.
+/// Checks the invariants of every loaded scene.
 fn check_scene(scene: &Scene, seed: u64) {
     let mesh = &scene.meshes[0];
     assert!(
@@ -244,7 +244,7 @@ fn check_scene(scene: &Scene, seed: u64) {
     assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < vertices), "seed {seed}");
 }
 
-/// A scene, or why there is none, as a text to compare.
+/// A scene, or the error in its place, as text to compare.
 fn summary(result: Result<Scene>, seed: u64) -> String {
     match result {
         Ok(scene) => {
@@ -257,7 +257,7 @@ fn summary(result: Result<Scene>, seed: u64) -> String {
 }
 
 #[test]
-fn random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
+fn all_formats_load_alike_and_damage_never_panics() {
     let time = fuzz_time();
     let mut totals = Totals::default();
     let started = Instant::now();
@@ -277,7 +277,7 @@ fn random_files_load_alike_and_damaged_ones_are_refused_within_bounds() {
 }
 
 #[test]
-fn the_densest_files_take_no_more_memory_than_stated() {
+fn densest_files_load_within_the_memory_multiple() {
     let bytes = ["char x", "char y", "char z"];
     let corners: Vec<f64> = (0..300_000).map(|i| f64::from(i % 100)).collect();
     let points: Vec<[f64; 3]> =

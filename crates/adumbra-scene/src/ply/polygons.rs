@@ -6,9 +6,9 @@ use crate::budget::Budget;
 /// Polygons or triangle strips with three or more corners.
 #[derive(Debug, Default)]
 pub(super) struct Polygons {
-    /// The corners of all, each a vertex's index.
+    /// The corners of all polygons, as vertex indices.
     pub(super) corners: Vec<u32>,
-    /// The end of each in `corners`.
+    /// The end of each polygon in `corners`.
     ends: Vec<usize>,
 }
 
@@ -22,7 +22,7 @@ impl Polygons {
         grow(&mut self.corners, more, budget, || format!("{corners} corners of faces"))
     }
 
-    /// Ends the last one at the present corner, and returns how many corners it has. If these are fewer than three, it
+    /// Ends the current polygon, and returns how many corners it has. A polygon with fewer than three corners
     /// is removed.
     ///
     /// # Errors
@@ -44,12 +44,12 @@ impl Polygons {
         self.ends.len() as u64
     }
 
-    /// Number of triangles that they are cut into, or that the strips state.
+    /// Number of triangles that the polygons are cut into, or that the strips state.
     pub(super) fn triangles(&self) -> usize {
         self.corners.len() - 2 * self.ends.len()
     }
 
-    /// The largest number of corners of one.
+    /// The largest number of corners of a polygon.
     pub(super) fn largest(&self) -> usize {
         self.iter().map(<[u32]>::len).max().unwrap_or(0)
     }

@@ -1,7 +1,8 @@
-//! The records of a PLY file: vertices, faces and triangle strips are kept, all others are passed over and counted.
+//! The records of a PLY file: vertices, faces and triangle strips are kept, all others are skipped and
+//! counted.
 //!
-//! Turk's definition names the elements `vertex` and `face` and the list `vertex_indices`. His tools and those of
-//! Stanford's scanning repository also write `tristrips`, whose list holds strips that -1 separates.
+//! Turk's definition names the elements `vertex` and `face` and the list `vertex_indices`. His tools and
+//! those of Stanford's scanning repository also write `tristrips`, whose list holds strips that -1 separates.
 
 use std::path::Path;
 
@@ -16,7 +17,7 @@ pub(super) const STATED_BYTES: u64 = 24;
 /// Bytes per vertex of the mesh: twice its position and once its new index.
 pub(super) const VERTEX_BYTES: u64 = 28;
 
-/// What is kept of a file.
+/// The records that are kept from a file.
 #[derive(Debug, Default)]
 pub(super) struct Records {
     pub(super) positions: Vec<[f64; 3]>,
@@ -24,7 +25,7 @@ pub(super) struct Records {
     pub(super) strips: Polygons,
 }
 
-/// Reads all records, and notes what is left out. Every corner that is kept is the index of a vertex.
+/// Reads all records, and notes the omissions. Every corner that is kept is the index of a vertex.
 pub(super) fn read(
     sources: &Sources<'_>,
     bytes: &[u8],
@@ -43,7 +44,7 @@ pub(super) fn read(
     }
 }
 
-/// What is done with a property.
+/// How a property is used.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Use {
     Skip,
@@ -58,7 +59,7 @@ enum Use {
 /// Why a record cannot be read.
 enum Stop {
     Value(Fault),
-    /// A list has this many items.
+    /// A list has this many items, a negative number.
     Length(i64),
     /// A list has this many items, more than the file can hold.
     LongList(i64),
@@ -79,7 +80,7 @@ impl From<Error> for Stop {
     }
 }
 
-/// Records under way.
+/// The records read so far.
 #[derive(Default)]
 struct Progress {
     records: Records,
@@ -167,8 +168,8 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// The error for an element that has more records than the file can hold. Nothing is kept: this only finds the
-    /// record that is cut off.
+    /// The error for an element that has more records than the file can hold. Nothing is kept, because this
+    /// only finds the record that is cut off.
     fn cut_off<V: Values>(&self, element: &Element<'_>, values: &mut V) -> Error {
         let (mut nowhere, mut nothing) = ([0.0; 3], Progress::default());
         for index in 0..element.count {
@@ -291,7 +292,7 @@ fn is_separator(corner: i64, kind: Kind) -> bool {
     corner == -1 || kind == Kind::U32 && corner == i64::from(u32::MAX)
 }
 
-/// What is left out with an element, as a plural.
+/// The omission that an unused element causes, as a plural.
 fn omission(element: &Element<'_>, plan: &[Use]) -> Option<String> {
     if plan.iter().any(|&task| task != Use::Skip) {
         return None;
@@ -303,8 +304,8 @@ fn omission(element: &Element<'_>, plan: &[Use]) -> Option<String> {
     })
 }
 
-/// The list that holds the corners: `vertex_indices` as Turk's tools call it, `vertex_index` as his text has it, or the
-/// only list of integers that is for nothing else.
+/// The list that holds the corners: `vertex_indices` as Turk's tools call it, `vertex_index` as his text
+/// calls it, or the only list of integers without another known purpose.
 fn corner_list(properties: &[Property<'_>]) -> Option<usize> {
     let list = |p: &Property<'_>| p.list.is_some();
     for name in [&b"vertex_indices"[..], b"vertex_index"] {

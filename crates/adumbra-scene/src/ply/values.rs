@@ -1,8 +1,8 @@
-//! The values of a PLY file's records, one after another: words of text, or numbers of stated sizes in either byte
-//! order.
+//! The values of a PLY file's records, one after another: words of text, or numbers of stated sizes in either
+//! byte order.
 //!
-//! Text is a sequence of words: records may run over several lines or share one. Any byte up to the space separates
-//! them.
+//! Text is a sequence of words: records may run over several lines or share one. Any byte up to the space
+//! separates them.
 
 use super::header::{Kind, shown};
 
@@ -11,19 +11,19 @@ use super::header::{Kind, shown};
 pub(super) enum Fault {
     /// The file ends before the value does.
     End,
-    /// The value is not what its property needs; both as a message names them.
+    /// The value does not fit its property. Both texts are worded for a message.
     Unfit { found: String, wanted: &'static str },
 }
 
-/// A file's records from some value on.
+/// Reads the values of a file's records, one after another.
 pub(super) trait Values {
     /// Number of bytes that are left.
     fn left(&self) -> usize;
 
-    /// The fewest bytes that a value of this type takes. In text, a separator is among them.
+    /// The fewest bytes that a value of this type takes, including its separator in text.
     fn least(kind: Kind) -> usize;
 
-    /// Passes over `count` values of type `kind`, whatever they are.
+    /// Skips `count` values of type `kind`, whatever they are.
     fn skip(&mut self, count: usize, kind: Kind) -> Result<(), Fault>;
 
     /// The next value.
@@ -32,10 +32,10 @@ pub(super) trait Values {
     /// The next value as a whole number; one out of range becomes the nearest of an `i64`.
     fn whole(&mut self, kind: Kind) -> Result<i64, Fault>;
 
-    /// Number of the line, from 1, in which the last value is, if there are lines.
+    /// The line of the last value, counted from 1; `None` in a binary file.
     fn line(&self) -> Option<usize>;
 
-    /// Number of values from here to the end, if that can be told.
+    /// Number of values from here to the end, or 0 if it is unknown.
     fn count_rest(&mut self) -> u64;
 }
 
@@ -131,7 +131,8 @@ fn digits_of(word: &[u8]) -> Option<i64> {
     Some(if negative { -whole } else { whole })
 }
 
-/// A number, also as C libraries print what is not finite: `nan(ind)`, `-1.#IND`, `1.#QNAN`, `1.#INF00`.
+/// Parses a number, including non-finite values as C libraries print them: `nan(ind)`, `-1.#IND`,
+/// `1.#QNAN`, `1.#INF00`.
 fn number_of(word: &[u8]) -> Option<f64> {
     let text = std::str::from_utf8(word).ok()?;
     if let Ok(number) = text.parse() {
@@ -146,7 +147,7 @@ fn number_of(word: &[u8]) -> Option<f64> {
     (starts(b"nan") || starts(b"1.#")).then_some(f64::NAN)
 }
 
-/// Values in a binary file; `BIG` for the byte order with the largest byte first.
+/// Values in a binary file; `BIG` means big-endian.
 pub(super) struct Binary<'a, const BIG: bool> {
     rest: &'a [u8],
 }
@@ -156,7 +157,7 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
         Self { rest: body }
     }
 
-    /// The next `N` bytes, the smallest first.
+    /// The next `N` bytes, converted to little-endian order.
     fn take<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
         let (&bytes, rest) = self.rest.split_first_chunk::<N>().ok_or(Fault::End)?;
         self.rest = rest;
@@ -213,7 +214,7 @@ impl<const BIG: bool> Values for Binary<'_, BIG> {
         None
     }
 
-    /// Bytes after the last record have no type.
+    /// Bytes after the last record have no type, so they cannot be counted as values.
     fn count_rest(&mut self) -> u64 {
         0
     }
@@ -224,7 +225,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_as_programs_write_them() {
+    fn parses_numbers_as_programs_write_them() {
         let number = |text: &str| number_of(text.as_bytes());
         for (text, value) in
             [("1", 1.0), ("-.5", -0.5), ("+5.", 5.0), ("1E3", 1000.0), ("0.1", 0.1), ("-0", 0.0)]
@@ -262,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_numbers_in_text() {
+    fn parses_whole_numbers_in_text() {
         let text = "7 -1 +3 3.0 1e2 99999999999999999999 -1e300 0.5 nan x";
         let mut values = Text::new(text.as_bytes(), 0);
         let mut next = || values.whole(Kind::U8);
@@ -275,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn lines_end_in_lf_crlf_or_cr() {
+    fn counts_lines_that_end_in_lf_crlf_or_cr() {
         for (text, line) in
             [("a\nb\n\nz", 4), ("a\r\nb\r\n\r\nz", 4), ("a\rb\r\rz", 4), ("z", 1), ("\tz\n", 1)]
         {
@@ -286,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_of_every_type_and_byte_order() {
+    fn reads_numbers_of_every_type_and_byte_order() {
         let mut little = Vec::new();
         little.extend((-2_i8).to_le_bytes());
         little.extend(200_u8.to_le_bytes());

@@ -1,9 +1,10 @@
-//! Finds the shells that are inside solids by signed ray crossings. All shells in a solid are tested in one pass over
-//! its triangles.
+//! Finds the shells that are inside solids by signed ray crossings. All shells in a solid are tested in one
+//! pass over its triangles.
 //!
-//! The ray runs almost along +Y, with an irregular shear so that it hits no edge of an axis-aligned model. Points are
-//! first sheared onto a plane, identically for every use of a vertex, and the side of an edge is antisymmetric in its
-//! ends even after rounding. Adjacent triangles therefore agree about a ray that passes between them.
+//! The ray runs almost along +Y, with an irregular shear so that it hits no edge of an axis-aligned model.
+//! Points are first sheared onto a plane, identically for every use of a vertex, and the side of an edge is
+//! antisymmetric in its ends even after rounding. Adjacent triangles therefore agree about a ray that passes
+//! between them.
 
 use crate::topology::{Component, Mesh, PartBounds, corners};
 use adumbra::grid::vec3::{cross, dot};
@@ -42,8 +43,8 @@ struct Probe {
 
 /// Those of `shells` that are inside one of the components already marked solid.
 ///
-/// Cost: box tests first, by blocks of solids sorted along x. Then, for each solid, one pass over its triangles, each
-/// tested against the probes in its range of u.
+/// Cost: box tests first, by blocks of solids sorted along x. Then, for each solid, one pass over its
+/// triangles, each tested against the probes in its range of u.
 pub(super) fn shells_inside_solids(
     parts: &Components<'_>,
     components: &[Component],
@@ -97,7 +98,8 @@ fn candidates(parts: &Components<'_>, components: &[Component], shells: &[u32]) 
     solids.into_iter().zip(probes_of_solid).filter(|(_, probes)| !probes.is_empty()).collect()
 }
 
-/// The centroid of the shell's largest triangle, which is less likely than a corner to touch surrounding geometry.
+/// The centroid of the shell's largest triangle, which is less likely than a corner to touch surrounding
+/// geometry.
 fn probe_of(parts: &Components<'_>, shell: u32) -> Probe {
     let mut best = (f64::NEG_INFINITY, [[0.0; 3]; 3]);
     for &t in parts.triangles(shell) {

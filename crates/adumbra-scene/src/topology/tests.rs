@@ -3,7 +3,7 @@
 use crate::topology::*;
 use crate::{AlphaMode, Material};
 
-/// Adds the twelve triangles of a box, as six faces with four vertices of their own.
+/// Adds the twelve triangles of a box, as six faces with four separate vertices each.
 fn hard_box(mesh: &mut Mesh, min: [f32; 3], max: [f32; 3], inverted: bool) {
     let corner = |i: usize| [0, 1, 2].map(|a| if i >> a & 1 == 0 { min[a] } else { max[a] });
     for face in [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]] {
@@ -98,11 +98,13 @@ fn room_beside_a_box_or_around_it_is_not_solid() {
 
 #[test]
 fn room_in_the_notch_of_a_solid_is_not_solid() {
-    // An L made of two boxes joined at a whole face. Its bounding box contains the room, but the solid does not.
+    // An L made of two boxes joined at a whole face. Its bounding box contains the room, but the solid does
+    // not.
     let l = [([0.0, 0.0, 0.0], [1.0, 1.0, 4.0], false), ([1.0, 0.0, 0.0], [4.0, 1.0, 4.0], false)];
     let mut mesh = boxes(&l);
     for p in &mut mesh.positions {
-        // Pulls the second box's far end up, so that the component's box is 5 high there and the corner below is free.
+        // Pulls the second box's far end up, so that the component's box is 5 high there and the corner below
+        // is free.
         if p[0] == 4.0 {
             p[1] += 4.0;
         }
@@ -113,7 +115,7 @@ fn room_in_the_notch_of_a_solid_is_not_solid() {
 }
 
 #[test]
-fn solid_in_a_cavity_and_many_cavities() {
+fn solids_in_many_cavities_are_solid() {
     let mut list = vec![([-1.0; 3], [20.0; 3], false)];
     for i in 0..200_usize {
         let low = [(i % 6) as f32 * 3.0, (i / 6 % 6) as f32 * 3.0, (i / 36) as f32 * 3.0];
@@ -136,7 +138,7 @@ fn cavity_in_a_masked_box_is_not_solid() {
 }
 
 #[test]
-fn masked_transmissive_and_unseen_materials_make_no_solid() {
+fn masked_transmissive_and_non_casting_materials_make_no_solid() {
     let base = Material::opaque("odd", [1.0; 4]);
     let odd = [
         Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..base.clone() },

@@ -1,5 +1,6 @@
-//! A generated scene, compressed by `gltf-transform` (npm: `@gltf-transform/cli`) under every method and speed. Skipped
-//! with a message where that program is neither on the path nor named by `ADUMBRA_GLTF_TRANSFORM`.
+//! A generated scene, compressed by `gltf-transform` (npm: `@gltf-transform/cli`) under every method and
+//! speed. Skipped with a message if that program is neither on the path nor named by
+//! `ADUMBRA_GLTF_TRANSFORM`.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -35,7 +36,7 @@ fn compress(program: &OsString, from: &Path, to: &Path, method: &str, speed: &st
 }
 
 #[test]
-fn draco_by_the_real_encoder_equals_the_scene() {
+fn draco_files_of_gltf_transform_equal_the_scene() {
     let Some(program) = encoder() else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [from, to] = ["plain.glb", "compressed.glb"].map(|name| folder.path().join(name));
@@ -43,7 +44,7 @@ fn draco_by_the_real_encoder_equals_the_scene() {
     let plain = load(&from, &LoadOptions::default()).expect("loads");
     for method in ["edgebreaker", "sequential"] {
         for speed in ["0", "3", "5", "10"] {
-            // No bits: floats are kept.
+            // With 0 bits, floats are not quantized.
             let lossless = compress(&program, &from, &to, method, speed, "0");
             assert!(triangles(&lossless) == triangles(&plain), "{method} {speed}");
             let quantized = compress(&program, &from, &to, method, speed, "14");

@@ -1,11 +1,11 @@
-//! The compressed files, opened for changes, and the comparison of scenes.
+//! The compressed files, opened for editing, and the comparison of scenes.
 
 use std::path::PathBuf;
 
 use adumbra_scene::{LoadOptions, Result, Scene, load};
 use serde_json::{Value, json};
 
-/// A `.glb` under change: editable JSON, and the binary chunk.
+/// A `.glb` being edited: editable JSON, and the binary chunk.
 #[derive(Clone)]
 pub(crate) struct Fixture {
     pub(crate) json: Value,
@@ -56,7 +56,7 @@ impl Fixture {
     }
 }
 
-/// Every triangle of every mesh, each turned to begin with its smallest corner, all sorted.
+/// Every triangle of every mesh, each rotated to begin with its smallest corner, all sorted.
 pub(crate) fn triangles(scene: &Scene) -> Vec<(String, u32, [Corner; 3])> {
     let mut out = Vec::new();
     for mesh in &scene.meshes {
@@ -75,8 +75,8 @@ pub(crate) fn triangles(scene: &Scene) -> Vec<(String, u32, [Corner; 3])> {
     out
 }
 
-/// Asserts that each triangle of `plain` has one in `other` whose corners are within `step` of its own, and that
-/// nothing is left over.
+/// Asserts that each triangle of `plain` matches one in `other` whose corners are within `step` of its own,
+/// and that no triangle of `other` remains unmatched.
 #[cfg(feature = "draco")]
 pub(crate) fn assert_close(plain: &Scene, other: &Scene, step: f32, uv_step: f32) {
     let (plain, mut others) = (triangles(plain), triangles(other));

@@ -1,4 +1,4 @@
-//! What is decoded, and what is refused.
+//! Which streams are decoded, and which are rejected.
 
 use adumbra_scene::{Error, LoadOptions};
 use serde_json::{Value, json};
@@ -12,7 +12,7 @@ fn primitives(fixture: &mut Fixture) -> impl Iterator<Item = &mut Value> {
     meshes.iter_mut().flat_map(|m| m["primitives"].as_array_mut().expect("primitives"))
 }
 
-/// The error of a broken file; checks that it names the mesh and the primitive.
+/// The error of a broken file. Checks that it names the mesh and the primitive.
 fn refused(fixture: &Fixture) -> String {
     let error = fixture.load().expect_err("is broken");
     assert!(matches!(error, Error::SceneParse { .. }), "{error}");
@@ -35,8 +35,8 @@ fn draco_lossless_triangles_equal_the_plain_ones() {
 #[test]
 fn draco_quantised_triangles_are_within_half_a_step() {
     let plain = Fixture::read("plain").load().expect("loads");
-    // Positions have 12 bits for the 8 units of the longest side, and the torus has joint weights of 8 bits, which move
-    // it by a unit.
+    // Positions have 12 bits for the 8 units of the longest side. The joint weights of the torus have 8 bits,
+    // and move it by one step.
     let (step, weight, uv_step) = (8.0 / 4095.0 / 2.0, 1.0 / 255.0, 1.0 / 1023.0 / 2.0);
     for name in ["edgebreaker-quantized", "edgebreaker-quantized-slow", "sequential-quantized"] {
         let scene = Fixture::read(name).load().expect(name);
@@ -89,7 +89,7 @@ fn draco_strips_hold_the_same_triangles() {
 
 #[test]
 fn draco_attributes_outside_the_stream_are_read_from_their_accessors() {
-    // In a sequential stream the points are those of the plain file.
+    // In a sequential stream, the points are in the same order as in the plain file.
     let (mut fixture, plain) = (Fixture::read("sequential-lossless"), Fixture::read("plain"));
     let expected = triangles(&plain.load().expect("loads"));
     let color = |f: &Fixture| f.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"].as_u64();
@@ -112,8 +112,9 @@ fn draco_attributes_outside_the_stream_are_read_from_their_accessors() {
 }
 
 #[test]
-fn draco_counts_of_an_older_mesh_are_forgiven() {
-    // The accessors state fewer points than the stream has, as before a mesh was cut along its seams.
+fn draco_accepts_point_counts_of_the_mesh_before_seam_cuts() {
+    // The accessors state fewer points than the stream has, like those of a mesh before it was cut along its
+    // seams.
     for name in ["edgebreaker-lossless", "sequential-lossless"] {
         let mut fixture = Fixture::read(name);
         let stated = triangles(&fixture.load().expect("loads"));
@@ -127,7 +128,7 @@ fn draco_counts_of_an_older_mesh_are_forgiven() {
 }
 
 #[test]
-fn draco_contradictions_name_mesh_and_primitive() {
+fn draco_contradictions_are_errors_naming_mesh_and_primitive() {
     for name in ["edgebreaker-lossless", "sequential-lossless"] {
         let whole = Fixture::read(name);
         let mut fixture = whole.clone();
@@ -169,7 +170,7 @@ fn draco_contradictions_name_mesh_and_primitive() {
 }
 
 #[test]
-fn draco_normals_that_the_encoder_damages_are_named() {
+fn draco_integer_normals_are_an_error_with_advice() {
     let error = Fixture::read("integer-normals").load().expect_err("are refused").to_string();
     assert!(error.contains("primitive 0 of mesh \"leaf\"") && error.contains("normals as floats"), "{error}");
 }

@@ -1,4 +1,5 @@
-//! Damaged streams: whatever their bytes, a load returns a scene or an error, and holds no more memory than it may.
+//! Damaged streams: whatever their bytes, a load returns a scene or an error, and stays within its memory
+//! limit.
 //!
 //! The damage knows where a stream has its header, its counts, its connectivity and its attributes.
 //! `ADUMBRA_FUZZ_SECONDS=600` runs for that long, and `ADUMBRA_FUZZ_SEED` gives other cases.
@@ -36,7 +37,7 @@ impl Damage {
         [any, any, 0, 0xff, 0x7f, 0x80][self.below(6)]
     }
 
-    /// A place in a stream: the header, the counts, the connectivity or the attributes, equally often.
+    /// A position in a stream: in the header, the counts, the connectivity or the attributes, equally often.
     fn place(&mut self, length: usize) -> usize {
         let ends = [5, 11, 24, length / 3, length].map(|end| end.min(length));
         let part = self.below(4);
@@ -94,7 +95,7 @@ impl Damage {
 }
 
 #[test]
-fn draco_damage_is_an_error_or_a_scene_and_memory_is_bounded() {
+fn draco_damage_never_panics_and_memory_is_bounded() {
     let number = |name: &str| -> Option<u64> { Some(env::var(name).ok()?.parse().expect("a whole number")) };
     let seconds = fuzz_time();
     let seed = number("ADUMBRA_FUZZ_SEED").unwrap_or(1);

@@ -1,4 +1,4 @@
-//! Models as glTF 2.0, in the ways in which its definition allows them to be stored.
+//! Models as glTF 2.0, in the different ways in which the specification allows them to be stored.
 
 use adumbra_testing::glb;
 use base64::Engine;
@@ -105,7 +105,7 @@ impl Style {
     }
 }
 
-/// A file under construction.
+/// A file being built.
 struct File {
     json: Value,
     bin: Vec<u8>,
@@ -173,7 +173,7 @@ impl File {
         self.accessor(view, 5126, shape, values.len() / each)
     }
 
-    /// Positions; with the targets and the weights of a mesh if they are morphed.
+    /// Adds positions, and a morph target if the style is morphed. Returns both accessors.
     fn positions(&mut self, points: &[[f64; 3]], style: &Style) -> (usize, Option<usize>) {
         let flat: Vec<f64> = points.iter().flatten().copied().collect();
         match style.positions {
@@ -237,7 +237,7 @@ impl File {
     fn mesh(&mut self, mesh: &Mesh, style: &Style) -> Value {
         let runs: Vec<(u32, Vec<usize>)> = match style.mode {
             Mode::Triangles => vec![(4, mesh.triangles().concat())],
-            // The second triangle of a strip is turned over: b c a, then c d a.
+            // The second triangle of a strip is reversed: b c a, then c d a.
             Mode::Strips => mesh.faces.iter().map(|f| (5, strip(f))).collect(),
             Mode::Fans => mesh.faces.iter().map(|f| (6, f.clone())).collect(),
         };
@@ -274,7 +274,7 @@ impl File {
         json
     }
 
-    /// All vertices follow the one joint of their skin.
+    /// Lets all vertices follow the only joint of their skin.
     fn influences(&mut self, positions: usize, style: &Style) -> Option<(usize, usize)> {
         let Nodes::Skinned = style.nodes else { return None };
         let count = self.json["accessors"][positions]["count"].as_u64().expect("a count") as usize;
@@ -315,7 +315,7 @@ impl File {
             Nodes::Skinned => {
                 let joint = self.push("nodes", place);
                 let skin = self.push("skins", json!({"joints": [joint]}));
-                // A skinned node's own transform does not count.
+                // A skinned node's own transform is ignored.
                 let skinned =
                     self.push("nodes", json!({"mesh": mesh, "skin": skin, "translation": [1000, 0, 0]}));
                 self.push("nodes", json!({"children": [joint, skinned]}))

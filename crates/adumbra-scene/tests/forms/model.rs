@@ -21,10 +21,10 @@ pub(crate) struct Placement {
     pub(crate) offset: [f64; 3],
 }
 
-/// What every form of a model must give.
+/// The expected content of every form of a model.
 #[derive(PartialEq)]
 pub(crate) struct World {
-    /// The triangles with an area, as [`canonical`] has them.
+    /// The triangles with an area, in the order of [`canonical`].
     pub(crate) triangles: Vec<[[u64; 3]; 3]>,
     /// Whether there are triangles without an area.
     pub(crate) flat: bool,
@@ -71,7 +71,7 @@ impl Mesh {
                 mesh.positions.extend((0..3).map(|_| std::array::from_fn(|_| dice.quarters(60))));
                 mesh.faces.push((base..base + 3).collect());
             } else {
-                // A rectangle across one axis.
+                // Add a rectangle perpendicular to one axis.
                 let axis = dice.below(3);
                 let low: [f64; 3] = std::array::from_fn(|_| dice.quarters(60));
                 let (u, v) = (0.25 + dice.quarters(30).abs(), 0.25 + dice.quarters(30).abs());
@@ -83,7 +83,7 @@ impl Mesh {
                 }
                 mesh.faces.push((base..base + 4).collect());
             }
-            // Faces that share vertices, some of them without an area.
+            // Add faces that share vertices, some of them without an area.
             if dice.below(3) == 0 {
                 let corner = |dice: &mut Dice| dice.below(mesh.positions.len());
                 let face = vec![corner(dice), corner(dice), corner(dice)];
@@ -126,9 +126,9 @@ fn has_area([a, b, c]: [[f64; 3]; 3]) -> bool {
     (0..3).any(|i| u[i] * v[(i + 1) % 3] != u[(i + 1) % 3] * v[i])
 }
 
-/// Triangles in a canonical order, each from its least corner on, so that its winding counts.
+/// Triangles in a canonical order, each starting at its smallest corner, so that the winding matters.
 pub(crate) fn canonical(triangles: impl Iterator<Item = [[f64; 3]; 3]>) -> Vec<[[u64; 3]; 3]> {
-    // Adding 0 makes -0 the same as 0.
+    // Adding 0 turns -0 into 0.
     let turned = triangles.map(|t| {
         let mut t = t.map(|p| p.map(|c| (c + 0.0).to_bits()));
         let least = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);

@@ -92,12 +92,12 @@ fn binary(mesh: &Mesh, little: bool, faces_first: bool) -> Vec<u8> {
     out
 }
 
-/// Triangles as strips of one, rectangles as strips of two, all in one record, separated by -1.
+/// Triangles as strips of one triangle, rectangles as strips of two, all in one record, separated by -1.
 fn strips(mesh: &Mesh) -> Vec<u8> {
     let mut strip: Vec<i32> = Vec::new();
     for face in &mesh.faces {
         let corners: Vec<usize> = match face[..] {
-            // The second triangle of a strip is turned over: b c a, then c d a.
+            // The second triangle of a strip is reversed: b c a, then c d a.
             [a, b, c, d] => vec![b, c, a, d],
             _ => face.clone(),
         };

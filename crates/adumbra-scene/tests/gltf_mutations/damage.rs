@@ -56,7 +56,7 @@ fn change_value(dice: &mut Dice, json: &mut Value) {
                 let key = members.keys().nth(place % members.len()).cloned().unwrap_or_default();
                 members.insert(key, other.clone());
             }
-            // The whole file as something else is of little interest.
+            // Replacing the whole file by another value is of little interest.
             (Value::Object(members), _) if members.contains_key("asset") => {
                 members.remove("asset");
             }

@@ -1,8 +1,8 @@
-//! Choices that depend on a seed alone.
+//! Random choices that depend only on a seed.
 
 use adumbra_scene::random::Random;
 
-/// A source of choices.
+/// A source of random choices.
 pub(crate) struct Dice {
     random: Random,
 }

@@ -1,4 +1,4 @@
-//! Random valid glTF files with most of what a file can hold, and the ways in which a file can be written.
+//! Random valid glTF files with most features of the format, and the ways in which a file can be written.
 
 use std::path::Path;
 
@@ -28,7 +28,7 @@ pub(crate) fn file(dice: &mut Dice) -> Glb {
     glb
 }
 
-/// A list of the file, or an empty one.
+/// Length of a list of the file; 0 if the file lacks the list.
 fn count(glb: &Glb, list: &str) -> usize {
     glb.json[list].as_array().map_or(0, Vec::len)
 }
@@ -122,7 +122,7 @@ fn primitive(dice: &mut Dice, glb: &mut Glb, targets: usize) -> Value {
     }
     if targets > 0 {
         let one = |dice: &mut Dice, glb: &mut Glb| {
-            // The same for all vertices, so that no triangle loses its area.
+            // The same displacement for all vertices, so that no triangle loses its area.
             let by = [dice.below(4) as f32, dice.below(4) as f32, 0.0];
             let mut target = json!({"POSITION": glb.floats(&by.repeat(vertices), "VEC3")});
             if dice.chance(0.2) {
@@ -241,7 +241,8 @@ fn animation(dice: &mut Dice, glb: &mut Glb) {
     glb.push("animations", json!({"samplers": [sampler], "channels": channels}));
 }
 
-/// A file in its containers, and as programs write it: what, the name and the bytes. Writes the buffer's own file.
+/// A file in its different containers and encodings: a description, the file name and the bytes. Writes the
+/// separate file of the buffer.
 pub(crate) fn ways_to_write(glb: &Glb, folder: &Path) -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let plain = glb.bytes();
     let mut pointed = glb.clone();

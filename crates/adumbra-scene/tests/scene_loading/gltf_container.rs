@@ -1,5 +1,5 @@
-//! Containers of glTF files: chunks and padding of `.glb` (glTF 2.0, 4.4), versions (3.2), buffers (3.6.1) and their
-//! URIs (2.8). Files that break the definition as files in use do are read.
+//! Containers of glTF files: chunks and padding of `.glb` (glTF 2.0, 4.4), versions (3.2), buffers (3.6.1)
+//! and their URIs (2.8). Files that violate the specification in ways that are common in practice are read.
 
 use std::path::{Path, PathBuf};
 
@@ -27,7 +27,7 @@ fn plain(name: &str, bytes: &[u8]) -> adumbra_scene::Result<Scene> {
     load_bytes(name, bytes, &LoadOptions::default())
 }
 
-/// Files of one triangle that are not written as usual.
+/// Valid or tolerated files of one triangle that are written in unusual ways.
 fn odd_files() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     let glb = Glb::triangle();
     let mut text = glb.json.to_string().into_bytes();
@@ -75,7 +75,7 @@ fn data_uri() -> Value {
 }
 
 #[test]
-fn gltf_containers_are_read_as_the_definition_and_programs_write_them() {
+fn gltf_reads_unusual_containers() {
     for (what, name, bytes) in odd_files() {
         let scene = plain(name, &bytes).unwrap_or_else(|error| panic!("{what}: {error}"));
         assert_eq!(scene.stored_triangles(), 1, "{what}");
@@ -84,7 +84,7 @@ fn gltf_containers_are_read_as_the_definition_and_programs_write_them() {
 }
 
 #[test]
-fn gltf_containers_that_take_a_shadow_name_keep_all_else() {
+fn gltf_shadow_name_changes_nothing_else_in_a_container() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
     for (what, name, bytes) in odd_files() {
         let (_folder, path) = crate::kit::file(name, &bytes);
@@ -103,7 +103,7 @@ fn gltf_containers_that_take_a_shadow_name_keep_all_else() {
 }
 
 #[test]
-fn gltf_shadow_name_is_taken_by_files_with_odd_numbers() {
+fn gltf_shadow_name_fits_files_with_unusual_numbers() {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).expect("above the horizon");
     let cases = [
         ("/scene", json!(0.0)),
@@ -125,7 +125,7 @@ fn gltf_shadow_name_is_taken_by_files_with_odd_numbers() {
 }
 
 #[test]
-fn gltf_broken_containers_say_how() {
+fn gltf_broken_containers_are_errors_that_say_why() {
     let glb = Glb::triangle();
     let text = glb.json.to_string().into_bytes();
     let (json, bin) = (chunk(b"JSON", &text), chunk(b"BIN\0", &glb.bin));
@@ -155,7 +155,7 @@ fn gltf_broken_containers_say_how() {
 }
 
 #[test]
-fn gltf_versions_other_than_2_0_are_refused_by_name() {
+fn gltf_rejects_other_versions_and_names_them() {
     let refused_as = |name: &str, bytes: &[u8], version: &str| {
         let error = refused(plain(name, bytes));
         let message = error.to_string();
@@ -182,7 +182,7 @@ fn gltf_versions_other_than_2_0_are_refused_by_name() {
         refused_as("scene.glb", &glb.bytes(), version);
         refused_as("scene.gltf", glb.json.to_string().as_bytes(), version);
     }
-    // The lists of glTF 1.0 are dictionaries, whatever the file says of its version.
+    // The lists of glTF 1.0 are dictionaries, whatever version the file states.
     for asset in [json!({}), json!({"version": "1.0"}), json!({"version": "2.0"})] {
         let dictionaries = json!({"asset": asset, "scene": "main", "scenes": {"main": {"nodes": ["a"]}},
             "nodes": {"a": {"meshes": ["b"]}}, "meshes": {"b": {}}});
@@ -195,7 +195,7 @@ fn gltf_versions_other_than_2_0_are_refused_by_name() {
 }
 
 #[test]
-fn gltf_versions_that_ask_for_no_more_than_2_0_are_read() {
+fn gltf_reads_versions_that_require_at_most_2_0() {
     for (asset, warnings) in [
         (json!({"version": "2.0"}), 0),
         (json!({"version": "2.0", "minVersion": "2.0"}), 0),
@@ -249,14 +249,14 @@ fn faulty_buffers() -> [(Value, &'static str); 6] {
 }
 
 #[test]
-fn gltf_buffers_that_nothing_needs_may_be_faulty() {
+fn gltf_unused_faulty_buffers_are_warnings() {
     for (second, part) in faulty_buffers() {
         let scene = plain("scene.gltf", with_second_buffer(&second).to_string().as_bytes());
         let scene = scene.unwrap_or_else(|error| panic!("{second}: {error}"));
         assert_eq!(scene.stored_triangles(), 1, "{second}");
         let warnings = &scene.notes.warnings;
         assert!(warnings.len() == 1 && warnings[0].contains(part), "{second}: {warnings:?}");
-        // Without a view it is not looked at.
+        // A buffer without a view is not read.
         let mut json = with_second_buffer(&second);
         json["bufferViews"].as_array_mut().expect("a list").pop();
         plain("scene.gltf", json.to_string().as_bytes()).unwrap_or_else(|error| panic!("{second}: {error}"));
@@ -264,7 +264,7 @@ fn gltf_buffers_that_nothing_needs_may_be_faulty() {
 }
 
 #[test]
-fn gltf_buffers_that_are_needed_must_be_whole() {
+fn gltf_used_faulty_buffers_are_errors() {
     for (second, part) in faulty_buffers() {
         let mut json = with_second_buffer(&second);
         json["bufferViews"][0]["buffer"] = json!(1);
@@ -281,8 +281,8 @@ fn gltf_buffers_that_are_needed_must_be_whole() {
 }
 
 #[test]
-fn gltf_a_short_buffer_is_read_where_its_views_are_inside() {
-    // One byte is missing that no view covers; then one that a view covers.
+fn gltf_short_buffer_is_read_if_its_views_fit() {
+    // The missing byte is outside the view, or inside it.
     for (view, loads) in [(36, true), (37, false)] {
         let mut glb = Glb::triangle();
         let folder = tempfile::tempdir().expect("a folder");
@@ -298,13 +298,13 @@ fn gltf_a_short_buffer_is_read_where_its_views_are_inside() {
             assert!(refused(result).to_string().contains("buffer view 0 reaches past its buffer"));
         }
     }
-    // The same for the binary chunk.
+    // The same applies to the binary chunk.
     let mut glb = Glb::triangle();
     glb.json["buffers"][0]["byteLength"] = json!(37);
     assert_eq!(glb.load().expect("loads").notes.warnings, ["buffer 0 has 36 bytes, not 37"]);
 }
 
-/// A folder with a triangle's buffer in this file, and a scene whose buffer has this URI.
+/// A folder with a triangle's buffer in the file `file`, and a scene whose buffer has the URI `uri`.
 fn beside(file: &str, uri: &str) -> (TempDir, PathBuf) {
     let mut glb = Glb::triangle();
     let folder = tempfile::tempdir().expect("a folder");
@@ -317,7 +317,7 @@ fn beside(file: &str, uri: &str) -> (TempDir, PathBuf) {
 }
 
 #[test]
-fn gltf_uris_name_files_as_defined_or_as_written() {
+fn gltf_uris_find_files_by_decoded_or_literal_names() {
     for (file, uri) in [
         ("a b.bin", "a%20b.bin"),
         ("a b.bin", "a b.bin"),
@@ -344,7 +344,7 @@ fn gltf_uris_name_files_as_defined_or_as_written() {
 }
 
 #[test]
-fn gltf_uris_with_both_readings_are_read_as_defined() {
+fn gltf_ambiguous_uris_mean_the_decoded_name() {
     let (folder, path) = beside("a b.bin", "a%20b.bin");
     std::fs::write(folder.path().join("a%20b.bin"), "x").expect("writes");
     assert!(load(&path, &LoadOptions::default()).expect("loads").notes.warnings.is_empty());
@@ -360,7 +360,7 @@ fn gltf_uris_with_backslashes_stay_in_the_folder() {
 }
 
 #[test]
-fn gltf_files_are_listed_for_every_file_that_is_read() {
+fn files_of_gltf_lists_files_of_unusual_containers() {
     let listed = |name: &str, bytes: &[u8]| files_of_gltf(Path::new(name), bytes);
     for (what, name, bytes) in odd_files() {
         assert!(listed(name, &bytes).unwrap_or_else(|error| panic!("{what}: {error}")).is_empty(), "{what}");

@@ -10,7 +10,7 @@ const UP: [f32; 9] = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
 /// Moves all vertices aside by 2.
 const ASIDE: [f32; 9] = [2.0, 0.0, 0.0, 2.0, 0.0, 0.0, 2.0, 0.0, 0.0];
 
-/// A triangle with the targets `UP` and `ASIDE`, and these weights.
+/// A triangle with the targets `UP` and `ASIDE`. `mesh` and `node` are their weights.
 fn morphed(mesh: &Value, node: &Value) -> Glb {
     let mut glb = Glb::triangle();
     let targets = [UP, ASIDE].map(|target| glb.floats(&target, "VEC3"));
@@ -30,7 +30,7 @@ fn omissions(scene: &Scene) -> Vec<String> {
 }
 
 #[test]
-fn gltf_morph_targets_have_the_weights_of_the_node_or_of_the_mesh() {
+fn gltf_morph_weights_come_from_the_node_or_else_the_mesh() {
     for (mesh, node, up, aside) in [
         (json!(null), json!(null), 0.0, 0.0),
         (json!([1, 0]), json!(null), 1.0, 0.0),
@@ -40,7 +40,7 @@ fn gltf_morph_targets_have_the_weights_of_the_node_or_of_the_mesh() {
         (json!([1, 1]), json!([0, 0]), 0.0, 0.0),
         (json!([1, 1]), json!([0, 3]), 0.0, 3.0),
         (json!(null), json!([2, 1]), 2.0, 1.0),
-        // Weights are left out at the end, or are too many.
+        // The list of weights is too short or too long.
         (json!([1]), json!(null), 1.0, 0.0),
         (json!([1, 1, 7, 7]), json!(null), 1.0, 1.0),
         (json!([]), json!(null), 0.0, 0.0),
@@ -58,7 +58,7 @@ fn gltf_morphed_bounds_are_those_of_the_moved_vertices() {
 }
 
 #[test]
-fn gltf_nodes_with_different_weights_have_meshes_of_their_own() {
+fn gltf_nodes_with_different_weights_get_separate_meshes() {
     let mut glb = morphed(&json!([1, 0]), &json!(null));
     glb.json["nodes"] = json!([
         {"mesh": 0}, {"mesh": 0, "weights": [0, 1]}, {"mesh": 0, "weights": [0, 1, 5]}, {"mesh": 0, "weights": [1]},
@@ -74,7 +74,7 @@ fn gltf_nodes_with_different_weights_have_meshes_of_their_own() {
 
 #[test]
 fn gltf_morph_targets_may_be_sparse_or_quantized() {
-    // Sparse, without data below it.
+    // A sparse accessor without base data.
     let mut glb = morphed(&json!([1, 0]), &json!(null));
     let (at, to) =
         (glb.view(&2_u16.to_le_bytes()), glb.view(&[0.0_f32, 4.0, 0.0].map(f32::to_le_bytes).concat()));
@@ -133,7 +133,7 @@ fn gltf_primitives_share_vertices_only_with_the_same_targets() {
 }
 
 #[test]
-fn gltf_morph_targets_that_do_not_fit_are_refused_where_they_act() {
+fn gltf_mismatched_morph_targets_are_errors_if_weighted() {
     let changes: [(&str, Value); 4] =
         [("count", json!(2)), ("type", json!("VEC2")), ("bufferView", json!(99)), ("count", json!("all"))];
     for (key, value) in changes {
@@ -149,7 +149,7 @@ fn gltf_morph_targets_that_do_not_fit_are_refused_where_they_act() {
                 "{message}"
             );
         }
-        // With a weight of 0 it has no effect.
+        // With a weight of 0, the target has no effect.
         glb.json["meshes"][0]["weights"] = json!([0, 1]);
         assert_eq!(world_triangles(&glb.load().expect("loads")), [moved(0.0, 1.0)], "{key} {value}");
     }
@@ -165,7 +165,7 @@ fn gltf_morph_targets_that_do_not_fit_are_refused_where_they_act() {
 }
 
 #[test]
-fn gltf_morph_targets_of_other_things_are_omissions() {
+fn gltf_morph_targets_of_uvs_and_colours_are_omissions() {
     let what = "morph targets of texture coordinates or colours";
     for (targets, count) in [
         (json!([{"POSITION": 1, "NORMAL": 1, "TANGENT": 1}]), 0),

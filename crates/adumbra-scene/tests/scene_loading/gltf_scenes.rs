@@ -1,12 +1,12 @@
-//! What of a glTF file is drawn: its default scene (glTF 2.0, 3.5.1), levels of detail (MSFT_lod), instances
-//! (EXT_mesh_gpu_instancing), suns (KHR_lights_punctual), and what is counted as left out.
+//! Which parts of a glTF file are drawn: its default scene (glTF 2.0, 3.5.1), levels of detail (MSFT_lod),
+//! instances (EXT_mesh_gpu_instancing), suns (KHR_lights_punctual), and which parts are counted as left out.
 
 use adumbra_scene::{EmptyReason, Error, LoadOptions, Scene};
 use serde_json::{Value, json};
 
 use crate::kit::{Glb, refused, world_triangles};
 
-/// A triangle whose nodes and scenes are these.
+/// A triangle with these nodes and scenes.
 fn with_nodes(nodes: Value, scene: &Value, scenes: &Value) -> Glb {
     let mut glb = Glb::triangle();
     glb.json["nodes"] = nodes;
@@ -50,7 +50,7 @@ fn gltf_default_scene_is_the_named_one_or_the_first_or_all_nodes() {
 }
 
 #[test]
-fn gltf_scenes_without_nodes_are_empty_by_that_name() {
+fn gltf_default_scene_without_nodes_is_an_empty_scene_error() {
     for scenes in [json!([{}]), json!([{"nodes": []}]), json!([{"name": "empty"}]), json!([{"nodes": null}])]
     {
         let error = refused(with_nodes(json!([{"mesh": 0}]), &json!(0), &scenes).load());
@@ -59,7 +59,7 @@ fn gltf_scenes_without_nodes_are_empty_by_that_name() {
             "{scenes}: {error}"
         );
         assert!(error.to_string().contains("its default scene has no nodes"), "{error}");
-        // Another scene does not need to have any.
+        // Another scene may be empty.
         let both = json!([{"nodes": [0]}, scenes[0]]);
         let scene = with_nodes(json!([{"mesh": 0}]), &json!(0), &both).load().expect("loads");
         assert_eq!(names(&scene), ["node 0"]);
@@ -77,14 +77,14 @@ fn lod(ids: &[usize]) -> Value {
 #[test]
 fn gltf_only_the_finest_level_of_detail_is_drawn() {
     let flat = || json!([{"mesh": 0, "extensions": lod(&[1, 2])}, {"mesh": 0}, {"mesh": 0}]);
-    // Coarser levels are in no scene, in the scene as well, or the file has no scenes.
+    // The coarser levels are in no scene or in the scene as well, or the file has no scenes.
     for scenes in
         [json!([{"nodes": [0]}]), json!([{"nodes": [0, 1, 2]}]), json!([{"nodes": [2, 1, 0]}]), json!(null)]
     {
         let scene = with_nodes(flat(), &json!(null), &scenes).load().expect("loads");
         assert_eq!((names(&scene), omissions(&scene)), (vec!["node 0"], vec![]), "{scenes}");
     }
-    // Levels with nodes of their own, in another order, and levels within levels.
+    // Levels that are nodes with children, in another order, and levels within levels.
     let nested = || {
         json!([
             {"children": [5], "extensions": lod(&[1])},
@@ -99,7 +99,7 @@ fn gltf_only_the_finest_level_of_detail_is_drawn() {
         let scene = with_nodes(nested(), &json!(null), &scenes).load().expect("loads");
         assert_eq!((names(&scene), omissions(&scene)), (vec!["node 5"], vec![]), "{scenes}");
     }
-    // Indices of nodes that do not exist, and what is no list, are passed over.
+    // Skip indices of nodes that do not exist, and values that are not lists.
     for ids in [json!([77]), json!([-1, "a"]), json!(7), json!(null)] {
         let nodes = json!([{"mesh": 0, "extensions": {"MSFT_lod": {"ids": ids}}}]);
         let scene = with_nodes(nodes, &json!(0), &json!([{"nodes": [0]}])).load().expect("loads");
@@ -108,7 +108,7 @@ fn gltf_only_the_finest_level_of_detail_is_drawn() {
 }
 
 #[test]
-fn gltf_hidden_levels_and_nodes_are_not_missed() {
+fn gltf_hidden_nodes_are_not_omissions() {
     let hidden = json!({"KHR_node_visibility": {"visible": false}});
     let nodes = json!([{"mesh": 0}, {"mesh": 0, "extensions": hidden, "children": [2]}, {"mesh": 0}]);
     let scene = with_nodes(nodes, &json!(0), &json!([{"nodes": [0, 1]}])).load().expect("loads");
@@ -116,7 +116,7 @@ fn gltf_hidden_levels_and_nodes_are_not_missed() {
 }
 
 #[test]
-fn gltf_instances_with_attributes_of_any_name_are_counted() {
+fn gltf_custom_attributes_determine_the_instance_count() {
     let instanced = |attributes: &dyn Fn(&mut Glb) -> Value| {
         let mut glb = Glb::triangle();
         let attributes = attributes(&mut glb);
@@ -124,7 +124,7 @@ fn gltf_instances_with_attributes_of_any_name_are_counted() {
             "extensions": {"EXT_mesh_gpu_instancing": {"attributes": attributes}}});
         glb
     };
-    // Only attributes of the application's own.
+    // Only custom attributes of the application.
     let custom = instanced(&|glb| json!({"_ID": glb.floats(&[7.0, 8.0, 9.0, 10.0], "SCALAR")}));
     let scene = custom.load().expect("loads");
     assert_eq!(scene.instances.len(), 4);
@@ -175,9 +175,10 @@ fn sun() -> Value {
 }
 
 #[test]
-fn gltf_suns_come_from_where_their_nodes_turn_them() {
+fn gltf_sun_direction_follows_the_node_transform() {
     let half = std::f64::consts::FRAC_1_SQRT_2;
-    // A quarter turn about x carries +z, against which the light shines, to -y; the opposite turn to +y.
+    // A quarter turn about x rotates +z, opposite to the light's direction, to -y; the opposite turn rotates
+    // it to +y.
     let down = json!({"rotation": [-half, 0, 0, half]});
     let matrix = json!({"matrix": [1,0,0,0, 0,0,-1,0, 0,1,0,0, 5,6,7,1]});
     for (node, towards) in [
@@ -194,7 +195,7 @@ fn gltf_suns_come_from_where_their_nodes_turn_them() {
         let found = scene.suns[0].unit_towards();
         assert!((0..3).all(|a| (found[a] - towards[a]).abs() < 1e-9), "{node}: {found:?}");
         assert_eq!((scene.suns.len(), scene.suns[0].name.as_str()), (1, "node 0"));
-        // Below a parent that turns, stretches and mirrors.
+        // A node below a parent that rotates, stretches and mirrors.
         let parent = json!({"children": [1], "rotation": [0, half, 0, half], "scale": [2, 3, -5]});
         let scene = lit(sun(), vec![parent, shining(0, node.clone())], &json!([0])).load().expect("loads");
         let [x, y, z] = [2.0 * towards[0], 3.0 * towards[1], -5.0 * towards[2]];
@@ -207,7 +208,7 @@ fn gltf_suns_come_from_where_their_nodes_turn_them() {
 }
 
 #[test]
-fn gltf_lights_that_do_not_shine_are_no_suns() {
+fn gltf_dark_or_point_lights_are_not_suns() {
     let lights = json!([
         {"type": "directional", "name": "moon", "intensity": 0},
         {"type": "directional", "intensity": 5, "color": [0, 0, 0]},
@@ -235,7 +236,7 @@ fn gltf_suns_are_in_the_order_of_the_nodes_depth_first() {
 }
 
 #[test]
-fn gltf_lights_that_are_no_sun_of_the_scene_are_none() {
+fn gltf_hidden_unreached_or_invalid_lights_are_not_suns() {
     let hidden = json!({"KHR_node_visibility": {"visible": false}, LIGHT: {"light": 0}});
     let point = json!([{"type": "point"}, {"type": "spot"}, {"type": "directional"}, {}, 5, {"type": 3}]);
     for (lights, nodes, suns) in [
@@ -272,7 +273,7 @@ fn gltf_lights_that_are_no_sun_of_the_scene_are_none() {
 }
 
 #[test]
-fn gltf_extensions_that_are_not_understood_are_counted_by_name() {
+fn gltf_unknown_extensions_are_counted_by_name() {
     let mut glb = Glb::triangle();
     glb.json["extensionsUsed"] =
         json!(["EXT_used", "EXT_listed_only", "KHR_materials_ior", "KHR_materials_new"]);
@@ -295,7 +296,7 @@ fn gltf_extensions_that_are_not_understood_are_counted_by_name() {
 }
 
 #[test]
-fn gltf_strict_lists_all_that_is_left_out() {
+fn gltf_strict_error_lists_all_omissions() {
     let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     Glb::triangle().load_with(&strict).expect("nothing is left out");
     let mut glb = with_nodes(json!([{"mesh": 0}, {"mesh": 0}]), &json!(0), &json!([{"nodes": [0]}]));
@@ -317,7 +318,7 @@ fn gltf_strict_lists_all_that_is_left_out() {
 }
 
 #[test]
-fn gltf_counts_are_those_of_the_file() {
+fn gltf_counts_meshes_nodes_and_faces_of_the_file() {
     let mut glb = with_nodes(
         json!([{"mesh": 0}, {"mesh": 0}, {"mesh": 1}, {}]),
         &json!(0),
@@ -336,7 +337,8 @@ fn gltf_counts_are_those_of_the_file() {
     glb.push("meshes", json!({"primitives": []}));
     let scene = glb.load().expect("loads");
     let read = scene.notes.read;
-    // Two nodes place the triangle; a strip and a fan of three triangles each, and two triangles of which one is a point.
+    // Two nodes place the triangle. The other mesh has a strip and a fan of three triangles each, and two
+    // triangles, one of them degenerate to a point.
     assert_eq!((read.meshes, read.nodes, read.faces), (3, 4, 1 + 3 + 3 + 2));
     assert_eq!(scene.stored_triangles() + scene.notes.degenerate_triangles, read.faces);
 }

@@ -1,5 +1,6 @@
-//! glTF files that break the definition where a bake does not look, or as files in use do: whole numbers written `4.0`,
-//! names that are no texts, and elements that cannot be read. An element that is used must be sound.
+//! glTF files that violate the specification where a bake does not look, or in ways that are common in
+//! practice: whole numbers written `4.0`, names that are not strings, and elements that cannot be read. An
+//! element that is used must be valid.
 
 use adumbra_scene::{AlphaMode, Error, LoadOptions, MoverPolicy, Scene, Wrap};
 use serde_json::{Value, json};
@@ -74,7 +75,7 @@ fn summary(scene: &Scene) -> String {
 }
 
 #[test]
-fn gltf_whole_numbers_may_be_written_with_a_point() {
+fn gltf_accepts_whole_numbers_written_as_floats() {
     let plain = numbers();
     let scene = plain.load().expect("loads");
     assert_eq!((scene.instances.len(), scene.suns.len(), scene.notes.skipped_movers), (5, 1, 1));
@@ -91,7 +92,7 @@ fn gltf_whole_numbers_may_be_written_with_a_point() {
 }
 
 #[test]
-fn gltf_numbers_that_are_not_whole_are_refused_where_a_whole_one_is_meant() {
+fn gltf_rejects_fractions_where_an_integer_is_needed() {
     for pointer in [
         "/accessors/0/count",
         "/accessors/0/componentType",
@@ -115,7 +116,7 @@ fn gltf_numbers_that_are_not_whole_are_refused_where_a_whole_one_is_meant() {
 }
 
 #[test]
-fn gltf_names_may_be_anything() {
+fn gltf_ignores_names_that_are_not_strings() {
     for name in [json!(7), json!(null), json!(["a"]), json!({"a": 1}), json!(true)] {
         let mut glb = numbers();
         for list in glb.json.as_object_mut().expect("an object").values_mut() {
@@ -132,7 +133,7 @@ fn gltf_names_may_be_anything() {
 }
 
 #[test]
-fn gltf_texts_that_are_no_json_are_named_so() {
+fn gltf_text_that_is_not_json_is_a_parse_error() {
     for text in ["", " ", "{", "[]", "5", "{\"asset\": }", "null", "{\"nodes\": {}}x", "\u{feff}\u{feff}{}"] {
         let error =
             crate::kit::load_bytes("scene.gltf", text.as_bytes(), &LoadOptions::default()).expect_err(text);
@@ -146,7 +147,8 @@ fn gltf_texts_that_are_no_json_are_named_so() {
     }
 }
 
-/// A list of the file, the kind that messages name, a faulty element, and a use of it: a pointer and its new value.
+/// A list of the file, the kind that messages name, a faulty element, and a use of it: a pointer and its new
+/// value.
 type Fault = (&'static str, &'static str, Value, Option<(&'static str, Value)>);
 
 /// Elements that cannot be read, each with its list, its kind, and a change that uses it.
@@ -210,7 +212,7 @@ fn with_fault(list: &str, element: &Value) -> (Glb, usize) {
 }
 
 #[test]
-fn gltf_faults_in_what_nothing_uses_are_warnings() {
+fn gltf_faulty_unused_elements_are_warnings() {
     for (list, kind, element, _) in faults() {
         let (glb, _) = with_fault(list, &element);
         let scene = glb.load().unwrap_or_else(|error| panic!("{list} {element}: {error}"));
@@ -227,11 +229,11 @@ fn gltf_faults_in_what_nothing_uses_are_warnings() {
 }
 
 #[test]
-fn gltf_faults_in_what_is_used_are_errors_that_name_it() {
+fn gltf_faulty_used_elements_are_errors_that_name_them() {
     for (list, kind, element, change) in faults() {
         let Some((pointer, mut value)) = change else { continue };
         let (mut glb, index) = with_fault(list, &element);
-        // The index of the added element, wherever the change names one.
+        // Use the index of the added element if the change needs an index.
         if value.is_number() {
             value = json!(index);
         }
@@ -248,7 +250,7 @@ fn gltf_faults_in_what_is_used_are_errors_that_name_it() {
 }
 
 #[test]
-fn gltf_long_faults_have_short_messages() {
+fn gltf_message_about_a_long_faulty_element_is_short() {
     for text in ["a".repeat(1 << 20), "ä\n".repeat(1 << 18)] {
         let mut glb = Glb::triangle();
         glb.json["nodes"][0]["mesh"] = json!(text);
@@ -258,7 +260,7 @@ fn gltf_long_faults_have_short_messages() {
 }
 
 #[test]
-fn gltf_broken_json_is_said_in_plain_words_with_its_place() {
+fn gltf_broken_json_error_has_line_and_plain_words() {
     for (text, says) in [
         ("{\"asset\":", "line 1, column 9: it ends too early"),
         ("{\n  nodes: []}", "line 2, column 3: what stands there is not JSON"),
@@ -270,7 +272,7 @@ fn gltf_broken_json_is_said_in_plain_words_with_its_place() {
 }
 
 #[test]
-fn gltf_names_with_line_breaks_stay_on_one_line_of_a_message() {
+fn gltf_line_breaks_in_names_are_escaped_in_messages() {
     let mut glb = masked();
     glb.json["images"][0] = json!({"name": "a\nb\u{1b}[2J"});
     let message = refused(glb.load()).to_string();
@@ -311,7 +313,7 @@ fn gltf_animations_that_cannot_be_read_are_omissions() {
 }
 
 #[test]
-fn gltf_channels_without_a_node_leave_the_others_as_they_are() {
+fn gltf_channel_without_a_node_does_not_affect_others() {
     let mut glb = Glb::triangle();
     let (times, moves) =
         (glb.floats(&[0.0, 1.0], "SCALAR"), glb.floats(&[0.0, 0.0, 0.0, 5.0, 0.0, 0.0], "VEC3"));
@@ -329,7 +331,7 @@ fn gltf_channels_without_a_node_leave_the_others_as_they_are() {
 }
 
 #[test]
-fn gltf_colour_textures_with_faults_are_warnings() {
+fn gltf_faulty_colour_textures_are_warnings() {
     for (list, kind, element, change) in faults() {
         let (Some((pointer, _)), true) = (change, ["images", "samplers", "textures"].contains(&list)) else {
             continue;

@@ -8,7 +8,7 @@ use adumbra_testing::glb;
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
-/// A glTF file under construction: editable JSON, and the binary chunk.
+/// A glTF file being built: editable JSON, and the binary chunk.
 #[derive(Clone)]
 pub(crate) struct Glb {
     pub(crate) json: Value,

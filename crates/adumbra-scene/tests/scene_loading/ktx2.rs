@@ -1,5 +1,5 @@
-//! Images in KTX2 files with Basis Universal texels. The fixtures are by that project's encoder
-//! (`tests/fixtures/encode.mjs`); the PNG files beside them hold what its decoder makes of them.
+//! Images in KTX2 files with Basis Universal texels. The Basis Universal encoder made the fixtures
+//! (`tests/fixtures/encode.mjs`); the PNG files beside them hold the output of the project's decoder.
 
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ const FORMS: [&str; 7] =
 
 #[cfg(feature = "ktx2")]
 #[test]
-fn ktx2_images_decode_as_the_reference_decoder_decodes_them() {
+fn ktx2_images_match_the_reference_decoder() {
     for form in FORMS {
         let glb = masked(&fixture(&format!("{form}.ktx2")));
         let expected = image::load_from_memory(&fixture(&format!("{form}.png"))).expect("a PNG").into_rgba8();
@@ -62,7 +62,7 @@ fn ktx2_images_decode_as_the_reference_decoder_decodes_them() {
 
 #[cfg(feature = "ktx2")]
 #[test]
-fn ktx2_files_by_gltf_transform() {
+fn ktx2_files_of_gltf_transform_load() {
     for name in ["wave-etc1s.glb", "wave-uastc.glb"] {
         let scene = crate::kit::load_bytes("scene.glb", &fixture(name), &LoadOptions::default()).expect(name);
         assert_eq!((scene.stored_triangles(), scene.textures.len()), (98, 1), "{name}");
@@ -74,19 +74,19 @@ fn ktx2_files_by_gltf_transform() {
 
 #[cfg(feature = "ktx2")]
 #[test]
-fn ktx2_is_used_where_there_is_no_plain_image() {
+fn ktx2_is_used_only_without_a_plain_image() {
     let mut glb = masked(&fixture("etc1s.ktx2"));
     let plain = glb.view(&png(&[255, 0, 7]));
     glb.push("images", json!({"bufferView": plain}));
     assert_eq!(in_colour(&glb).expect("loads").textures[0].width, 32);
     glb.json["textures"][0]["source"] = json!(1);
     assert_eq!(in_colour(&glb).expect("loads").textures[0].width, 3);
-    // An image that does not exist is none.
+    // An image index that does not exist counts as no image.
     glb.json["textures"][0]["source"] = json!(9);
     assert_eq!(in_colour(&glb).expect("loads").textures[0].width, 32);
 }
 
-/// The message for a mask that cannot be read; the material and the image are named.
+/// The message for a mask that cannot be read. Checks that the material is named.
 fn what(image: &[u8]) -> String {
     let error = refused(masked(image).load());
     let Error::Texture { material, what, .. } = error else { panic!("{error}") };
@@ -103,7 +103,7 @@ fn with_word(image: &[u8], at: usize, word: u32) -> Vec<u8> {
 
 #[cfg(feature = "ktx2")]
 #[test]
-fn ktx2_faults_are_named() {
+fn ktx2_faults_are_errors_that_say_why() {
     let etc1s = fixture("etc1s.ktx2");
     let zstd = fixture("uastc-zstd.ktx2");
     let format_at = u32::from_le_bytes(etc1s[48..52].try_into().unwrap()) as usize;
@@ -137,8 +137,8 @@ fn ktx2_faults_are_named() {
 
 #[cfg(feature = "ktx2")]
 #[test]
-fn ktx2_memory_is_counted_first() {
-    // Sixteen million texels from a few bytes.
+fn ktx2_memory_is_counted_before_decoding() {
+    // A few bytes describe 16 million texels.
     let image = with_word(&with_word(&fixture("etc1s.ktx2"), 20, 4096), 24, 4096);
     let within = |bytes| LoadOptions { max_memory_bytes: Some(bytes), ..LoadOptions::default() };
     let error = masked(&image).load_with(&within(64 << 20)).expect_err("too large");
@@ -148,7 +148,7 @@ fn ktx2_memory_is_counted_first() {
 
 #[cfg(not(feature = "ktx2"))]
 #[test]
-fn ktx2_without_its_feature() {
+fn ktx2_without_its_feature_is_an_error_naming_it() {
     let what = what(&fixture("etc1s.ktx2"));
     assert!(what.contains("without the feature ktx2"), "{what}");
     let mut glb = masked(&fixture("etc1s.ktx2"));
@@ -159,7 +159,7 @@ fn ktx2_without_its_feature() {
 }
 
 #[test]
-fn ktx2_is_not_needed_for_colour_alone() {
+fn ktx2_faults_in_colour_textures_are_warnings() {
     let mut glb = masked(&fixture("etc1s.ktx2")[..40]);
     glb.json["materials"][0]["alphaMode"] = json!("OPAQUE");
     let scene = in_colour(&glb).expect("loads");

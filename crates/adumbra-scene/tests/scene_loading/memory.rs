@@ -1,4 +1,4 @@
-//! Memory limits of loading, and texts that are long.
+//! Memory limits of loading, and very long text files.
 
 use adumbra_scene::{Error, Result};
 use adumbra_scene::{LoadOptions, Scene, load};
@@ -60,7 +60,7 @@ fn masked(images: &[Value], sampler: Option<usize>) -> Glb {
 fn images_of_the_same_bytes_are_decoded_once() {
     let side = 256;
     let texels = u64::from(side * side);
-    // One image needs five bytes per texel while it is decoded; keeping twenty would need twenty.
+    // One image needs five bytes per texel while it is decoded. Twenty decoded images would need twenty.
     let enough = within((1 << 18) + 5 * texels);
     let mut glb = masked(&vec![json!({"bufferView": 2, "mimeType": "image/png"}); 20], None);
     assert_eq!(glb.view(&clear_png(side)), 2);
@@ -98,7 +98,7 @@ fn copies_for_other_samplers_are_counted() {
     assert_eq!(scene.textures.len(), 3);
     assert_eq!(scene.materials[0].texture, scene.materials[1].texture);
     assert_ne!(scene.textures[1].wrap, scene.textures[2].wrap);
-    // Enough memory to decode one, but not to keep three.
+    // Enough memory to decode one copy, but not to keep three.
     let needed = 3 * texels;
     glb.load_with(&within(needed + (1 << 16))).expect("loads");
     assert_too_large(glb.load_with(&within(needed)), "256");
@@ -106,7 +106,7 @@ fn copies_for_other_samplers_are_counted() {
 
 #[test]
 fn images_are_counted_before_they_are_decoded() {
-    // There is only a header, so decoding it would report an invalid image instead.
+    // The file has only a header, so decoding it would report an invalid image instead.
     for uri in [false, true] {
         let image = if uri { json!({"uri": "leaf.png"}) } else { json!({"bufferView": 2}) };
         let mut glb = masked(&[image], None);
@@ -128,7 +128,7 @@ fn images_are_counted_before_they_are_decoded() {
 }
 
 #[test]
-fn images_larger_than_any_image_may_be_are_named_so() {
+fn rejects_images_above_the_size_limit_of_an_image() {
     let mut glb = masked(&[json!({"bufferView": 2})], None);
     glb.view(&png_header(60_000));
     let message = glb.load_with(&within(1 << 40)).expect_err("too large").to_string();
@@ -153,7 +153,7 @@ fn primitives_that_share_an_accessor_are_counted() {
     // 6 KB of positions and 1 MB of JSON describe 40 million triangles.
     let glb = shared(30_000, 3_999);
     assert_too_large(glb.load_with(&within(256 << 20)), "39990000 triangles");
-    // Without an explicit limit, the memory for a file of two megabytes is bounded too.
+    // Without an explicit limit, memory is bounded for a file of two megabytes too.
     assert_too_large(shared(20_000, 60_000).load(), "400000000 triangles");
     let scene = shared(1_000, 30).load_with(&within(8 << 20)).expect("loads");
     let notes = &scene.notes;
@@ -161,7 +161,7 @@ fn primitives_that_share_an_accessor_are_counted() {
 }
 
 #[test]
-fn objects_of_the_json_are_counted() {
+fn json_objects_are_counted() {
     let mut glb = Glb::triangle();
     glb.json["nodes"] = json!(vec![json!({}); 100_000]);
     glb.json["nodes"][0]["mesh"] = json!(0);
@@ -185,7 +185,7 @@ fn accessors_without_bytes_are_counted() {
 }
 
 #[test]
-fn sparse_accessors_replace_no_more_than_they_have() {
+fn rejects_sparse_accessors_with_too_many_replacements() {
     let mut glb = Glb::triangle();
     let (indices, values) = (glb.view(&[0; 400]), glb.view(&[0; 4_800]));
     glb.json["accessors"][0]["sparse"] = json!({
@@ -211,7 +211,7 @@ fn instances_are_counted() {
 }
 
 #[test]
-fn keys_of_animations_are_counted() {
+fn animation_keys_are_counted() {
     let mut glb = Glb::triangle();
     let count = 100_000;
     let times = glb.floats(&(0..count).map(|i| i as f32).collect::<Vec<_>>(), "SCALAR");
@@ -229,7 +229,7 @@ fn keys_of_animations_are_counted() {
 }
 
 #[test]
-fn texts_are_counted() {
+fn text_files_and_their_geometry_are_counted() {
     let corners: String = (0..30_000).map(|i| format!("v {i} 0 {}\n", i % 7)).collect();
     let faces: String = (1..29_998).map(|i| format!("f {i} {} {}\n", i + 1, i + 2)).collect();
     let obj = (corners + &faces).into_bytes();
@@ -251,7 +251,7 @@ fn texts_are_counted() {
 }
 
 #[test]
-fn corners_of_one_face_are_counted_before_they_are_held() {
+fn corners_of_a_face_are_counted_before_allocation() {
     let obj = format!("v 0 0 0\nv 0 0 1\nv 1 0 0\nf{}\n", " 1 2 3".repeat(100_000));
     let text = 3 * obj.len() as u64;
     let least = text + 4096;
@@ -267,10 +267,10 @@ fn corners_of_one_face_are_counted_before_they_are_held() {
     assert_too_large(load_bytes("scene.ply", &ply, &within(1 << 20)), "300000 corners of faces");
 }
 
-/// Each of these took seconds to hours when the time grew with the square of the length.
+/// Each of these files took seconds to hours when the time grew with the square of the length.
 #[test]
-fn long_texts_load() {
-    // Work that grows with a square would take longer than a test may.
+fn long_text_files_load_in_linear_time() {
+    // Work that grows with the square of the length would exceed the time limit of a test.
     let triangle = "v 0 0 0\nv 0 0 1\nv 1 0 0\nf 1 2 3\n";
     let numbered = |line: &str| (0..100_000).map(|i| line.replace('#', &i.to_string())).collect::<String>();
     let cases = [
@@ -287,7 +287,7 @@ fn long_texts_load() {
 }
 
 #[test]
-fn polygons_of_very_many_corners_end() {
+fn polygons_of_very_many_corners_load_in_bounded_time() {
     // Numbers of teeth below and above the corner limit of ear clipping.
     for teeth in [8_000, 200_000_u32] {
         let (mut text, mut face) = (String::new(), "f".to_owned());
@@ -315,14 +315,14 @@ fn skinned_copies_of_a_mesh_are_counted() {
         glb.json["scenes"] = json!([{"nodes": (0..copies).collect::<Vec<_>>()}]);
         glb
     };
-    // A 100 KB name, or 1,000 primitives: stored once in the file, but again for each node.
+    // A 100 KB name, or 1,000 primitives: stored once in the file, but copied for each node.
     let mut named = Glb::triangle();
     named.json["meshes"][0]["name"] = json!("n".repeat(100_000));
     assert_too_large(skinned(1_000, named.clone()).load_with(&within(32 << 20)), "1000 skinned copies");
     assert_too_large(skinned(2_000, shared(1_000, 3)).load_with(&within(32 << 20)), "2000000 triangles");
     let scene = skinned(20, named).load_with(&within(32 << 20)).expect("loads");
     assert_eq!((scene.meshes.len(), scene.meshes[19].name.len()), (20, 100_000));
-    // Nodes that a filter treats alike share the kept primitives; other nodes have their own.
+    // Nodes that a filter treats alike share the kept primitives; other nodes keep different primitives.
     let mut glb = skinned(3, shared(2, 3));
     glb.json["nodes"][1]["name"] = json!("tree");
     glb.json["materials"] = json!([{"name": "leaf"}]);
@@ -344,7 +344,7 @@ fn extras_of_a_mesh_are_read_once() {
     glb.json["nodes"][0] = json!({"mesh": 1});
     glb.json["scenes"] = json!([{"nodes": (0..80_000).collect::<Vec<_>>()}]);
     glb.push("meshes", json!({"primitives": [{"attributes": {"POSITION": 0}}]}));
-    // Scanning the mesh once per node would take minutes, which is longer than a test may.
+    // Scanning the mesh once per node would take minutes, longer than the time limit of a test.
     let scene = glb.load().expect("loads");
     assert_eq!(scene.instances.iter().filter(|i| i.casts).count(), 1);
 }
@@ -369,8 +369,9 @@ fn names_of_objects_are_kept_once() {
 }
 
 #[test]
-fn one_image_under_many_lengths_is_not_decoded_forever() {
-    // There is only a header, so each image is released at once. One byte more or less makes it a different image.
+fn decoding_one_image_under_many_lengths_is_limited() {
+    // The file has only a header, so each image is released at once. A different length makes a different
+    // image.
     let count = 12;
     let mut png = png_header(11_000);
     let least = png.len();

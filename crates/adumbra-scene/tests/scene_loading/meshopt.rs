@@ -1,5 +1,5 @@
-//! Buffer views compressed with meshoptimizer. The fixtures are by the encoders of that project
-//! (`tests/fixtures/encode.mjs`); what they decode to is by its decoder.
+//! Buffer views compressed with meshoptimizer. That project's encoders made the fixtures
+//! (`tests/fixtures/encode.mjs`), and its decoder made the expected values.
 
 use std::path::PathBuf;
 
@@ -28,7 +28,8 @@ fn number(stream: &Value, key: &str) -> u64 {
     stream[key].as_u64().expect("a number")
 }
 
-/// Positions, and corners if the stream has them; the decoded values are in buffer 0 if `plain`, else in a stream.
+/// Positions, and corners if the stream holds corners. The decoded values are in buffer 0 if `plain`, else in
+/// a stream.
 fn scene_of(stream: &Value, plain: bool) -> Value {
     let attributes = text(stream, "mode") == "ATTRIBUTES";
     let (count, stride) = (number(stream, "count"), number(stream, "stride"));
@@ -54,7 +55,7 @@ fn scene_of(stream: &Value, plain: bool) -> Value {
     let shape = if attributes { "VEC3" } else { "SCALAR" };
     let of_stream = json!({"bufferView": 0, "componentType": kind, "type": shape, "count": count,
         "normalized": stream["normalized"] == true});
-    // Corners refer to positions of their own.
+    // Corners refer to a separate list of positions.
     let grid: Vec<u8> =
         (0..18_u8).flat_map(|i| [i, i % 5, i % 7].map(f32::from)).flat_map(f32::to_le_bytes).collect();
     let positions = buffers.len();
@@ -86,7 +87,7 @@ fn meshes(scene: &Scene) -> String {
 
 #[cfg(feature = "meshopt")]
 #[test]
-fn meshopt_streams_decode_as_the_reference_decoder_decodes_them() {
+fn meshopt_streams_match_the_reference_decoder() {
     let streams = streams();
     for filter in ["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR"] {
         assert!(streams.iter().any(|s| s["filter"] == filter), "{filter}");
@@ -122,7 +123,7 @@ fn meshopt_takes_both_extension_names_and_prefers_the_newer() {
 
 #[cfg(feature = "meshopt")]
 #[test]
-fn meshopt_needs_no_fallback_whatever_it_is() {
+fn meshopt_ignores_the_fallback_buffer() {
     let stream = streams().remove(0);
     let expected = meshes(&loads(&scene_of(&stream, true)).expect("loads"));
     let json = scene_of(&stream, false);
@@ -137,7 +138,7 @@ fn meshopt_needs_no_fallback_whatever_it_is() {
         json["buffers"][1] = fallback;
         assert_eq!(meshes(&loads(&json).expect("loads")), expected, "{}", json["buffers"][1]);
     }
-    // A view whose range lies outside its own buffer, and buffers in the other order.
+    // A view whose range is outside its own buffer, and buffers in reverse order.
     let mut json = json;
     json["bufferViews"][0]["byteOffset"] = json!(1 << 20);
     assert_eq!(meshes(&loads(&json).expect("loads")), expected);
@@ -150,7 +151,7 @@ fn meshopt_needs_no_fallback_whatever_it_is() {
 
 #[cfg(feature = "meshopt")]
 #[test]
-fn meshopt_files_by_gltfpack_and_gltf_transform() {
+fn meshopt_files_of_gltfpack_and_gltf_transform_load() {
     let options = LoadOptions { color_textures: true, ..LoadOptions::default() };
     let original = load(&fixture("wave.gltf"), &options).expect("loads");
     let sorted = |scene: &Scene| {
@@ -195,7 +196,7 @@ fn meshopt_files_by_gltfpack_and_gltf_transform() {
 
 #[cfg(feature = "meshopt")]
 #[test]
-fn meshopt_faults_are_named() {
+fn meshopt_faults_are_errors_that_say_why() {
     let stream = streams().remove(0);
     let extension = text(&stream, "extension").to_owned();
     let json = scene_of(&stream, false);
@@ -231,7 +232,7 @@ fn meshopt_faults_are_named() {
     assert!(message.contains("broken data"), "{message}");
     let message = field("count", json!(1_u64 << 60));
     assert!(message.contains("MiB are allowed") && message.contains("buffer view 0"), "{message}");
-    // A stream of an unknown version.
+    // The stream has an unknown version.
     let message = faulty(&|json| {
         let uri = json["buffers"][0]["uri"].as_str().expect("a URI").replace(";base64,oA", ";base64,rw");
         json["buffers"][0]["uri"] = json!(uri);
@@ -284,7 +285,7 @@ fn meshopt_views_are_decoded_once_and_counted() {
 }
 
 #[test]
-fn meshopt_fallback_in_the_binary_chunk() {
+fn meshopt_fallback_may_be_the_binary_chunk() {
     // Buffer 0 is the fallback in a GLB's binary chunk; the stream is in buffer 1.
     let stream = streams().remove(0);
     let mut glb = Glb::triangle();
@@ -305,13 +306,13 @@ fn meshopt_fallback_in_the_binary_chunk() {
 
 #[cfg(not(feature = "meshopt"))]
 #[test]
-fn meshopt_without_its_feature() {
+fn meshopt_without_its_feature_needs_a_fallback() {
     let stream = streams().remove(0);
     let mut json = scene_of(&stream, false);
     let error = refused(loads(&json));
     assert!(matches!(error, Error::MissingFeature { feature: "meshopt", .. }), "{error}");
     assert!(error.to_string().contains("EXT_meshopt_compression"), "{error}");
-    // With data, the fallback is as good.
+    // If the fallback has data, it gives the same result.
     let plain = scene_of(&stream, true);
     json["buffers"][1]["uri"] = plain["buffers"][0]["uri"].clone();
     assert_eq!(meshes(&loads(&json).expect("loads")), meshes(&loads(&plain).expect("loads")));

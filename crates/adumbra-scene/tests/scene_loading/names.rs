@@ -1,4 +1,4 @@
-//! Patterns of names that match nothing.
+//! Name patterns that match nothing.
 
 use std::fs;
 
@@ -17,14 +17,14 @@ fn town() -> Glb {
 }
 
 #[test]
-fn patterns_that_match_nothing_are_noted() {
+fn unmatched_patterns_are_noted_with_advice() {
     let glb = town();
     let unmatched = |names: &[&str], exclude: &[&str]| -> Vec<String> {
         let scene = glb.load_with(&only(names, exclude)).expect("loads");
         scene.notes.unmatched_patterns.iter().map(ToString::to_string).collect()
     };
     assert!(unmatched(&["house"], &["Sky*"]).is_empty() && unmatched(&[], &["Tower*"]).is_empty());
-    // The other case, brackets meant literally, and a node that holds no triangles.
+    // A name in another case, literal brackets, and a node without triangles.
     let said = unmatched(&["house", "default"], &["skydome", "Tower [1]", "Lights"]);
     assert_eq!(said.len(), 3, "{said:?}");
     assert!(
@@ -39,7 +39,7 @@ fn patterns_that_match_nothing_are_noted() {
 }
 
 #[test]
-fn patterns_that_match_nothing_are_errors_if_strict_and_where_nothing_is_left() {
+fn unmatched_patterns_are_errors_if_strict_or_nothing_is_kept() {
     let glb = town();
     let strict = |exclude: &[&str]| {
         let scene = glb.load_with(&LoadOptions { strict: true, ..only(&[], exclude) });
@@ -55,13 +55,13 @@ fn patterns_that_match_nothing_are_errors_if_strict_and_where_nothing_is_left() 
     let error = glb.load_with(&only(&["House"], &[])).unwrap_err();
     assert!(matches!(error, Error::NoTriangles { reason: EmptyReason::Filtered { .. }, .. }));
     assert!(error.to_string().contains("similar: \"house\""), "{error}");
-    // Nothing is left, although each pattern matches.
+    // The filter keeps nothing, although each pattern matches.
     let error = glb.load_with(&only(&["house"], &["house"])).unwrap_err().to_string();
     assert!(error.ends_with("names in the scene"), "{error}");
 }
 
 #[test]
-fn names_of_obj_and_ply_files_are_met_too() {
+fn patterns_match_names_in_obj_and_ply_files() {
     let folder = tempfile::tempdir().unwrap();
     let obj = "o Tower\nv 0 0 0\nv 1 0 0\nv 0 0 1\nusemtl brick\nf 1 2 3\no Sky\nf 1 2 3\n";
     let ply = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\

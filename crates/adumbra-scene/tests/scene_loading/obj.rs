@@ -1,4 +1,5 @@
-//! OBJ and MTL files as programs write them: encodings, comments, names, superseded statements, and what is left out.
+//! OBJ and MTL files as programs write them: encodings, comments, names, superseded statements, and
+//! omissions.
 
 use adumbra_scene::{AlphaMode, LoadOptions, Result, Scene, load};
 
@@ -35,7 +36,7 @@ impl Folder {
     }
 }
 
-/// What a load has found, as text: the triangles of each material that is used, with its opacity if that is not 1, then
+/// The result of a load as text: the triangles of each used material, with its opacity if that is not 1, then
 /// the omissions; or the error.
 fn summary(result: Result<Scene>) -> String {
     let scene = match result {
@@ -74,7 +75,7 @@ fn utf16(text: &str, little: bool, mark: bool) -> Vec<u8> {
 }
 
 #[test]
-fn obj_texts_of_all_kinds() {
+fn obj_texts_of_all_kinds_give_the_expected_triangles() {
     let whole = format!("{SQUARE}f 1 2 3 4\n");
     let square = |text: &str| format!("{SQUARE}{text}\n").into_bytes();
     let rows: Vec<(&str, Vec<u8>, &str)> = vec![
@@ -199,7 +200,7 @@ const WOOD: &str = "wood: 1; without 1 materials that no library defines (\"wood
 const WOOD_2: &str = "wood#2: 1; without 1 materials that no library defines (\"wood#2\")";
 
 #[test]
-fn mtl_texts_of_all_kinds() {
+fn mtl_texts_of_all_kinds_give_the_expected_materials() {
     let glass = "newmtl glass\nd 0.7\n";
     let used = format!("mtllib a.mtl\n{SQUARE}usemtl glass\nf 1 2 3\n").into_bytes();
     let uses = |name: &str| format!("mtllib a.mtl\n{SQUARE}usemtl {name}\nf 1 2 3\n").into_bytes();
@@ -294,7 +295,7 @@ fn mtl_texts_of_all_kinds() {
 }
 
 #[test]
-fn control_characters_of_a_name_are_escaped_in_what_is_said_of_it() {
+fn control_characters_in_names_are_escaped_in_messages() {
     let obj = format!("mtllib \u{1b}[2J.mtl\n{SQUARE}f 1 2 3 4\n");
     let notes = Folder::new(obj).load().expect("loads").notes;
     let said = format!("{:?} {}", notes.omissions[0].what, notes.warnings.join(" "));
@@ -303,7 +304,7 @@ fn control_characters_of_a_name_are_escaped_in_what_is_said_of_it() {
 }
 
 #[test]
-fn material_names_are_bytes() {
+fn material_names_are_compared_as_bytes() {
     let start = format!("mtllib a.mtl\n{SQUARE}usemtl ");
     let obj = [start.as_bytes(), b"caf\xe9\nf 1 2 3\nusemtl caf\xe8\nf 1 3 4\n"];
     let folder = Folder::new(obj.concat()).with("a.mtl", b"newmtl caf\xe8\nd 0.7\nnewmtl caf\xe9\n");
@@ -311,7 +312,7 @@ fn material_names_are_bytes() {
 }
 
 #[test]
-fn definitions_that_differ_are_warned_about_and_earlier_libraries_win() {
+fn first_library_wins_and_duplicate_definitions_are_warnings() {
     let obj = format!("mtllib a.mtl b.mtl\n{SQUARE}usemtl m\nf 1 2 3\n");
     let folder = Folder::new(obj).with("a.mtl", "newmtl m\nd 0.7\n").with("b.mtl", "newmtl m\nd 0.2\n");
     let scene = folder.load().expect("loads");
@@ -324,7 +325,7 @@ fn definitions_that_differ_are_warned_about_and_earlier_libraries_win() {
 }
 
 #[test]
-fn libraries_are_found_as_programs_name_them() {
+fn libraries_are_found_by_the_names_that_programs_write() {
     let rows = [
         ("mtllib a.mtl", "a.mtl"),
         ("mtllib my mat.mtl", "my mat.mtl"),
@@ -367,7 +368,7 @@ fn libraries_are_found_by_names_in_latin_1() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn names_that_differ_in_case_must_fit_one_file() {
+fn case_insensitive_name_must_match_only_one_file() {
     let folder = Folder::new(format!("mtllib LIB.mtl\n{SQUARE}usemtl m\nf 1 2 3\n"))
         .with("lib.mtl", "newmtl m\nd 0.7\n")
         .with("Lib.mtl", "newmtl m\nd 0.2\n");
@@ -376,7 +377,7 @@ fn names_that_differ_in_case_must_fit_one_file() {
 }
 
 #[test]
-fn lost_names_are_listed_up_to_five() {
+fn messages_list_up_to_five_undefined_materials() {
     let uses: String = (0..7).map(|i| format!("usemtl m{i}\nf 1 2 3\n")).collect();
     let found = summary(Folder::new(format!("{SQUARE}{uses}")).load());
     let omitted =
@@ -388,7 +389,7 @@ fn lost_names_are_listed_up_to_five() {
 }
 
 #[test]
-fn what_was_read_is_counted() {
+fn meshes_and_faces_of_the_file_are_counted() {
     let text = format!("{SQUARE}o a\ng b\nf 1 2 3 4\nf 1 1 1\ng c\nl 1 2\ng b\nf 1 2 3\nf 1 2\n");
     let scene = Folder::new(text).load().expect("loads");
     let read = scene.notes.read;
@@ -397,7 +398,7 @@ fn what_was_read_is_counted() {
 }
 
 #[test]
-fn a_face_is_in_each_group_that_is_named() {
+fn face_belongs_to_every_group_of_its_statement() {
     let text = format!("{SQUARE}g trunk tree\nf 1 2 3\ng leaf tree\nf 1 3 4\n");
     let count = |only: &[&str], exclude: &[&str]| {
         Folder::new(&text).load_with(&crate::kit::only(only, exclude)).map_or(0, |s| s.stored_triangles())
@@ -407,7 +408,7 @@ fn a_face_is_in_each_group_that_is_named() {
 }
 
 #[test]
-fn indices_count_back_from_what_has_been_read() {
+fn negative_indices_count_back_from_the_current_line() {
     let scene = Folder::new("v 0 0 0\nv 1 0 0\nv 0 0 1\nf -3 -2 -1\nv 5 0 0\nv 6 0 0\nv 5 0 1\nf -3 -2 -1\n");
     let triangles = world_triangles(&scene.load().expect("loads"));
     assert_eq!(triangles[1], [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [5.0, 0.0, 1.0]]);

@@ -1,7 +1,7 @@
-//! Random OBJ and MTL files, and damaged ones: a load never panics, gives a valid scene or an error, and holds no more
-//! memory than a multiple of its files.
+//! Random OBJ and MTL files, and damaged ones: a load never panics, gives a valid scene or an error, and uses
+//! no more memory than a multiple of the size of its files.
 //!
-//! `ADUMBRA_FUZZ_SECONDS=600` runs for that many seconds; each file follows from its seed.
+//! `ADUMBRA_FUZZ_SECONDS=600` runs for that many seconds. Each file depends only on its seed.
 
 use std::time::Instant;
 
@@ -16,7 +16,7 @@ use crate::obj::Folder;
 const SEEDS: u64 = 4000;
 /// The memory that a load may hold, in multiples of the bytes of its files.
 const MULTIPLE: u64 = 64;
-/// The memory that it may hold in addition, bytes.
+/// Additional memory that a load may hold, bytes.
 const BASE: u64 = 1 << 16;
 
 struct Writer {
@@ -104,7 +104,7 @@ impl Writer {
         }
     }
 
-    /// Half of the names are the same one, so that materials are found.
+    /// Returns `a` at least half of the time, so that materials are found.
     fn name(&mut self) -> &'static str {
         if self.chance(2) {
             return "a";
@@ -234,7 +234,7 @@ impl Writer {
     }
 }
 
-/// Files that follow from a seed, and how to load them.
+/// The files of a seed, and the options to load them with.
 fn case(seed: u64) -> (Vec<u8>, Vec<u8>, LoadOptions) {
     let mut writer = Writer { random: Random::new(seed, 0), out: Vec::new() };
     if !writer.chance(4) {
@@ -308,9 +308,9 @@ fn random_obj_files_give_a_scene_or_an_error() {
     assert!(loaded * 4 > seed && masked * 50 > seed, "{loaded} and {masked} of {seed} files");
 }
 
-/// What costs most memory for each byte of a file.
+/// The statements that cost most memory for each byte of a file.
 #[test]
-fn dense_obj_files_hold_a_multiple_of_their_bytes() {
+fn dense_obj_files_stay_within_the_memory_multiple() {
     let triangle = "v 0 0 0\nv 0 0 1\nv 1 0 0\nvt 0 0\nf 1 2 3\n";
     let repeat = |line: &str| (0..4_000).map(|i| line.replace('@', &format!("{i:x}"))).collect::<String>();
     let library = "mtllib a.mtl\n";

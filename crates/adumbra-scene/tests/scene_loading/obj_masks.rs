@@ -1,4 +1,4 @@
-//! Opacity maps of MTL files: their channels, their options, and their colours.
+//! Opacity maps of MTL files: their channels, options and colours.
 
 use adumbra_scene::{AlphaMode, Error, LoadOptions, Pixels, Scene, Texture, Wrap, load};
 use image::{ExtendedColorType, ImageFormat};
@@ -17,7 +17,7 @@ fn colors() -> LoadOptions {
     LoadOptions { color_textures: true, ..LoadOptions::default() }
 }
 
-/// An image of these texels; `kind` says how many channels they have.
+/// An image of these texels; `kind` is their colour type.
 fn image(texels: &[u8], width: u32, kind: ExtendedColorType, format: ImageFormat) -> Vec<u8> {
     let channels = u32::from(kind.channel_count());
     let height = texels.len() as u32 / (width * channels);
@@ -39,7 +39,7 @@ fn mask(scene: &Scene) -> (u32, u32, Vec<u8>) {
 }
 
 #[test]
-fn masks_of_all_channels_and_formats() {
+fn masks_are_read_from_all_channels_and_formats() {
     use ExtendedColorType::{L8, La8, Rgb8, Rgba8};
     let grey = image(&[0, 100, 255], 3, L8, ImageFormat::Png);
     let rgba = image(&[10, 20, 30, 40, 50, 60, 70, 80], 2, Rgba8, ImageFormat::Png);
@@ -88,7 +88,7 @@ fn masks_of_all_channels_and_formats() {
 }
 
 #[test]
-fn masks_lie_the_right_way_up_and_are_placed_by_their_options() {
+fn masks_are_upright_and_follow_placement_options() {
     // Only the top left texel is opaque.
     let texels = image(&[255, 0, 0, 0], 2, ExtendedColorType::L8, ImageFormat::Png);
     // Statement, and the coordinates in OBJ's convention that are opaque.
@@ -119,7 +119,7 @@ fn masks_lie_the_right_way_up_and_are_placed_by_their_options() {
 
 #[test]
 fn only_masked_faces_keep_their_texture_coordinates() {
-    // Each corner has a texture coordinate of its own in each face.
+    // Each corner has a different texture coordinate in each face.
     let faces = "usemtl wall\nf 1/1 2/2 3/3\nf 1/4 3/1 4/2\nusemtl leaf\nf 1/1 2/2 3/3\nf 1/4 3/1 4/2\nusemtl wall\nf 1 2 3\n";
     let folder = Folder::new(format!("mtllib a.mtl\n{QUAD}{faces}"))
         .with("a.mtl", "newmtl wall\nmap_Kd no.png\nnewmtl leaf\nmap_d m.png\n")
@@ -157,7 +157,7 @@ fn dissolve_multiplies_the_mask() {
     let scene = with("newmtl leaf\nd 0.75\nmap_d m.png\n");
     assert_eq!((scene.alpha(0, [0.25, 0.5], 1.0), scene.alpha(0, [0.75, 0.5], 1.0)), (0.75, 0.0));
     assert_eq!(scene.notes.blended_materials, 1);
-    // A mask without holes is no texture.
+    // A mask without holes is not loaded as a texture.
     let white = image(&[255], 1, ExtendedColorType::L8, ImageFormat::Png);
     let scene = Folder::new(quad()).with("a.mtl", "newmtl leaf\nmap_d m.png\n").with("m.png", white);
     assert_eq!(mask_or_none(&scene.load().expect("loads")), None);
@@ -168,7 +168,7 @@ fn mask_or_none(scene: &Scene) -> Option<Vec<u8>> {
 }
 
 #[test]
-fn colours_and_masks_are_one_texture() {
+fn colours_and_masks_are_merged_into_one_texture() {
     use ExtendedColorType::{L8, Rgb8};
     let color = image(&[255, 0, 0, 0, 255, 0, 0, 0, 255, 9, 9, 9], 2, Rgb8, ImageFormat::Png);
     let same = image(&[0, 255, 255, 0], 2, L8, ImageFormat::Png);
@@ -184,7 +184,7 @@ fn colours_and_masks_are_one_texture() {
         assert_eq!(rgba[rgba.len() - 4..rgba.len() - 1], [9, 9, 9], "{name}");
         assert_eq!(mask(&scene), mask(&folder.load().expect(name)), "{name}");
     }
-    // Placed differently: the mask counts.
+    // If the colours are placed differently, only the mask is loaded.
     let folder = Folder::new(quad())
         .with("a.mtl", "newmtl leaf\nmap_Kd -s 2 2 c.png\nmap_d m.png\n")
         .with("c.png", &color)
@@ -192,7 +192,7 @@ fn colours_and_masks_are_one_texture() {
     let scene = folder.load_with(&colors()).expect("loads");
     assert!(matches!(scene.textures[0].pixels, Pixels::Alpha(_)));
     assert!(scene.notes.warnings[0].contains("placed differently"), "{:?}", scene.notes.warnings);
-    // A colour texture that is not there costs no opacity.
+    // A missing colour texture does not affect opacity.
     let folder = folder.with("a.mtl", "newmtl leaf\nmap_Kd no.png\nmap_d m.png\n");
     let scene = folder.load_with(&colors()).expect("loads");
     assert_eq!(mask(&scene).2, [0, 255, 255, 0]);
@@ -200,7 +200,7 @@ fn colours_and_masks_are_one_texture() {
 }
 
 #[test]
-fn an_image_that_is_colour_and_mask_counts_by_its_alpha() {
+fn image_used_as_colour_and_mask_masks_by_its_alpha() {
     use ExtendedColorType::{Rgb8, Rgba8};
     let mtl = "newmtl leaf\nmap_Kd c.png\nmap_d C.png\n";
     let dark = image(&[9, 9, 9, 200, 9, 9], 2, Rgb8, ImageFormat::Png);
@@ -210,7 +210,7 @@ fn an_image_that_is_colour_and_mask_counts_by_its_alpha() {
     let folder = folder.with("c.png", leaf);
     assert_eq!(mask(&folder.load().expect("loads")).2, [0, 255]);
     assert_eq!(mask(&folder.load_with(&colors()).expect("loads")).2, [0, 255]);
-    // Without map_d the alpha of a colour texture counts for nothing.
+    // Without map_d, the alpha of a colour texture is ignored.
     let folder = folder.with("a.mtl", "newmtl leaf\nmap_Kd c.png\n");
     let scene = folder.load_with(&colors()).expect("loads");
     assert_eq!((scene.materials[0].alpha, mask(&scene).2), (AlphaMode::Opaque, vec![255, 255]));
@@ -268,9 +268,9 @@ fn masks_are_counted_before_they_are_decoded() {
     within(6 * texels).expect("fits");
 }
 
-/// The names of files of maps are found as those of libraries are.
+/// Map files are found by the same rules as libraries.
 #[test]
-fn mask_files_are_found_as_programs_name_them() {
+fn mask_files_are_found_by_the_names_that_programs_write() {
     for (named, file) in [
         ("my leaf.png", "my leaf.png"),
         ("\"my leaf.png\"", "my leaf.png"),
@@ -321,7 +321,7 @@ fn as_obj(scene: &Scene) -> Folder {
 }
 
 #[test]
-fn a_tree_in_obj_is_as_opaque_as_in_gltf() {
+fn tree_has_the_same_opacity_in_obj_as_in_gltf() {
     let Some(scenes) = adumbra_testing::shared("scenes") else { return };
     let gltf = load(&scenes.join("oak_medium.glb"), &LoadOptions::default()).expect("loads");
     let obj = as_obj(&gltf).load().expect("loads");

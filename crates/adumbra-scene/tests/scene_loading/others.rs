@@ -15,7 +15,7 @@ fn obj(text: &str) -> adumbra_scene::Result<Scene> {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0 0.5 0.5 0.5\nv 1 0 1\nv 0 0 1\n";
 
 #[test]
-fn obj_polygons_negative_indices_and_names() {
+fn obj_reads_polygons_negative_indices_and_names() {
     let scene =
         obj(&format!("{SQUARE}o quad\nf 1/7/3 2//1 3 -1\nf 1 \\\n 2 3\ng other\nf 1 2 4\nl 1 2 3 4\n"));
     let scene = scene.expect("loads");
@@ -29,7 +29,7 @@ fn obj_polygons_negative_indices_and_names() {
 }
 
 #[test]
-fn obj_materials_dissolve_and_go_missing() {
+fn obj_reads_opacity_and_reports_missing_materials() {
     let (folder, path) = file(
         "scene.obj",
         format!("mtllib my lib.mtl\nmtllib lost.mtl\n{SQUARE}usemtl glass\nf 1 2 3\nusemtl lost\nf 1 3 4\n")
@@ -48,7 +48,7 @@ fn obj_materials_dissolve_and_go_missing() {
 }
 
 #[test]
-fn obj_bad_files() {
+fn obj_rejects_bad_files() {
     assert!(matches!(refused(obj(&format!("{SQUARE}f 1 2 5\n"))), Error::IndexOutOfRange { index: 5, .. }));
     for line in ["f 1 2 x", "f 1 2 0", "f 1 2 -5", "v 1 2", "v 1 2 x"] {
         let error = refused(obj(&format!("{SQUARE}{line}\n")));
@@ -61,7 +61,7 @@ fn obj_bad_files() {
 }
 
 #[test]
-fn obj_cut_anywhere_does_not_panic() {
+fn obj_truncated_anywhere_does_not_panic() {
     let text = format!("mtllib a\n{SQUARE}vt 0 0\nvn 0 1 0\no q\nusemtl m\nf 1/1/1 2/1/1 3/1/1 4\\\n/1\n");
     for length in 0..text.len() {
         let _ = load_bytes("scene.obj", &text.as_bytes()[..length], &PLAIN());
@@ -114,7 +114,7 @@ fn ply(encoding: &str) -> Vec<u8> {
 const ENCODINGS: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
 
 #[test]
-fn ply_in_all_encodings() {
+fn ply_loads_in_all_encodings() {
     for encoding in ENCODINGS {
         let scene = load_bytes("scene.ply", &ply(encoding), &PLAIN()).expect(encoding);
         assert_eq!(scene.meshes[0].triangles, [[0, 1, 2], [0, 2, 3]], "{encoding}");
@@ -127,7 +127,7 @@ fn ply_in_all_encodings() {
 }
 
 #[test]
-fn ply_cut_at_every_length_is_an_error() {
+fn ply_truncated_at_any_length_is_an_error() {
     for encoding in ENCODINGS {
         let bytes = ply(encoding);
         let last = if encoding == "ascii" { bytes.len() - 1 } else { bytes.len() };
@@ -139,7 +139,7 @@ fn ply_cut_at_every_length_is_an_error() {
 }
 
 #[test]
-fn ply_bad_files() {
+fn ply_rejects_bad_files() {
     let text = String::from_utf8(ply("ascii")).expect("text");
     let changed = |from: &str, to: &str| {
         assert!(text.contains(from));
@@ -171,7 +171,7 @@ fn ply_with_any_byte_changed_does_not_panic() {
 }
 
 #[test]
-fn files_that_are_not_there_or_not_scenes() {
+fn rejects_missing_empty_and_unknown_files() {
     let folder = tempfile::tempdir().expect("a folder");
     for ending in ["glb", "gltf", "obj", "ply"] {
         let path = folder.path().join("scene.").with_extension(ending);
@@ -192,7 +192,7 @@ fn files_that_are_not_there_or_not_scenes() {
 }
 
 #[test]
-fn shared_scenes_have_the_triangles_that_their_list_says() {
+fn shared_scenes_have_the_listed_triangle_counts() {
     let Some(folder) = adumbra_testing::shared("scenes") else { return };
     // Name, stored triangles, instanced triangles (0: the same number).
     let list = [
@@ -242,13 +242,13 @@ fn shared_scenes_have_the_triangles_that_their_list_says() {
     }
 }
 
-/// A right triangle with legs of 10 m in map coordinates. Every corner is a quarter of a metre away from the nearest
-/// `f32` position.
+/// A right triangle with legs of 10 m in map coordinates. Every corner is a quarter of a metre away from the
+/// nearest `f32` position.
 const MAP_CORNERS: [[f64; 3]; 3] =
     [[500_000.125, 31.5, 5_000_000.25], [500_010.125, 31.5, 5_000_000.25], [500_000.125, 31.5, 5_000_010.25]];
 
 #[test]
-fn obj_and_ply_stand_where_the_file_says_at_map_coordinates() {
+fn obj_and_ply_at_map_coordinates_keep_double_precision() {
     let lines = |prefix: &str| -> String {
         MAP_CORNERS.iter().map(|[x, y, z]| format!("{prefix}{x} {y} {z}\n")).collect()
     };

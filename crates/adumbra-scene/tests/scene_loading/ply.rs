@@ -1,4 +1,4 @@
-//! PLY as its definition has it, and as scanners and modelling programs write it.
+//! PLY as specified, and as scanners and modelling programs write it.
 
 use adumbra_scene::{Counts, Error, LoadOptions};
 
@@ -9,7 +9,7 @@ use crate::ply_kit::{
 };
 
 #[test]
-fn headers_as_programs_write_them() {
+fn reads_headers_as_programs_write_them() {
     let cases: [(&str, &[(&str, &str)]); 19] = [
         ("as defined", &[]),
         ("CRLF", &[("\n", "\r\n")]),
@@ -42,7 +42,7 @@ fn headers_as_programs_write_them() {
 }
 
 #[test]
-fn binary_records_begin_after_the_header_of_each_line_end() {
+fn binary_records_follow_headers_with_any_line_end() {
     for format in FORMATS {
         let ply = points().with("face", &[CORNERS], &[FACE]);
         let header = ply.header(format);
@@ -68,7 +68,7 @@ fn binary_records_begin_after_the_header_of_each_line_end() {
 }
 
 #[test]
-fn text_is_words_not_lines() {
+fn text_records_need_not_match_lines() {
     let cases: [(&str, &str); 9] = [
         ("one line", "0 0 0 1 0 0 1 0 1 0 0 1 4 0 1 2 3"),
         ("one word a line", "0\n0\n0\n1\n0\n0\n1\n0\n1\n0\n0\n1\n4\n0\n1\n2\n3\n"),
@@ -90,7 +90,7 @@ fn text_is_words_not_lines() {
 }
 
 #[test]
-fn values_that_no_face_needs_may_be_anything() {
+fn unused_values_may_be_anything() {
     let odd = [
         "nan",
         "-nan",
@@ -130,7 +130,7 @@ fn values_that_no_face_needs_may_be_anything() {
         ]);
         assert_square(color, &file);
     }
-    // In binary files as well.
+    // The same applies to binary files.
     let nan = f64::NAN;
     let ply = Ply::default()
         .with(
@@ -152,7 +152,7 @@ fn values_that_no_face_needs_may_be_anything() {
 type Square = [&'static [f64]; 4];
 
 #[test]
-fn vertices_have_x_y_and_z_among_any_properties() {
+fn finds_x_y_and_z_among_other_vertex_properties() {
     let cases: [(&str, &[&str], Square); 6] = [
         (
             "another order",
@@ -194,7 +194,7 @@ fn vertices_have_x_y_and_z_among_any_properties() {
 }
 
 #[test]
-fn faces_have_one_list_of_corners_among_any_properties() {
+fn finds_the_corner_list_among_other_face_properties() {
     let cases: [(&str, &[&str], &[f64]); 9] = [
         ("tags", &["int flags", CORNERS, "uchar material_index"], &[9., 4., 0., 1., 2., 3., 5.]),
         (
@@ -232,7 +232,7 @@ fn faces_have_one_list_of_corners_among_any_properties() {
         let ply = points().with("face", &[&format!("list {count} short vertex_indices")], &[FACE]);
         assert_eq!(assert_square_in_all_formats(count, &ply), [""; 0], "{count}");
     }
-    // Neither of two lists is that of the corners, or there is none.
+    // Either there are two lists that could hold the corners, or there is none.
     let unclear: [(&[&str], &[f64]); 2] = [
         (&["list uchar int a", "list uchar int b"], &[1., 0., 1., 0.]),
         (&["uchar red", "list uchar float a"], &[1., 1., 0.]),
@@ -248,7 +248,7 @@ fn faces_have_one_list_of_corners_among_any_properties() {
 }
 
 #[test]
-fn elements_come_in_any_order_and_unknown_ones_are_named() {
+fn elements_come_in_any_order_and_unknown_are_omissions() {
     let faces_first = Ply::default().with("face", &[CORNERS], &[FACE]).with("vertex", &XYZ, &POINTS);
     assert_eq!(assert_square_in_all_formats("faces first", &faces_first), [""; 0]);
     let ply = Ply::default()
@@ -282,7 +282,7 @@ fn elements_come_in_any_order_and_unknown_ones_are_named() {
 const STRIP: [f64; 4] = [1., 2., 0., 3.];
 
 #[test]
-fn strips_alternate_and_start_anew_at_each_separator() {
+fn strips_alternate_winding_and_restart_at_separators() {
     let strips = |list: &str, records: &[&[f64]]| points().with("tristrips", &[list], records);
     let ints = "list int int vertex_indices";
     let end = -1.0;
@@ -305,7 +305,8 @@ fn strips_alternate_and_start_anew_at_each_separator() {
         let read = load(&ply.bytes("ascii")).expect("loads").notes.read;
         assert_eq!(read, Counts { meshes: 1, nodes: 0, faces: 2 }, "{what}");
     }
-    // Triangles of no area join strips. This one has an even number, so the next begins at an odd place of the list.
+    // Strips may be joined by triangles without area. This strip has an even number of them, so the next
+    // strip begins at an odd position.
     let joined = strips(ints, &[&[8., 0., 1., 2., 2., end, 0., 2., 3.]]);
     for format in FORMATS {
         let scene = assert_square(format, &joined.bytes(format));
@@ -320,7 +321,7 @@ fn strips_alternate_and_start_anew_at_each_separator() {
 }
 
 #[test]
-fn only_used_vertices_decide_where_the_origin_is() {
+fn only_used_vertices_determine_the_origin() {
     let far = [5_000_000.5, 0.0, 4_000_000.25];
     let place = |p: &[f64]| (0..3).map(|a| p[a] + far[a]).collect::<Vec<_>>();
     let mut records: Vec<Vec<f64>> = POINTS.iter().map(|p| place(p)).collect();

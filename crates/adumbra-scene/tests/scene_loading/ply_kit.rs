@@ -12,7 +12,7 @@ pub(crate) fn load(bytes: &[u8]) -> Result<Scene> {
     load_bytes("scene.ply", bytes, &LoadOptions::default())
 }
 
-/// The triangles of a scene, in an order of their own, each from its least corner on.
+/// The triangles of a scene in sorted order, each starting at its smallest corner.
 fn triangles(scene: &Scene) -> Vec<[[f64; 3]; 3]> {
     let turned = |t: [[f64; 3]; 3]| {
         let least = (0..3).min_by(|&a, &b| t[a].partial_cmp(&t[b]).expect("finite")).expect("three");
@@ -46,7 +46,7 @@ const BODY: &str = "0 0 0\n1 0 0\n1 0 1\n0 0 1\n4 0 1 2 3\n";
 pub(crate) const POINTS: [&[f64]; 4] = [&[0., 0., 0.], &[1., 0., 0.], &[1., 0., 1.], &[0., 0., 1.]];
 pub(crate) const FACE: &[f64] = &[4., 0., 1., 2., 3.];
 
-/// The file above with changes; each must occur in it.
+/// The file above with replacements. Each replaced text must occur in it.
 pub(crate) fn changed(changes: &[(&str, &str)]) -> Vec<u8> {
     let mut text = format!("{HEADER}{BODY}");
     for (from, to) in changes {
@@ -56,7 +56,7 @@ pub(crate) fn changed(changes: &[(&str, &str)]) -> Vec<u8> {
     text.into_bytes()
 }
 
-/// A square in the `xyz` properties, as a file of its own vertices.
+/// The vertices of the square in the `xyz` properties, without faces.
 pub(crate) fn points() -> Ply {
     Ply::default().with("vertex", &XYZ, &POINTS)
 }
@@ -70,7 +70,7 @@ pub(crate) fn assert_square_in_all_formats(what: &str, ply: &Ply) -> Vec<String>
     notes[0].clone()
 }
 
-/// The message of a file that must be refused.
+/// The error message of a file that must be rejected.
 pub(crate) fn message(bytes: &[u8]) -> String {
     let error = refused(load(bytes));
     assert!(matches!(error, Error::SceneParse { .. }), "{error}");

@@ -1,4 +1,4 @@
-//! PLY files that cannot be loaded, or not wholly: errors name the record, the property and the line.
+//! PLY files that cannot be loaded, or only in part. Errors name the record, the property and the line.
 
 use adumbra_scene::{EmptyReason, Error};
 
@@ -86,7 +86,7 @@ fn messages_name_the_record_the_property_and_the_line() {
 }
 
 #[test]
-fn binary_files_may_go_on_but_not_end_early() {
+fn binary_files_may_have_trailing_bytes_but_not_be_truncated() {
     let ply = points().with("face", &[CORNERS, "double quality"], &[&[4., 0., 1., 2., 3., 0.5]]);
     for format in &FORMATS[1..] {
         let bytes = ply.bytes(format);
@@ -131,7 +131,7 @@ fn binary_files_may_go_on_but_not_end_early() {
 }
 
 #[test]
-fn files_without_faces_say_why() {
+fn files_without_faces_are_errors_with_a_reason() {
     let reason = |ply: &Ply| {
         let reasons = FORMATS.map(|format| match refused(load(&ply.bytes(format))) {
             Error::NoTriangles { reason, .. } => reason,

@@ -1,7 +1,7 @@
-//! Polygons of OBJ and PLY files: their triangles cover exactly the polygon.
+//! Polygons of OBJ and PLY files: their triangles must cover exactly the polygon.
 
 use adumbra::{Filter, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{LoadOptions, Scene, topology};
 
 use crate::kit::load_bytes;
@@ -183,8 +183,8 @@ fn triangles(scene: &Scene, plane: Plane) -> Vec<[Flat; 3]> {
     mesh.triangles.iter().map(|t| t.map(|i| plane.flat(mesh.positions[i as usize]))).collect()
 }
 
-/// Checks that every triangle has the ring's winding, that their areas sum to the ring's, and that each point of a grid
-/// is in as many of them as in the ring.
+/// Checks that every triangle has the ring's winding, that the areas of the triangles sum to the ring's, and
+/// that each point of a grid is in one triangle if it is inside the ring, else in none.
 fn assert_covers(name: &str, ring: &[Flat], triangles: &[[Flat; 3]]) {
     let whole = doubled_area(ring);
     let areas: Vec<f64> = triangles.iter().map(|t| doubled_area(t)).collect();
@@ -202,7 +202,7 @@ fn assert_covers(name: &str, ring: &[Flat], triangles: &[[Flat; 3]]) {
 }
 
 #[test]
-fn polygons_are_covered_from_every_corner_both_ways_round() {
+fn polygons_are_covered_from_every_corner_in_both_windings() {
     for (name, ring) in cases() {
         for (start, plane) in (0..ring.len()).zip(Plane::ALL.into_iter().cycle()) {
             for reversed in [false, true] {
@@ -291,7 +291,7 @@ fn polygons_that_a_fan_covers_keep_their_fan() {
 }
 
 #[test]
-fn polygons_that_cross_themselves_are_counted() {
+fn self_intersecting_polygons_are_counted() {
     let flat = Plane::ALL[0];
     let bow_tie = ring(&[[0, 0], [4, 4], [4, 0], [0, 4]]);
     let star = ring(&[[0, 4], [10, 4], [2, 10], [5, 0], [8, 10]]);
@@ -324,7 +324,7 @@ fn polygons_cast_their_own_shadow() {
         for (format, load) in LOADERS {
             let scene = load(&[ground.clone(), roof.clone()]);
             let options = BakeOptions::new(sun, Size::Resolution(256));
-            let file = bake(&scene, &options, Watch::none()).expect("bakes").file;
+            let file = Bake::with_options(&scene, &options).in_memory().expect("bakes");
             let sampler = file.sampler(Filter::Nearest);
             for i in 0..20 {
                 for j in 0..20 {

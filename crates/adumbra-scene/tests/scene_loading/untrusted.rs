@@ -102,7 +102,7 @@ fn buffers_stay_in_the_scenes_folder() {
 }
 
 #[test]
-fn a_scene_in_the_working_folder_reads_what_is_beside_it() {
+fn scene_with_a_relative_path_reads_files_beside_it() {
     let place = SceneFolder::new();
     let path = place.gltf("inside.bin");
     let relative = pathdiff(&path);
@@ -124,7 +124,7 @@ fn images_stay_in_the_scenes_folder() {
     let masked = place.write("scene.gltf", gltf_with_image("../leaf.png", "MASK").to_string());
     assert_outside(plain(&masked), "image 0", "../leaf.png");
     assert_eq!(load(&masked, &ANYWHERE()).expect("loads").textures.len(), 1);
-    // A colour-only texture is no reason to fail.
+    // A colour-only texture outside the folder is not an error.
     let colored = place.write("scene.gltf", gltf_with_image("../leaf.png", "OPAQUE").to_string());
     let colors = LoadOptions { color_textures: true, ..LoadOptions::default() };
     let scene = load(&colored, &colors).expect("loads");
@@ -157,7 +157,7 @@ fn material_libraries_and_their_textures_stay_in_the_scenes_folder() {
 }
 
 #[test]
-fn files_that_a_scene_names_are_listed_once() {
+fn named_files_lists_each_file_once() {
     let place = SceneFolder::new();
     let names = |path: &Path| {
         let named = plain(path).expect("loads").notes.named_files;
@@ -174,7 +174,7 @@ fn files_that_a_scene_names_are_listed_once() {
     for name in ["lib.mtl", "../a.png", "tex//b.png", "-bm 2 tex//b.png"] {
         assert!(named.iter().any(|n| n == name), "{name}");
     }
-    // The other four: the two long lines, and the words of the option.
+    // The other four names: the two long lines, and the words of the option.
     assert_eq!(named.len(), 8);
     let path = place.write("scene.obj", format!("mtllib lib.mtl\n{FACE}"));
     let many: String = (0..100_000).map(|i| format!("map_Kd {i}\n")).collect();
@@ -197,7 +197,7 @@ fn buffers_are_read_up_to_their_stated_length() {
 
 #[cfg(unix)]
 #[test]
-fn links_that_lead_out_are_refused() {
+fn links_that_leave_the_folder_are_rejected() {
     let place = SceneFolder::new();
     std::os::unix::fs::symlink(place.secret(), place.scenes.join("link.bin")).expect("links");
     std::os::unix::fs::symlink("inside.bin", place.scenes.join("near.bin")).expect("links");
@@ -235,7 +235,7 @@ fn devices_and_pipes_are_not_read() {
     let path = place.write("scene.obj", format!("mtllib /dev/zero\n{FACE}"));
     assert_outside(plain(&path), "mtllib", "/dev/zero");
     refused(load(&path, &ANYWHERE()), "/dev/zero");
-    // The same for the scene file itself.
+    // The same applies to the scene file itself.
     for ending in ["glb", "gltf", "obj", "ply"] {
         let scene = place.scenes.join("scene.pipe").with_extension(ending);
         std::fs::rename(&pipe, &scene).expect("renames");

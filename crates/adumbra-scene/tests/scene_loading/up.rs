@@ -6,7 +6,8 @@ use adumbra_scene::{Error, LoadOptions, Scene, UpAxis, load};
 
 use crate::kit::Glb;
 
-/// A town of Z up, far away as in map coordinates: a ground, and a wedge with its foot at (1, 2) and its top at (1, 6, 8).
+/// A town with Z up, far away as in map coordinates: a ground, and a wedge with its foot at (1, 2) and its
+/// top at (1, 6, 8).
 const CORNERS: [[f64; 3]; 7] = [
     [500_000.0, 5e6, 0.0],
     [500_040.0, 5e6, 0.0],
@@ -41,7 +42,7 @@ fn triangles(scene: &Scene) -> Vec<[[f64; 3]; 3]> {
 }
 
 #[test]
-fn files_with_z_up_are_turned() {
+fn z_up_files_are_rotated_to_y_up() {
     let folder = tempfile::tempdir().unwrap();
     let turned = CORNERS.map(|[x, y, z]| [x, z, -y]);
     for (ending, text) in [("obj", obj as fn(&[[f64; 3]]) -> String), ("ply", ply)] {
@@ -55,7 +56,7 @@ fn files_with_z_up_are_turned() {
         assert_eq!(triangles(&z_up), triangles(&y_up), "{ending}");
         assert_eq!(triangles(&y_up)[2][1], [500_001.0, 8.0, -5e6 - 6.0]);
         assert_eq!((z_up.up, y_up.up), (UpAxis::Z, UpAxis::Y));
-        // Taken for Y up, the town stands like a wall, which is noted unless the axis is given.
+        // Read as Y up, the town stands on edge, which is noted unless the axis is given.
         let noted =
             [None, Some(UpAxis::Y), Some(UpAxis::Z)].map(|up| with("z", text(&CORNERS), up).notes.looks_z_up);
         assert_eq!((noted, y_up.notes.looks_z_up), ([true, false, false], false), "{ending}");
@@ -63,7 +64,7 @@ fn files_with_z_up_are_turned() {
 }
 
 #[test]
-fn gltf_files_are_y_up() {
+fn gltf_rejects_any_other_up_axis() {
     let glb = Glb::triangle();
     let with = |up| glb.load_with(&LoadOptions { up, ..LoadOptions::default() });
     assert!(matches!(with(Some(UpAxis::Z)), Err(Error::GltfIsYUp { .. })));

@@ -4,9 +4,10 @@ use super::ReceiverBias;
 use crate::gpu_struct;
 
 gpu_struct! {
-    /// Transform from relative positions to a voxel grid, accurate to better than 1e-5 voxels for any grid size. A
-    /// position is split into whole steps of about 8 voxels, whose contribution is exact in integers, and a remainder;
-    /// core/grid.wgsl adds the two. Fixed-point numbers have [`crate::constants::FIXED_ONE`] units per voxel and wrap.
+    /// Transform from relative positions to a voxel grid, accurate to better than 1e-5 voxels for any grid
+    /// size. A position is split into whole steps of about 8 voxels, whose contribution is exact in integers,
+    /// and a remainder; core/grid.wgsl adds the two. Fixed-point numbers have [`crate::constants::FIXED_ONE`]
+    /// units per voxel and wrap.
     pub struct GridTransform {
         /// First row of the linear map from world to grid.
         pub axis_x: [f32; 3],
@@ -50,8 +51,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// A baked light-aligned file. Its words are the blocks at which look-ups begin, and the code; offsets are in
-    /// words.
+    /// A baked light-aligned file. Its words are the blocks at which look-ups begin, and the code; offsets
+    /// are in words.
     pub struct VoxelParams {
         /// Position and orientation of the grid.
         pub grid: GridTransform,
@@ -61,8 +62,9 @@ gpu_struct! {
         pub root_level: u32,
         /// Bias applied to the receiver.
         pub bias: ReceiverBias,
-        /// For a quadtree: offset of the table of blocks, number of coarser levels that follow, and 1 if pages may be
-        /// absent, 2 if they fade besides; zeros unless it is streamed. Other structures with the same filters keep offsets here.
+        /// For a quadtree: offset of the table of blocks, number of coarser levels that follow, and 1 if
+        /// pages may be absent, 2 if they also fade; zeros unless it is streamed. Other structures with the
+        /// same filters keep offsets here.
         pub extra: [u32; 3],
         /// Offset of the code.
         pub code_offset: u32,

@@ -4,8 +4,8 @@ use super::kinds::Array;
 use crate::gpu_struct;
 
 gpu_struct! {
-    /// Two independent tables in one: the weight of a texel at distance i, and tap pair i, which one linearly filtered
-    /// sample reads.
+    /// Two independent tables in one: the weight of a texel at distance i, and tap pair i, which one linearly
+    /// filtered sample reads.
     pub struct BlurTap {
         /// Weight of a texel at distance i, in texels; the weights of a whole line add up to 1.
         pub weight: f32,
@@ -17,8 +17,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Parameters of a screen-space blur of the shadow factor. "Texels" are those of the blurred picture, which may
-    /// have half the frame's size.
+    /// Parameters of a screen-space blur of the shadow factor. "Texels" are those of the blurred picture,
+    /// which may have half the frame's size.
     pub struct BlurParams {
         /// Weights by distance, and pairs by index.
         pub taps: Array<BlurTap, 33>,
@@ -38,8 +38,8 @@ gpu_struct! {
         pub dilation_texels: u32,
         /// Standard deviation of the Gaussian, in texels.
         pub sigma_texels: f32,
-        /// Distance from a pixel's plane at which a point no longer counts as the same surface, in pixel widths at that
-        /// depth.
+        /// Distance from a pixel's plane at which a point no longer counts as the same surface, in pixel
+        /// widths at that depth.
         pub tolerance_pixels: f32,
     }
 }

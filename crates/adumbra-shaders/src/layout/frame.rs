@@ -3,8 +3,8 @@
 use crate::gpu_struct;
 
 gpu_struct! {
-    /// Coefficients that convert a stored depth d to view depth z, measured along [`Frame::forward`]: `z = (numerator +
-    /// numerator_slope · d) / (denominator + denominator_slope · d)`.
+    /// Coefficients that convert a stored depth d to view depth z, measured along [`Frame::forward`]: `z =
+    /// (numerator + numerator_slope · d) / (denominator + denominator_slope · d)`.
     pub struct DepthToZ {
         /// Numerator at d = 0.
         pub numerator: f32,
@@ -32,8 +32,8 @@ impl DepthToZ {
 gpu_struct! {
     /// A camera's frame, for all passes that draw or read the scene.
     ///
-    /// Depth convention of cameras: reversed, 1 at the near plane, 0 at infinity (perspective) or at the far plane
-    /// (orthographic). 0 also means that no surface is visible.
+    /// Depth convention of cameras: reversed, 1 at the near plane, 0 at infinity (perspective) or at the far
+    /// plane (orthographic). 0 also means that no surface is visible.
     ///
     /// The visible point of pixel (x, y) at view depth z, with `ndc` from -1 to 1 and y up, is
     /// `p_relative = origin + ndc.x·origin_x + ndc.y·origin_y + z·(ray + ndc.x·ray_x + ndc.y·ray_y)`.
@@ -54,8 +54,8 @@ gpu_struct! {
         pub ray_y: [f32; 3],
         /// Conversion from stored depth to view depth.
         pub depth_to_z: DepthToZ,
-        /// World position that relative positions are measured from, usually the eye, rounded to floats. No shader
-        /// needs it, because all relative values were computed in doubles.
+        /// World position that relative positions are measured from, usually the eye, rounded to floats. No
+        /// shader needs it, because all relative values were computed in doubles.
         pub anchor_world: [f32; 3],
         /// Rounding remainder of [`Frame::anchor_world`].
         pub anchor_rest_world: [f32; 3],

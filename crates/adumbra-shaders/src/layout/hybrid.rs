@@ -18,8 +18,8 @@ gpu_struct! {
         pub filter_width: u32,
         /// 1 if the finest depths have 16 bits.
         pub has_16_bit_depth: u32,
-        /// Slope of slope code 1, in steps of 1 / [`crate::constants::HYBRID_ONE`] of depth per texel, fixed point with
-        /// [`crate::constants::HYBRID_SLOPE_BITS`] fraction bits.
+        /// Slope of slope code 1, in steps of 1 / [`crate::constants::HYBRID_ONE`] of depth per texel, fixed
+        /// point with [`crate::constants::HYBRID_SLOPE_BITS`] fraction bits.
         pub slope_unit: i32,
         /// Smallest bias along the light, as a fraction of the layer's depth: one step of stored depth.
         pub min_bias_depth: f32,
@@ -47,7 +47,7 @@ gpu_struct! {
         pub has_16_bit_depth: u32,
         /// Slope of slope code 1, in the units of [`HybridParams::slope_unit`].
         pub slope_unit: i32,
-        /// Twice the distance by which a plane may lie behind its texels, in steps of 1 /
+        /// Twice the distance by which a plane may be behind its texels, in steps of 1 /
         /// [`crate::constants::HYBRID_ONE`].
         pub twice_tolerance: i32,
         /// Capacity of the map in words, or in texels for the paper's layout.

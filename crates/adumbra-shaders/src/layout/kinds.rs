@@ -88,9 +88,9 @@ pub fn pad(bytes: &mut Vec<u8>, start: usize, align: usize) {
 /// Alignment of every structure, so that each may be a uniform, a member of one, or an array element in one.
 pub const STRUCT_ALIGN: usize = 16;
 
-/// Returns the WGSL declaration of a structure with members of the given names, alignments and types. The first member
-/// carries the structure's alignment. For members that are themselves structures of smaller members, naga needs an
-/// explicit alignment.
+/// Returns the WGSL declaration of a structure with members of the given names, alignments and types. The
+/// first member carries the structure's alignment. For members that are themselves structures of smaller
+/// members, naga needs an explicit alignment.
 pub fn declaration(name: &str, members: &[(&str, usize, String)]) -> String {
     let mut text = format!("struct {name} {{\n");
     for (i, (member, align, kind)) in members.iter().enumerate() {
@@ -100,8 +100,8 @@ pub fn declaration(name: &str, members: &[(&str, usize, String)]) -> String {
     text + "}\n\n"
 }
 
-/// Declares a structure in Rust and WGSL at once. Rust writes the padding that WGSL's alignment rules require. A crate
-/// with shaders of its own adds the declarations to its text.
+/// Declares a structure in Rust and WGSL at once. Rust writes the padding that WGSL's alignment rules
+/// require. A crate that has its own shaders adds the declarations to its text.
 #[macro_export]
 macro_rules! gpu_struct {
     ($(#[$doc:meta])* pub struct $name:ident { $($(#[$field_doc:meta])* pub $field:ident: $kind:ty,)* }) => {

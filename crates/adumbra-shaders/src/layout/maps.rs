@@ -5,8 +5,8 @@ use super::kinds::Array;
 use crate::gpu_struct;
 
 gpu_struct! {
-    /// One layer of a shadow map. Depth convention of the light: linear, 0 near the sun, 1 far. The rows are those of
-    /// an affine transformation; each evaluates to `xyz · p_relative + w`.
+    /// One layer of a shadow map. Depth convention of the light: linear, 0 near the sun, 1 far. The rows are
+    /// those of an affine transformation; each evaluates to `xyz · p_relative + w`.
     pub struct MapLayer {
         /// Row that yields u, 0 to 1 from left to right.
         pub u_from_relative: [f32; 4],
@@ -75,8 +75,8 @@ gpu_struct! {
         pub fade_view_depth: f32,
         /// View depth at which shadows end.
         pub fade_end_view_depth: f32,
-        /// Smallest bias along the light, as a fraction of the layer's depth: one step of 16-bit depth, or a few units
-        /// in the last place of 32-bit depth.
+        /// Smallest bias along the light, as a fraction of the layer's depth: one step of 16-bit depth, or a
+        /// few units in the last place of 32-bit depth.
         pub min_bias_depth: f32,
         /// Side length of a pixel at view depth 0, in world units.
         pub pixel_world: f32,
@@ -90,8 +90,8 @@ gpu_struct! {
 gpu_struct! {
     /// Parameters of a pass that blurs the moments of one layer.
     pub struct MomentBlurParams {
-        /// Weights of the central tap and of the taps to one side, four per element. Together with the mirrored taps
-        /// they sum to 1.
+        /// Weights of the central tap and of the taps to one side, four per element. Together with the
+        /// mirrored taps they sum to 1.
         pub weights: Array<[f32; 4], 4>,
         /// Exponents of the positive and the negative warp.
         pub exponents: [f32; 2],

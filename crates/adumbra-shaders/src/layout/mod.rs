@@ -1,8 +1,8 @@
 //! Structures that Rust writes and WGSL reads, declared here once for both languages.
 //!
-//! Their WGSL names begin with `Adumbra`. Every field has one meaning. Rust writes the padding between fields, and
-//! `tests/validate.rs` checks sizes and offsets against naga's. "Relative" positions are world positions minus the
-//! frame's anchor.
+//! Their WGSL names begin with `Adumbra`. Every field has one meaning. Rust writes the padding between
+//! fields, and `tests/validate.rs` checks sizes and offsets against naga's. "Relative" positions are world
+//! positions minus the frame's anchor.
 
 mod baked;
 mod blur;

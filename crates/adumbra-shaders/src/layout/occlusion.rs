@@ -5,8 +5,8 @@ use super::kinds::Array;
 use crate::gpu_struct;
 
 gpu_struct! {
-    /// Conversion between texels of the ambient occlusion picture and view space. View space has x to the right, y up
-    /// and z along [`super::Frame::forward`], in world units from the eye.
+    /// Conversion between texels of the ambient occlusion picture and view space. View space has x to the
+    /// right, y up and z along [`super::Frame::forward`], in world units from the eye.
     pub struct OcclusionView {
         /// Change of `ndc` per texel. `ndc` ranges from -1 to 1, y up.
         pub ndc_per_texel: [f32; 2],
@@ -26,7 +26,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Parameters specific to the estimators. Each estimator's file states which ones it reads; the others are 0.
+    /// Parameters specific to the estimators. Each estimator's file states which ones it reads; the others
+    /// are 0.
     pub struct OcclusionShape {
         /// Factor of the sum.
         pub strength: f32,
@@ -48,13 +49,14 @@ gpu_struct! {
         pub falloff_slope: f32,
         /// Factor of distances along the view direction.
         pub depth_stretch: f32,
-        /// 1 if whatever is in front of the sphere of the given radius hides what is inside it.
+        /// 1 if anything in front of the sphere of the given radius hides the sphere's inside.
         pub hides_from_outside: u32,
     }
 }
 
 gpu_struct! {
-    /// An estimate of ambient occlusion. "Texels" are those of its own picture, which may have half the frame's size.
+    /// An estimate of ambient occlusion. "Texels" are those of its own picture, which may have half the
+    /// frame's size.
     pub struct OcclusionParams {
         /// Conversion from texels to view space.
         pub view: OcclusionView,
@@ -88,8 +90,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// The noise of ambient occlusion: [`crate::constants::OCCLUSION_MAX_TAPS`] taps for each of the tile's 16 texels.
-    /// Each estimator's file states what the components of a tap mean.
+    /// The noise of ambient occlusion: [`crate::constants::OCCLUSION_MAX_TAPS`] taps for each of the tile's
+    /// 16 texels. Each estimator's file states what the components of a tap mean.
     pub struct OcclusionTaps {
         /// Taps, grouped by texel.
         pub taps: Array<[f32; 4], 1024>,
@@ -105,8 +107,8 @@ gpu_struct! {
         pub taps_per_side: u32,
         /// Axis of a one-dimensional pass: 0 for x, 1 for y.
         pub axis: u32,
-        /// Which planes the filter follows, as 1 or 0: those of a perspective picture, and those of an orthographic
-        /// one.
+        /// Which planes the filter follows, as 1 or 0: those of a perspective picture, and those of an
+        /// orthographic one.
         pub plane_kind: [f32; 2],
         /// 1 / (√2 σ), where σ is the standard deviation of view depth in world units.
         pub inverse_depth_width: f32,
@@ -118,8 +120,8 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Transform from this frame's view space to the previous frame's. Each row evaluates to `xyz · p + w` for a point
-    /// p in this frame's view space.
+    /// Transform from this frame's view space to the previous frame's. Each row evaluates to `xyz · p + w`
+    /// for a point p in this frame's view space.
     pub struct OcclusionHistoryParams {
         /// Row that yields x in the previous frame.
         pub x_from_now: [f32; 4],
@@ -129,8 +131,8 @@ gpu_struct! {
         pub z_from_now: [f32; 4],
         /// View of the previous frame.
         pub view: OcclusionView,
-        /// Distance from a point's plane within which the previous frame's surface counts as the same, at view depth 0,
-        /// in world units.
+        /// Distance from a point's plane within which the previous frame's surface counts as the same, at
+        /// view depth 0, in world units.
         pub tolerance_world: f32,
         /// Change of [`OcclusionHistoryParams::tolerance_world`] per unit of view depth.
         pub tolerance_world_per_depth: f32,

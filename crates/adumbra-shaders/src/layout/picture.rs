@@ -16,7 +16,7 @@ gpu_struct! {
 }
 
 gpu_struct! {
-    /// Parameters that select what is shown of a frame.
+    /// Parameters that select the displayed part of a frame.
     pub struct LayerParams {
         /// Tint colours by index.
         pub palette: Array<[f32; 3], 16>,

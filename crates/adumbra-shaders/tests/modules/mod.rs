@@ -1,9 +1,9 @@
-//! Every module that a pass of `adumbra-render` is assembled from, as lists of file names.
+//! All modules that the passes of `adumbra-render` use, as lists of file names.
 
 use adumbra_shaders::source::{self, Source};
 
-/// The files of each technique. They go between core/surface, core/view_depth, core/frame and the pass that evaluates
-/// the technique, for pixels or for points.
+/// The files of each technique. They go between core/surface, core/view_depth, core/frame and the pass that
+/// evaluates the technique, for pixels or for points.
 const LOOK_UPS: &[(&str, &str)] = &[
     (
         "hybrid square, paper's layout",

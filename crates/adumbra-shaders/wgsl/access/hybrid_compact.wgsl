@@ -1,8 +1,8 @@
-// Words of a hybrid map with 32 bits per texel: the coarsest level row by row, then blocks of four children each, in
-// the order upper left, upper right, lower left, lower right. The word of a texel with children is ADUMBRA_HYBRID_INDEX
-// combined with the offset of its children, which is a multiple of four, or of two for 16-bit depths. The finest depths
-// are 32-bit floats, or two 16-bit depths per word with the left one in the low half. Two blocks of 16-bit depths share
-// four words.
+// Words of a hybrid map with 32 bits per texel: the coarsest level row by row, then blocks of four children
+// each, in the order upper left, upper right, lower left, lower right. The word of a texel with children is
+// ADUMBRA_HYBRID_INDEX combined with the offset of its children, which is a multiple of four, or of two for
+// 16-bit depths. The finest depths are 32-bit floats, or two 16-bit depths per word with the left one in the
+// low half. Two blocks of 16-bit depths share four words.
 
 @group(2) @binding(1) var<storage, read> adumbra_hybrid_words: array<u32>;
 // The same words in groups of four.

@@ -10,11 +10,10 @@
 // | A | 16 to 31 | depth at the texel's centre, 65535 = 1 |
 // | A | 0 to 7, 8 to 15 | normal: bytes 0 and 1 of core/octahedral.wgsl, both 0 without a caster |
 //
-// G and A are 0 in a texel that links to finer ones. The texels are stored with the coarsest level first, row by row,
-// then in groups of four the texels that links lead to. A link is the index of a texel and the index of the next link,
-// which is ADUMBRA_HYBRID_NO_LINK at the end of a list.
-// Worked value: column 5, row 3 of the finest level, depth 0.25, normal (0, 1, 0): 0x00030005, 0x3e800000, 0,
-// 0x4000ff80.
+// G and A are 0 in a texel that links to finer ones. The texels are stored with the coarsest level first, row
+// by row, then in groups of four the texels that links lead to. A link is the index of a texel and the index
+// of the next link, which is ADUMBRA_HYBRID_NO_LINK at the end of a list. Worked value: column 5, row 3 of
+// the finest level, depth 0.25, normal (0, 1, 0): 0x00030005, 0x3e800000, 0, 0x4000ff80.
 
 @group(2) @binding(1) var<storage, read> adumbra_hybrid_texels: array<vec4u>;
 @group(2) @binding(2) var<storage, read> adumbra_hybrid_links: array<vec2u>;
@@ -24,7 +23,8 @@ fn adumbra_hybrid_word(texel: vec4u) -> u32 {
     return select(texel.y, texel.z, (texel.z & ADUMBRA_HYBRID_INDEX) != 0u);
 }
 
-// Returns the finer texel at a position in its level. Every list holds all four texels, so its end is never reached.
+// Returns the finer texel at a position in its level. Every list holds all four texels, so its end is never
+// reached.
 fn adumbra_hybrid_listed(parent: u32, texel: vec2u) -> vec4u {
     let wanted = texel.x | (texel.y << 16u);
     var link = parent ^ ADUMBRA_HYBRID_INDEX;
@@ -57,8 +57,8 @@ fn adumbra_hybrid_finest(parent: u32, texel: vec2u, halves: bool) -> f32 {
     return adumbra_hybrid_finest_depth(adumbra_hybrid_listed(parent, texel).y, halves);
 }
 
-// Returns the four finest texels of a texel of level 1. Walks the list once and places each texel by the position that
-// it stores.
+// Returns the four finest texels of a texel of level 1. Walks the list once and places each texel by the
+// position that it stores.
 fn adumbra_hybrid_finest_block(parent: u32, block: vec2u, halves: bool) -> vec4f {
     var depths = vec4f(0.0);
     var link = parent ^ ADUMBRA_HYBRID_INDEX;

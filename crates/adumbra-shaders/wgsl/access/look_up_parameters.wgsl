@@ -1,6 +1,6 @@
-// Header and parameters of the look-up texture, version 3. Source: spec/look-up-texture.md. `adumbra_header_word` of
-// access/look_up_texture.wgsl returns the header's words. An engine that keeps them elsewhere provides that function and
-// `adumbra_voxel_word` itself.
+// Header and parameters of the look-up texture, version 3. Source: spec/look-up-texture.md.
+// `adumbra_header_word` of access/look_up_texture.wgsl returns the header's words. An engine that keeps the
+// words elsewhere provides that function and `adumbra_voxel_word` itself.
 
 // First word of the parameter block.
 const ADUMBRA_TEXTURE_PARAMS: u32 = 16u;
@@ -29,8 +29,8 @@ fn adumbra_texture_towards_sun() -> vec3f {
     return bitcast<vec3f>(vec3u(adumbra_header_word(8u), adumbra_header_word(9u), adumbra_header_word(10u)));
 }
 
-// Returns the parameter block: 73 texel fetches, the same for every pixel. An engine with a uniform buffer puts the
-// block there instead.
+// Returns the parameter block: 73 texel fetches, the same for every pixel. An engine with a uniform buffer
+// puts the block there instead.
 fn adumbra_texture_params() -> AdumbraVoxelParams {
     var v: AdumbraVoxelParams;
     v.grid.axis_x = bitcast<vec3f>(adumbra_texture_params_row(0u));

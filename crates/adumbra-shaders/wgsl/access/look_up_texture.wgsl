@@ -1,6 +1,7 @@
 // Words of the look-up texture, version 3: the counterpart of adumbra::gpu::LookUpTexture. Source:
 // spec/look-up-texture.md. Texels are fetched by `adumbra_texture_texel` of access/texture_r32uint.wgsl or
-// access/texture_rgba8unorm.wgsl. An engine with different bindings provides the two functions of those files itself.
+// access/texture_rgba8unorm.wgsl. An engine with different bindings provides the two functions of those files
+// itself.
 
 // Number of header words before those of the file.
 const ADUMBRA_TEXTURE_HEADER: u32 = 128u;
@@ -17,12 +18,12 @@ fn adumbra_header_word(word: u32) -> u32 {
     return adumbra_texture_word(adumbra_texture_header + word);
 }
 
-// Goes back to the header of the finest level.
+// Returns to the header of the finest level.
 fn adumbra_finest_level() {
     adumbra_texture_header = 0u;
 }
 
-// Goes on to the header of the next coarser level. Returns whether there is one.
+// Advances to the header of the next coarser level. Returns whether there is one.
 fn adumbra_coarser_level() -> bool {
     if (adumbra_header_word(7u) == 0u) {
         return false;

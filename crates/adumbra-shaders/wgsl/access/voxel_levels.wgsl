@@ -1,5 +1,5 @@
-// The parameters of a streamed file's levels, the finest first, and the look-up in the finest level that has the pages.
-// core/depths_blend.wgsl must precede this file. Source: spec/streaming.md.
+// The parameters of a streamed file's levels, the finest first, and the look-up in the finest level that has
+// the pages. core/depths_blend.wgsl must precede this file. Source: spec/streaming.md.
 
 @group(1) @binding(0) var<uniform> adumbra_voxel_levels: array<AdumbraVoxelParams, ADUMBRA_MAX_LEVELS>;
 

@@ -1,4 +1,5 @@
-// The parameters of a file that was uploaded whole, and the look-up in it. core/voxel.wgsl must precede this file.
+// The parameters of a file that was uploaded whole, and the look-up in it. core/voxel.wgsl must precede this
+// file.
 
 @group(1) @binding(0) var<uniform> adumbra_voxel_params: AdumbraVoxelParams;
 

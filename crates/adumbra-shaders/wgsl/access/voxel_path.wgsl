@@ -1,18 +1,19 @@
-// The parameters of two keys of a sun path, and the ray to a sun between theirs. core/depths_march.wgsl must precede this
-// file; access/voxel_path_filter.wgsl or access/voxel_path_disc.wgsl follows it. Source: spec/sun-path.md.
+// The parameters of two keys of a sun path, and the ray to a sun between the keys' suns.
+// core/depths_march.wgsl must precede this file; access/voxel_path_filter.wgsl or access/voxel_path_disc.wgsl
+// follows it. Source: spec/sun-path.md.
 
 struct AdumbraPath {
-    // The key that is asked first, and the other one.
+    // The key in which rays are marched first, and the other key.
     keys: array<AdumbraVoxelParams, 2>,
-    // Of either key, texels aside per voxel nearer to the sun, in 2^-16. The third component of the first one is 1 if rays are
-    // marched only where the keys' own answers differ; its fourth is for how many voxels a ray must be hidden from both keys to be
-    // taken to meet something, 0 = never.
+    // x and y, for each key: the slope of the ray, in texels per voxel nearer to the sun, in 2^-16. z of the
+    // first: 1 if rays are marched only where the keys' own answers differ. w of the first: a ray that is
+    // hidden from both keys for this many voxels counts as blocked; 0 = never.
     ways: array<vec4i, 2>,
 }
 
 @group(1) @binding(0) var<uniform> adumbra_path: AdumbraPath;
 
-// Follows a ray through a key: to a point of the sun's disc, which has radius 1 and is that of the parameters.
+// Marches a ray in a key to a point of the sun's disc. The disc has radius 1; its angle is in the parameters.
 fn adumbra_path_march(key: u32, s: AdumbraSurface, tap: vec2i, on_disc: vec2f) -> u32 {
     let v = adumbra_path.keys[key];
     let aside = v.sun_cone * vec2f(dot(v.penumbra_x, on_disc), dot(v.penumbra_y, on_disc));

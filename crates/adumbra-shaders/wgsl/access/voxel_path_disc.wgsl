@@ -1,5 +1,5 @@
-// The look-up for a sun between those of two keys, as a disc: rays to 32 of its points. access/voxel_path.wgsl and
-// core/disc.wgsl must precede this file. Source: spec/sun-path.md.
+// The look-up for a sun between those of two keys, as a disc: rays to 32 points of the disc.
+// access/voxel_path.wgsl and core/disc.wgsl must precede this file. Source: spec/sun-path.md.
 
 // Returns the visible share of the sun's disc.
 fn adumbra_file_factor(s: AdumbraSurface) -> f32 {

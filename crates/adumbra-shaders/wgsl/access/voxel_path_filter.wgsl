@@ -1,7 +1,7 @@
-// The look-up for a sun between those of two keys, with a filter. access/voxel_path.wgsl must precede this file.
-// Source: spec/sun-path.md.
+// The look-up for a sun between those of two keys, with a filter. access/voxel_path.wgsl must precede this
+// file. Source: spec/sun-path.md.
 
-// Returns the visibility: of one ray, or the mean of 3 × 3 half a filter apart.
+// Returns the visibility of one ray, or the mean of 3 × 3 rays half a filter apart.
 fn adumbra_file_factor(s: AdumbraSurface) -> f32 {
     if (adumbra_path.ways[0].z == 1) {
         let own = vec2f(adumbra_voxel_factor(adumbra_path.keys[0], s), adumbra_voxel_factor(adumbra_path.keys[1], s));

@@ -1,6 +1,6 @@
-// Words of baked voxels from six storage buffers, for data larger than one binding may be. All buffers but the last one
-// in use hold the same number of words as the first, a power of two. These six and the two of passes/points.wgsl make
-// up the eight storage buffers that every device supports.
+// Words of baked voxels from six storage buffers, for data larger than one binding may be. All buffers but
+// the last one in use hold the same number of words as the first, a power of two. These six and the two of
+// passes/points.wgsl make up the eight storage buffers that every device supports.
 
 @group(1) @binding(1) var<storage, read> adumbra_voxel_words_0: array<u32>;
 @group(1) @binding(2) var<storage, read> adumbra_voxel_words_1: array<u32>;

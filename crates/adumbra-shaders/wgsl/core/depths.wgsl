@@ -1,11 +1,13 @@
-// Look-up in a light-aligned file in the layout "depths", a quadtree of switch depths. This is the counterpart of
-// adumbra::layout::depths, which documents the words. Both give the same result for every tap.
+// Look-up in a light-aligned file in the layout "depths", a quadtree of switch depths. This is the
+// counterpart of adumbra::layout::depths, which documents the words. Both give the same result for every tap.
 // Source: Scandolo, Bauszat, Eisemann, Merged Multiresolution Hierarchies for Shadow Map Compression, 2016.
-// Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file: top and code are concatenated, the
-// latter from `code_offset` on: the common section, then pages. Receivers, masks and layers are defined in
-// core/voxel.wgsl, leaves in core/depths_leaf.wgsl.
-// A file that is streamed has words of several levels in one buffer: the table of a level begins at word `extra.x`, and
-// blocks whose page is not resident have the address ADUMBRA_DEPTHS_ABSENT. spec/streaming.md describes it.
+// Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file: top and code are
+// concatenated, with the code from `code_offset` on: the common section, then pages. Receivers, masks and
+// layers are defined in core/voxel.wgsl, leaves in core/depths_leaf.wgsl.
+//
+// A streamed file has words of several levels in one buffer: the table of a level begins at word `extra.x`,
+// and blocks whose page is not resident have the address ADUMBRA_DEPTHS_ABSENT. spec/streaming.md describes
+// it.
 
 // A block of columns and their switch depths: all at `base`, or given by the shape at half-word `at`.
 struct AdumbraDepthsNode {
@@ -31,20 +33,21 @@ fn adumbra_depths_delta(v: AdumbraVoxelParams, at: u32) -> u32 {
     return u32(extractBits(i32(adumbra_depths_half(v, at)), 0u, 16u));
 }
 
-// Returns the address encoded by the near pointer at half-word `field` of a shape: one in the common section, or that of
-// a shape before this one in its page.
+// Returns the address encoded by the near pointer at half-word `field` of a shape: an address in the common
+// section, or that of an earlier shape in the same page.
 fn adumbra_depths_near(v: AdumbraVoxelParams, shape: u32, field: u32) -> u32 {
     let half = adumbra_depths_half(v, field);
     return select(half, shape - (half & 0x7fffu), (half & 0x8000u) != 0u);
 }
 
-// Returns the child of the far pointer at half-word `field` of a shape: a shape, or a switch if there is no distance.
+// Returns the child of the far pointer at half-word `field` of a shape: a shape, or a switch if there is no
+// distance.
 fn adumbra_depths_far(v: AdumbraVoxelParams, node: AdumbraDepthsNode, field: u32) -> AdumbraDepthsNode {
     let far = adumbra_depths_two_halves(v, field + 1u);
     let delta = extractBits(i32(adumbra_depths_half(v, field) | (extractBits(far, 25u, 6u) << 16u)), 0u, 22u);
     let place = far & 0x1ffffffu;
     let at = select(place, node.at - place, (far & 0x80000000u) != 0u);
-    // A pointer to the node itself says that there is no shape.
+    // A pointer to the node itself means that there is no shape.
     return AdumbraDepthsNode(select(at, ADUMBRA_DEPTHS_UNIFORM, at == node.at), node.base + u32(delta));
 }
 
@@ -101,7 +104,8 @@ fn adumbra_depths_root(v: AdumbraVoxelParams, column: vec2u) -> AdumbraDepthsNod
     return AdumbraDepthsNode(adumbra_voxel_word(entry), adumbra_voxel_word(entry + 1u));
 }
 
-// Descends from a node of level `from_level` towards a column: to level `to_level`, or to a uniform block above it.
+// Descends from a node of level `from_level` towards a column: to level `to_level`, or to a uniform block
+// above it.
 fn adumbra_depths_descend(v: AdumbraVoxelParams, from_node: AdumbraDepthsNode, column: vec2u, from_level: u32, to_level: u32) -> AdumbraDepthsNode {
     var node = from_node;
     for (var level = from_level; level > to_level && node.at < ADUMBRA_DEPTHS_ABSENT; level -= 2u) {
@@ -111,8 +115,8 @@ fn adumbra_depths_descend(v: AdumbraVoxelParams, from_node: AdumbraDepthsNode, c
     return node;
 }
 
-// Returns the depth at which a column of the grid switches; ADUMBRA_DEPTHS_NEVER if the whole column is lit. The
-// column's page must be resident.
+// Returns the depth at which a column of the grid switches; ADUMBRA_DEPTHS_NEVER if the whole column is lit.
+// The column's page must be resident.
 fn adumbra_depths_value(v: AdumbraVoxelParams, column: vec2u) -> u32 {
     let node = adumbra_depths_descend(v, adumbra_depths_root(v, column), column, v.root_level, 3u);
     if (node.at == ADUMBRA_DEPTHS_UNIFORM) {
@@ -121,8 +125,8 @@ fn adumbra_depths_value(v: AdumbraVoxelParams, column: vec2u) -> u32 {
     return adumbra_depths_leaf_value(v, adumbra_depths_leaf(v, node), column & vec2u(7u));
 }
 
-// Counts the lit taps among the columns low…high, which lie in one block; ADUMBRA_TAPS_ABSENT if its page is not
-// resident. `node` has level `level` and contains it.
+// Counts the lit taps among the columns low…high, which are in one block; ADUMBRA_TAPS_ABSENT if its page is
+// not resident. `node` has level `level` and contains the block.
 fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, node: AdumbraDepthsNode, level: u32, low: vec2i, high: vec2i) -> u32 {
     let taps = adumbra_voxel_taps(v, r, low, high);
     if (taps.farthest < 0) {
@@ -141,7 +145,7 @@ fn adumbra_depths_block(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, node: Ad
     if (block.at != ADUMBRA_DEPTHS_UNIFORM) {
         return taps.beside + adumbra_depths_leaf_taps(v, r, adumbra_depths_leaf(v, block), taps);
     }
-    // A base behind the grid is never reached.
+    // Clamp a base behind the grid to the grid's end.
     let last_lit = min(block.base, u32(v.grid.size.z)) - 1u;
     if (i32(last_lit) < taps.nearest) {
         return taps.beside;
@@ -154,7 +158,7 @@ fn adumbra_voxel_lit_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> u32
     let reach = i32(v.filter_width >> 1u);
     let low = (r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS)) - reach;
     let high = low + 2 * reach;
-    // The lowest node that contains all columns is found once. Its level is 0 if no single root does.
+    // The lowest node that contains all columns is found once. `level` is 0 if no single root contains them.
     let from_column = vec2u(clamp(low, vec2i(0), v.grid.size.xy - 1));
     let to_column = vec2u(clamp(high, vec2i(0), v.grid.size.xy - 1));
     let differs = (from_column.x ^ to_column.x) | (from_column.y ^ to_column.y);

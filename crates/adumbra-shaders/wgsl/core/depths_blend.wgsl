@@ -1,9 +1,9 @@
-// The blend of a streamed file's levels: while pages come or go, a level's answer has a share, and the next coarser level
-// has the rest. core/voxel.wgsl must precede this file. This is the counterpart of adumbra::stream::PoolSampler.
-// Source: spec/streaming.md.
+// The blend of a streamed file's levels: while pages fade, a level's answer has a share, and the next coarser
+// level has the remainder. core/voxel.wgsl must precede this file. This is the counterpart of
+// adumbra::stream::PoolSampler. Source: spec/streaming.md.
 
-// Returns the weight of a level's answer to a receiver, 0 to 1: the least of the pages that the filter or the largest
-// penumbra may reach.
+// Returns the weight of a level's answer to a receiver, 0 to 1: the smallest weight of the pages that the
+// filter or the largest penumbra may reach.
 fn adumbra_depths_weight(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> f32 {
     let of_penumbra = v.max_radius_texels * vec2f(length(v.penumbra_x), length(v.penumbra_y));
     let reach = max(vec2i(of_penumbra) + select(0, 2, v.max_radius_texels > 0.0), vec2i(i32(v.filter_width >> 1u)));
@@ -22,8 +22,8 @@ fn adumbra_depths_weight(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> f32 
     return f32(weight) / f32(ADUMBRA_WHOLE_PAGE);
 }
 
-// Adds a level's visibility, negative if it lacks a page, to a blend: the sum so far, and the share that is left to
-// coarser levels. A blend begins as (0, 1), and is done when nothing is left.
+// Adds a level's visibility, negative if it lacks a page, to a blend: the sum so far, and the share that is
+// left to coarser levels. A blend begins as (0, 1), and is complete when the share is 0.
 fn adumbra_blend(blend: vec2f, v: AdumbraVoxelParams, s: AdumbraSurface, lit: f32) -> vec2f {
     if (lit < 0.0) {
         return blend;

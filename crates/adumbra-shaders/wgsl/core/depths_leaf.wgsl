@@ -1,6 +1,6 @@
-// Leaves of a light-aligned file in the layout "depths": 8 × 8 columns, their ranks in bit planes, the depth of each
-// rank, and an optional slant. This is the counterpart of adumbra::layout::depths, which documents the words.
-// core/depths.wgsl must precede this file.
+// Leaves of a light-aligned file in the layout "depths": 8 × 8 columns, their ranks in bit planes, the depth
+// of each rank, and an optional slant. This is the counterpart of adumbra::layout::depths, which documents
+// the words. core/depths.wgsl must precede this file.
 
 // A leaf, decoded.
 struct AdumbraDepthsLeaf {
@@ -65,8 +65,8 @@ fn adumbra_depths_deeper(depth: u32, difference: u32) -> u32 {
     return depth + min(difference, ~depth);
 }
 
-// Returns how much nearer to the sun a column of a leaf switches than the deepest corner of the leaf's plane, in
-// voxels.
+// Returns how much nearer to the sun a column of a leaf switches than the deepest corner of the leaf's plane,
+// in voxels.
 fn adumbra_depths_rise(slant: vec2i, column: vec2i) -> u32 {
     return u32(adumbra_depths_quarters(slant, column) + 3) >> 2u;
 }
@@ -127,13 +127,13 @@ fn adumbra_depths_leaf_value(v: AdumbraVoxelParams, leaf: AdumbraDepthsLeaf, col
     return depth - min(adumbra_depths_rise(leaf.slant, vec2i(column)), depth);
 }
 
-// Returns those of `columns`, which have one rank, that are lit where the receiver's plane passes them. The rank's
-// deepest corner switches at `depth`, which is within the layers of the taps.
+// Returns those of `columns`, all of one rank, that are lit where the receiver's plane crosses them. The
+// rank's deepest corner switches at `depth`, which is within the layers of the taps.
 fn adumbra_depths_lit_columns(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, slant: vec2i, depth: i32, columns: vec2u) -> vec2u {
     if (all(slant == vec2i(0))) {
         return columns & adumbra_voxel_taps_to(r, taps, depth - 1);
     }
-    // The receiver's plane less that of the rank is linear, so it is extreme at corners. In 2^-12 voxels.
+    // The receiver's plane minus the rank's plane is linear, so its extremes are at corners. In 2^-12 voxels.
     let corners = array(taps.low, vec2i(taps.high.x, taps.low.y), vec2i(taps.low.x, taps.high.y), taps.high);
     var nearest = 0x7fffffff;
     var farthest = -0x7fffffff;
@@ -165,7 +165,8 @@ fn adumbra_depths_lit_columns(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, s
     return lit;
 }
 
-// Counts the lit taps in a leaf. Ranks in front of all taps and behind all taps are settled at once.
+// Counts the lit taps in a leaf. Ranks entirely in front of or behind all taps are decided without a
+// comparison per tap.
 fn adumbra_depths_leaf_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, leaf: AdumbraDepthsLeaf, taps: AdumbraVoxelTaps) -> u32 {
     let inside = adumbra_voxel_rectangle(taps.low, taps.high);
     let largest_rise = (adumbra_depths_largest_quarters(leaf.slant) + 3u) >> 2u;

@@ -1,17 +1,18 @@
-// The march: what the depths of one sun's file say about the ray to another sun. This is the counterpart of
-// adumbra::query::march. Both give the same result for every start. core/depths.wgsl and core/depths_leaf.wgsl must
-// precede this file. Source: spec/sun-path.md.
+// The march: visibility along the ray to one sun, from the depths of another sun's file. This is the
+// counterpart of adumbra::query::march. Both give the same result for every start. core/depths.wgsl and
+// core/depths_leaf.wgsl must precede this file. Source: spec/sun-path.md.
 
 // The ray passes through a surface.
 const ADUMBRA_MARCH_BLOCKED: u32 = 0u;
 // The ray meets nothing.
 const ADUMBRA_MARCH_CLEAR: u32 = 1u;
-// From this value on, the ray meets nothing that the file shows, but has been in shadow, where something may be hidden. What is
-// more is the rise up to which it has been in shadow from its start on, in 2^-12 voxels.
+// From this value on, the ray meets nothing that the file shows, but has been in shadow, where something may
+// be hidden. The excess over this value is the rise up to which the ray has been in shadow from its start on,
+// in 2^-12 voxels.
 const ADUMBRA_MARCH_UNKNOWN: u32 = 2u;
 
-// Whether a ray that neither of two files knows is taken to meet something: it is hidden from both for so many voxels from its
-// start on; 0 = never.
+// Whether a ray that neither of two files can decide counts as blocked: it is hidden from both for this many
+// voxels from its start; 0 = never.
 fn adumbra_march_is_guessed_dark(first: u32, other: u32, dark_after_voxels: u32) -> bool {
     let hidden = (min(first, other) - ADUMBRA_MARCH_UNKNOWN) >> ADUMBRA_FIXED_BITS;
     return dark_after_voxels != 0u && hidden >= dark_after_voxels;
@@ -26,8 +27,8 @@ fn adumbra_march_aside(slope: i32, rise: u32) -> i32 {
     return select(i32(aside), -i32(aside), slope < 0);
 }
 
-// Returns the rise to the border of the block of 2^level columns a side along one axis. Where that is farther than 16
-// texels, it is up to one 16th of a voxel less.
+// Returns the rise to the border of the block of 2^level columns a side along one axis. Where that is farther
+// than 16 texels, it is up to one 16th of a voxel less.
 fn adumbra_march_rise_along(slope: i32, at: i32, level: u32) -> i32 {
     if (slope == 0) {
         return 0x7fffffff;
@@ -46,8 +47,8 @@ fn adumbra_march_rise(slope: vec2i, at: vec2i, level: u32) -> i32 {
     return min(adumbra_march_rise_along(slope.x, at.x, level), adumbra_march_rise_along(slope.y, at.y, level));
 }
 
-// Returns where the ray of a tap begins: moved by the bias along the ray and the normal. The tap is so many texels beside
-// the point, on the receiver's plane.
+// Returns the start of a tap's ray: moved by the bias along the ray and the normal. `tap` is an offset in
+// texels from the point, on the receiver's plane.
 fn adumbra_march_start(v: AdumbraVoxelParams, slope: vec2i, s: AdumbraSurface, tap: vec2i) -> vec3i {
     let aside = vec2f(slope) / 65536.0;
     let n = adumbra_grid_normal(v.grid, s.normal);
@@ -65,7 +66,7 @@ fn adumbra_march_start(v: AdumbraVoxelParams, slope: vec2i, s: AdumbraSurface, t
     return start + vec3i(tap * ADUMBRA_FIXED_ONE, (deeper.x + deeper.y) * (ADUMBRA_FIXED_ONE / ADUMBRA_GRADIENT_ONE));
 }
 
-// Returns the least depth at which a column of a block switches, or one before it.
+// Returns the smallest depth at which a column of a block switches, or a smaller depth.
 fn adumbra_march_nearest(v: AdumbraVoxelParams, node: AdumbraDepthsNode) -> u32 {
     if (node.at >= ADUMBRA_DEPTHS_ABSENT || extractBits(adumbra_depths_half(v, node.at), 9u, 1u) == 0u) {
         return node.base;
@@ -79,16 +80,17 @@ fn adumbra_march_nearest(v: AdumbraVoxelParams, node: AdumbraDepthsNode) -> u32 
 fn adumbra_march(v: AdumbraVoxelParams, slope: vec2i, start: vec3i) -> u32 {
     let depth = min(start.z, v.grid.size.z * ADUMBRA_FIXED_ONE - 1);
     var has_been_dark = false;
-    // The rise at which the ray was in light first, and at most its last one.
+    // The rise at which the ray first was in light, and at most its last rise.
     var lit_from = max(depth, 0);
-    // The surface of the column that the ray was in before, if it was in its shadow.
+    // The surface of the previous column, if the ray was in its shadow.
     var behind = ADUMBRA_DEPTHS_NEVER;
-    // The block that the ray is in, and bounds of its depths. It passes several columns of a leaf, which is read once, and only
-    // if the ray is not in front of all of them.
+    // The block that the ray is in, and bounds of its depths. In a leaf, the ray passes several columns. The
+    // leaf is read once, and only if the ray is not in front of all of its columns.
     var block = vec2u(0xffffffffu);
     var level = 0u;
     var node: AdumbraDepthsNode;
-    // The node above it, where the descent to the next block begins if the ray is still in it.
+    // The node above the block, where the descent to the next block begins if the ray is still inside the
+    // node.
     var parent: AdumbraDepthsNode;
     var parent_block = vec2u(0xffffffffu);
     var parent_level = 0u;
@@ -142,7 +144,7 @@ fn adumbra_march(v: AdumbraVoxelParams, slope: vec2i, start: vec3i) -> u32 {
                 has_leaf = true;
             }
             if (adumbra_march_is_behind(z - to_border, farthest)) {
-                // All columns are passed in the dark.
+                // The ray passes all columns in shadow.
                 value = farthest;
             } else {
                 value = adumbra_depths_leaf_value(v, leaf, column & vec2u(7u));

@@ -1,9 +1,8 @@
-// Penumbrae of an area sun from the switch depths of a light-aligned file. A penumbra is as wide as the sun's cone at
-// the mean distance of the blockers.
-// Source: Fernando, Percentage-Closer Soft Shadows, 2005; the cone for the sun as in core/pcss.wgsl.
-// A radius in texels is the cone's growth per voxel of depth times a distance in voxels. In the oblique frame the cone's
-// outline is an ellipse; discs are turned into it where they meet the grid. Positions are integers, so that no precision
-// is lost on large grids.
+// Penumbrae of an area sun from the switch depths of a light-aligned file. A penumbra is as wide as the sun's
+// cone at the mean distance of the blockers. Source: Fernando, Percentage-Closer Soft Shadows, 2005; the cone
+// for the sun as in core/pcss.wgsl. A radius in texels is the cone's growth per voxel of depth times a
+// distance in voxels. In the oblique frame the cone's outline is an ellipse; discs are turned into it where
+// they meet the grid. Positions are integers, so that no precision is lost on large grids.
 
 // Returns the fixed-point grid position at an offset on the disc across the light, in texels.
 fn adumbra_depths_disc(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, offset: vec2f) -> vec2i {
@@ -11,9 +10,9 @@ fn adumbra_depths_disc(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, offset: v
     return r.p_fixed.xy + vec2i(floor(texels * f32(ADUMBRA_FIXED_ONE)));
 }
 
-// Returns how far in front of the receiver the column switches, fixed point; negative if the column is lit at the depth
-// of the receiver's plane. The compared depth is never behind the receiver's own: beyond a crease the plane continues
-// below the surface, which would then shadow it.
+// Returns how far in front of the receiver the column switches, fixed point; negative if the column is lit at
+// the depth of the receiver's plane. The compared depth is never behind the receiver's own: beyond a crease
+// the plane continues below the surface, which would then shadow it.
 fn adumbra_depths_blocker(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, texel: vec2i) -> i32 {
     let own = r.p_fixed.z >> ADUMBRA_FIXED_BITS;
     let layer = min(adumbra_voxel_layer(r, texel), own);
@@ -27,8 +26,8 @@ fn adumbra_depths_blocker(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, texel:
     return max(r.p_fixed.z - i32(value) * ADUMBRA_FIXED_ONE, 0);
 }
 
-// Returns the mean distance of the blockers in voxels; negative if there are none. Taps are denser towards the centre,
-// the only place where near blockers count.
+// Returns the mean distance of the blockers in voxels; negative if there are none. Taps are denser towards
+// the centre, the only place where near blockers count.
 fn adumbra_depths_blocker_distance(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, turn: vec2f) -> f32 {
     let cone = v.sun_cone;
     // Nothing is in front of depth 0.

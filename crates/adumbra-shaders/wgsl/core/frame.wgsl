@@ -1,4 +1,5 @@
-// Reconstructs the visible point from a pixel and its stored depth. AdumbraFrame documents the depth convention.
+// Reconstructs the visible point from a pixel and its stored depth. AdumbraFrame documents the depth
+// convention.
 
 // Returns the NDC of the pixel's centre, -1 to 1, y up.
 fn adumbra_frame_ndc(frame: AdumbraFrame, pixel: vec2u) -> vec2f {

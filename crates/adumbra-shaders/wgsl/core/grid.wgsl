@@ -1,6 +1,6 @@
-// Transforms relative positions to a voxel grid: integers for the coarse part, floats for the remaining few voxels, so
-// that f32 positions lose no precision on grids of 2^18 voxels a side. adumbra::gpu::GridParameters computes the
-// coefficients.
+// Transforms relative positions to a voxel grid: integers for the coarse part, floats for the remaining few
+// voxels, so that f32 positions lose no precision on grids of 2^18 voxels a side.
+// adumbra::gpu::GridParameters computes the coefficients.
 
 struct AdumbraGridPosition {
     // Fixed point; wraps far beyond the grid.
@@ -33,8 +33,8 @@ fn adumbra_grid_position(t: AdumbraGridTransform, p_relative: vec3f) -> AdumbraG
     return g;
 }
 
-// Returns the position, moved by some voxels, in fixed point, rounded down. A position far beyond the grid is clamped
-// to ADUMBRA_MARGIN_VOXELS beyond it.
+// Returns the position, moved by some voxels, in fixed point, rounded down. A position far beyond the grid is
+// clamped to ADUMBRA_MARGIN_VOXELS beyond it.
 fn adumbra_grid_fixed(t: AdumbraGridTransform, g: AdumbraGridPosition, move_voxels: vec3f) -> vec3i {
     let exact = g.whole + vec3i(floor((g.rest + move_voxels) * f32(ADUMBRA_FIXED_ONE)));
     let at = g.voxels + move_voxels;

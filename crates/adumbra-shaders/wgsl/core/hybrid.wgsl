@@ -1,9 +1,9 @@
-// Traversal of a hybrid-resolution shadow map. Level 0 holds the finest texels; a look-up begins at level `merges`.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 2.
-// Here the stored depth is compared with the receiver's plane at the centre of the finest texel, as in core/pcf.wgsl.
-// Where nothing has merged, results equal those of the shadow map.
-// An access file defines adumbra_hybrid_root, adumbra_hybrid_child, adumbra_hybrid_finest and
-// adumbra_hybrid_finest_block; core/hybrid_plane or hybrid_mean defines adumbra_hybrid_leaf.
+// Traversal of a hybrid-resolution shadow map. Level 0 holds the finest texels; a look-up begins at level
+// `merges`. Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 2. Here
+// the stored depth is compared with the receiver's plane at the centre of the finest texel, as in
+// core/pcf.wgsl. Where nothing has merged, results equal those of the shadow map. An access file defines
+// adumbra_hybrid_root, adumbra_hybrid_child, adumbra_hybrid_finest and adumbra_hybrid_finest_block;
+// core/hybrid_plane or hybrid_mean defines adumbra_hybrid_leaf.
 
 struct AdumbraHybridShape {
     // Side length of the finest level, in texels.
@@ -51,7 +51,8 @@ fn adumbra_hybrid_texel(shape: AdumbraHybridShape, texel: vec2u) -> AdumbraHybri
     return AdumbraHybridTexel(leaf.x + dot(leaf.yz, offset), level);
 }
 
-// Returns the depths of the four finest texels of a texel of level 1: upper left, upper right, lower left, lower right.
+// Returns the depths of the four finest texels of a texel of level 1: upper left, upper right, lower left,
+// lower right.
 fn adumbra_hybrid_block(shape: AdumbraHybridShape, block: vec2u) -> vec4f {
     var level = shape.merges;
     var word = adumbra_hybrid_root(block >> vec2u(level - 1u), shape.start >> level);

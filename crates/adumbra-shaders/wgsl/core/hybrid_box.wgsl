@@ -1,12 +1,12 @@
-// The mean of comparisons over a square of a hybrid map: the counterpart of adumbra_pcf_box in core/pcf.wgsl, over the
-// same texels with the same weights.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, whose filter this is. The coarsest
-// texels under the square are compared first, as whole planes. Finest texels are read only if one of the coarsest leads
-// further down or if they disagree.
+// The mean of comparisons over a square of a hybrid map: the counterpart of adumbra_pcf_box in core/pcf.wgsl,
+// over the same texels with the same weights. Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping
+// Design, 2016, whose filter this is. The coarsest texels under the square are compared first, as whole
+// planes. Finest texels are read only if one of the coarsest leads further down or if they disagree.
 
-// Returns the comparison result that all coarsest texels under the square `low` to `high` share, 0 or 1; 0.5 if they
-// differ. The square is no wider than a coarsest texel, so it touches at most 2 × 2 of them. Results are exact: the
-// difference of two planes has its extremes at corners. The result is 0.5 for a square that extends beyond the map.
+// Returns the comparison result that all coarsest texels under the square `low` to `high` share, 0 or 1; 0.5
+// if they differ. The square is no wider than a coarsest texel, so it touches at most 2 × 2 of them. Results
+// are exact: the difference of two planes has its extremes at corners. The result is 0.5 for a square that
+// extends beyond the map.
 fn adumbra_hybrid_agreed(shape: AdumbraHybridShape, r: AdumbraMapReceiver, low: vec2f, high: vec2f) -> f32 {
     if (any(low < vec2f(0.0)) || any(high > vec2f(f32(shape.start)))) {
         return 0.5;
@@ -36,8 +36,8 @@ fn adumbra_hybrid_agreed(shape: AdumbraHybridShape, r: AdumbraMapReceiver, low: 
     let d = adumbra_hybrid_leaf(words.w, shape.slope);
     let slope_x = vec4f(a.y, b.y, c.y, d.y);
     let slope_y = vec4f(a.z, b.z, c.z, d.z);
-    // Centres of the finest texels that the square and each coarsest texel share: the middle of their range, and its
-    // half extent.
+    // Centres of the finest texels that the square and each coarsest texel share: the middle of their range,
+    // and its half extent.
     let begin = floor(low) + 0.5;
     let end = ceil(high) - 0.5;
     let near_end = min(end, split - 0.5);
@@ -59,7 +59,8 @@ fn adumbra_hybrid_agreed(shape: AdumbraHybridShape, r: AdumbraMapReceiver, low: 
     return select(0.5, 0.0, all(min(plane - plane_reach, flat - flat_reach) > vec4f(0.0)));
 }
 
-// Returns the mean over a square of `width` - 1 finest texels around the receiver. Everything beyond the map is lit.
+// Returns the mean over a square of `width` - 1 finest texels around the receiver. Everything beyond the map
+// is lit.
 fn adumbra_hybrid_box(shape: AdumbraHybridShape, r: AdumbraMapReceiver, width: u32) -> f32 {
     let half_side = 0.5 * (f32(width) - 1.0);
     let low = r.p_texels - half_side;

@@ -1,7 +1,7 @@
-// The mean of normals, each packed into the low and the high byte of a word as in core/octahedral.wgsl; 0 means none.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1, which stores a normal with
-// each merged texel.
-// The arithmetic is in integers, so that every machine packs the same bytes.
+// The mean of normals, each packed into the low and the high byte of a word as in core/octahedral.wgsl; 0
+// means none. Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1, which
+// stores a normal with each merged texel. The arithmetic is in integers, so that every machine packs the same
+// bytes.
 
 // Returns the largest integer whose square is at most `square`, which must be below 2^31.
 fn adumbra_whole_root(square: u32) -> u32 {

@@ -1,5 +1,5 @@
-// Texels of a hybrid map that hold a plane. No finer texel below them lies behind the plane, and none lies further in
-// front of it than a tolerance.
+// Texels of a hybrid map that hold a plane. No finer texel below them is behind the plane, and none is
+// further in front of it than a tolerance.
 //
 // | bits | contents |
 // |---|---|
@@ -8,10 +8,9 @@
 // | 14 to 30 | code c of the depth at the texel's centre: (c + 1) / 2^17 |
 // | 31 | 0 |
 //
-// A slope code q represents the slope sign(q) · q², in multiples of the slope of code 1: fine for planes that face the
-// light, coarse for planes at grazing angles.
-// Worked value: with slope_unit = 4096 (a step of 2^-24 per texel) the word 0x40000183 holds depth 65537 / 131072 and
-// slopes of 9 steps (q = 3) along both x and y.
+// A slope code q represents the slope sign(q) · q², in multiples of the slope of code 1: fine for planes that
+// face the light, coarse for planes at grazing angles. Worked value: with slope_unit = 4096 (a step of 2^-24
+// per texel) the word 0x40000183 holds depth 65537 / 131072 and slopes of 9 steps (q = 3) along both x and y.
 
 fn adumbra_hybrid_slope_code(word: u32, first: u32) -> i32 {
     return extractBits(bitcast<i32>(word), first, 7u);

@@ -1,15 +1,14 @@
-// A receiver in a layer of a shadow map. Light depth is linear, 0 near the sun, 1 far. Texel coordinates start at the
-// layer's left and top edges; texel centres are at half-integers.
-// Source of the receiver plane: Isidoro, Shadow Mapping: GPU-based Tips and Techniques, 2006. Here the plane comes from
-// the known geometric normal instead of screen-space derivatives, so it is correct at silhouettes and cascade seams
-// too.
+// A receiver in a layer of a shadow map. Light depth is linear, 0 near the sun, 1 far. Texel coordinates
+// start at the layer's left and top edges; texel centres are at half-integers. Source of the receiver plane:
+// Isidoro, Shadow Mapping: GPU-based Tips and Techniques, 2006. Here the plane comes from the known geometric
+// normal instead of screen-space derivatives, so it is correct at silhouettes and cascade seams too.
 
 struct AdumbraMapReceiver {
     p_texels: vec2f,
     // Biased depth.
     depth: f32,
-    // Upper limit of the compared depth: the point's own. Beyond a crease the plane continues below the surface, which
-    // would then shadow it.
+    // Upper limit of the compared depth: the point's own. Beyond a crease the plane continues below the
+    // surface, which would then shadow it.
     deepest: f32,
     // Change of the surface's depth per texel to the right and per texel downwards.
     gradient: vec2f,
@@ -27,8 +26,8 @@ fn adumbra_map_gradient(layer: AdumbraMapLayer, size: u32, s: AdumbraSurface) ->
     return n / max(dot(s.normal, s.towards_sun), tangent / ADUMBRA_MAX_SLOPE) * (layer.texel_world / layer.depth_world);
 }
 
-// `min_bias_depth`, a fraction of the layer's depth, is the largest distance by which rounding can separate a caster
-// and a receiver: see DepthPrecision::min_bias_depth.
+// `min_bias_depth`, a fraction of the layer's depth, is the largest distance by which rounding can separate a
+// caster and a receiver: see DepthPrecision::min_bias_depth.
 fn adumbra_map_receiver(
     layer: AdumbraMapLayer,
     index: u32,
@@ -50,8 +49,8 @@ fn adumbra_map_receiver(
     return r;
 }
 
-// Returns the depth that a texel of the layer is compared with: that of the receiver's plane, but never behind the
-// depth that a texel without a caster holds.
+// Returns the depth that a texel of the layer is compared with: that of the receiver's plane, but never
+// behind the depth that a texel without a caster holds.
 fn adumbra_map_plane_depth(r: AdumbraMapReceiver, p_texels: vec2f) -> f32 {
     return min(r.depth + dot(r.gradient, p_texels - r.p_texels), r.deepest);
 }

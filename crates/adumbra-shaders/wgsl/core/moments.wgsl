@@ -4,9 +4,9 @@
 //     fn adumbra_moments_visibility(m: vec4f, depth: f32, deviation: f32, params: AdumbraMomentParams) -> f32
 // where `deviation` is the smallest standard deviation in depth units.
 
-// Returns Chebyshev's upper bound on the fraction of depths at or behind t, given their mean and mean square. The tail
-// of the bound below `bleed` is cut off, and the rest is rescaled.
-// Source: Donnelly, Lauritzen, Variance Shadow Maps, 2006; the cut: Lauritzen, Summed-Area Variance Shadow Maps, 2007.
+// Returns Chebyshev's upper bound on the fraction of depths at or behind t, given their mean and mean square.
+// The tail of the bound below `bleed` is cut off, and the rest is rescaled. Source: Donnelly, Lauritzen,
+// Variance Shadow Maps, 2006; the cut: Lauritzen, Summed-Area Variance Shadow Maps, 2007.
 fn adumbra_moments_chebyshev(m: vec2f, t: f32, min_variance: f32, bleed: f32) -> f32 {
     if (t <= m.x) {
         return 1.0;

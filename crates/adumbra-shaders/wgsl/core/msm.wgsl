@@ -1,8 +1,7 @@
-// Moment shadow maps: of all depth distributions with the given four moments, uses the one that shadows the receiver
-// least.
-// Source: Peters, Klein, Moment Shadow Mapping, 2015 (the Hamburger problem). Depth is from -1 to 1.
-// That distribution has three depths: the receiver's, and the two roots of the polynomial that results from solving
-// with the moments' Hankel matrix.
+// Moment shadow maps: of all depth distributions with the given four moments, uses the one that shadows the
+// receiver least. Source: Peters, Klein, Moment Shadow Mapping, 2015 (the Hamburger problem). Depth is from
+// -1 to 1. That distribution has three depths: the receiver's, and the two roots of the polynomial that
+// results from solving with the moments' Hankel matrix.
 
 alias AdumbraMomentsOut = texture_storage_2d<rgba32float, write>;
 
@@ -19,13 +18,14 @@ fn adumbra_msm_weight(m: vec2f, a: f32, b: f32, c: f32) -> f32 {
 
 fn adumbra_moments_visibility(m: vec4f, depth: f32, deviation: f32, params: AdumbraMomentParams) -> f32 {
     let t = 2.0 * depth - 1.0;
-    // Rounding may have produced moments that no distribution has, so they are blended slightly towards those of an
-    // even spread.
+    // Rounding may have produced moments that no distribution has, so they are blended slightly towards those
+    // of an even spread.
     let m1 = mix(m, vec4f(0.0, 0.375, 0.0, 0.375), ADUMBRA_MOMENT_BIAS);
     // Enforces the minimum variance by adding a normally distributed variable.
     let s = 4.0 * deviation * deviation;
     let b = m1 + vec4f(0.0, s, 3.0 * s * m1.x, 6.0 * s * m1.y + 3.0 * s * s);
-    // Cholesky factors of the Hankel matrix (1, b1, b2; b1, b2, b3; b2, b3, b4): unit lower triangle and diagonal.
+    // Cholesky factors of the Hankel matrix (1, b1, b2; b1, b2, b3; b2, b3, b4): unit lower triangle and
+    // diagonal.
     let d1 = b.y - b.x * b.x;
     let l21 = (b.z - b.x * b.y) / d1;
     let d2 = max(b.w - b.y * b.y - l21 * l21 * d1, 1e-12);

@@ -17,8 +17,8 @@ fn adumbra_occlusion_texel(view: AdumbraOcclusionView, p: vec3f) -> vec2f {
     return (ndc - view.ndc_of_first_texel) / view.ndc_per_texel;
 }
 
-// Returns a texel's index in the 4 × 4 noise tile, in Bayer's order (An Optimum Method for Two-Level Rendition of
-// Continuous-Tone Pictures, 1973): the indices of neighbouring texels are far apart.
+// Returns a texel's index in the 4 × 4 noise tile, in Bayer's order (An Optimum Method for Two-Level
+// Rendition of Continuous-Tone Pictures, 1973): the indices of neighbouring texels are far apart.
 fn adumbra_occlusion_tile_index(texel: vec2u) -> u32 {
     let x = texel.x & 3u;
     let y = texel.y & 3u;

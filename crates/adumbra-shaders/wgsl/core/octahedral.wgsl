@@ -1,17 +1,16 @@
-// Packs a unit vector into two bytes: projected onto the octahedron |x| + |y| + |z| = 1, with the lower half folded
-// over the upper one.
-// Source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, A Survey of Efficient Representations for Independent Unit
-// Vectors, 2014.
-// Departure: components are rounded to nearest, the survey's plain variant. The error is at most 0.95 degrees.
+// Packs a unit vector into two bytes: projected onto the octahedron |x| + |y| + |z| = 1, with the lower half
+// folded over the upper one. Source: Cigolle, Donow, Evangelakos, Mara, McGuire, Meyer, A Survey of Efficient
+// Representations for Independent Unit Vectors, 2014. Departure: components are rounded to nearest, the
+// survey's plain variant. The error is at most 0.95 degrees.
 //
 // | byte | value |
 // |---|---|
 // | 0 | 128 + 127 x', rounded to nearest; 1 to 255 |
 // | 1 | 128 + 127 y', rounded to nearest; 1 to 255 |
 //
-// Axes are exact. No byte of a packed vector is 0, so (0, 0) can represent the absence of a vector.
-// Worked values: (0, 0, 1) is (128, 128); (0, 1, 0) is (128, 255); (0.6, 0, -0.8) has x' = 1, y' = 0.5714 and is (255,
-// 201).
+// Axes are exact. No byte of a packed vector is 0, so (0, 0) can represent the absence of a vector. Worked
+// values: (0, 0, 1) is (128, 128); (0, 1, 0) is (128, 255); (0.6, 0, -0.8) has x' = 1, y' = 0.5714 and is
+// (255, 201).
 
 // `n` need not be of length 1, but must not be zero.
 fn adumbra_octahedral_encode(n: vec3f) -> vec2u {

@@ -1,7 +1,7 @@
-// Comparisons with a depth map and their means: percentage-closer filtering.
-// Source: Reeves, Salesin, Cook, Rendering Antialiased Shadows with Depth Maps, 1987.
-// Departure: each texel is compared with the depth of the receiver's plane at the texel's centre. A plane therefore
-// never shadows itself, however wide the filter, and no bias that grows with the slope is needed.
+// Comparisons with a depth map and their means: percentage-closer filtering. Source: Reeves, Salesin, Cook,
+// Rendering Antialiased Shadows with Depth Maps, 1987. Departure: each texel is compared with the depth of
+// the receiver's plane at the texel's centre. A plane therefore never shadows itself, however wide the
+// filter, and no bias that grows with the slope is needed.
 
 // Compares the texel that contains the receiver.
 fn adumbra_pcf_nearest(map: texture_depth_2d_array, r: AdumbraMapReceiver) -> f32 {
@@ -11,18 +11,19 @@ fn adumbra_pcf_nearest(map: texture_depth_2d_array, r: AdumbraMapReceiver) -> f3
     return select(0.0, 1.0, adumbra_map_plane_depth(r, vec2f(texel) + 0.5) <= stored);
 }
 
-// The sampler's own comparison of 2 × 2 texels, which uses one depth for all four: that of the plane, moved towards the
-// sun by its change over ADUMBRA_HARDWARE_REACH texels. With a reach of 1 no plane would shadow itself, but more light
-// would leak in where objects touch the ground. With less, texels of small weight do shadow.
+// The sampler's own comparison of 2 × 2 texels, which uses one depth for all four: that of the plane, moved
+// towards the sun by its change over ADUMBRA_HARDWARE_REACH texels. With a reach of 1 no plane would shadow
+// itself, but more light would leak in where objects touch the ground. With less, texels of small weight do
+// shadow.
 fn adumbra_pcf_hardware(map: texture_depth_2d_array, comparing: sampler_comparison, r: AdumbraMapReceiver) -> f32 {
     let size = f32(textureDimensions(map).x);
     let depth = clamp(r.depth - ADUMBRA_HARDWARE_REACH * (abs(r.gradient.x) + abs(r.gradient.y)), 0.0, 1.0);
     return textureSampleCompareLevel(map, comparing, r.p_texels / size, r.layer, depth);
 }
 
-// Returns the mean over a square of `width` - 1 texels around the receiver: up to `width` × `width` texels, with those
-// at the border weighted by the part that is inside. Width 2 is bilinear. Reads four texels at a time: 1, 4, 9 or 16
-// gathers for width 2, 3, 5 or 7.
+// Returns the mean over a square of `width` - 1 texels around the receiver: up to `width` × `width` texels,
+// with those at the border weighted by the part that is inside. Width 2 is bilinear. Reads four texels at a
+// time: 1, 4, 9 or 16 gathers for width 2, 3, 5 or 7.
 fn adumbra_pcf_box(map: texture_depth_2d_array, gathering: sampler, r: AdumbraMapReceiver, width: u32) -> f32 {
     let size = f32(textureDimensions(map).x);
     let half_side = 0.5 * (f32(width) - 1.0);

@@ -1,12 +1,12 @@
-// Soft shadows whose penumbra width follows the distance of the caster.
-// Source: Fernando, Percentage-Closer Soft Shadows, 2005.
-// Departure: the rays from one point to the sun fill a cone of fixed angle. A caster at distance d along the light is a
-// blocker if it is within tan(angle / 2) · d of the point, and its penumbra is 2 · tan(angle / 2) · d wide. A caster
-// counts only within the cone's radius at its own distance. The taps of the search are denser towards the centre, where
-// near casters must be found.
+// Soft shadows whose penumbra width follows the distance of the caster. Source: Fernando, Percentage-Closer
+// Soft Shadows, 2005. Departure: the rays from one point to the sun fill a cone of fixed angle. A caster at
+// distance d along the light is a blocker if it is within tan(angle / 2) · d of the point, and its penumbra
+// is 2 · tan(angle / 2) · d wide. A caster counts only within the cone's radius at its own distance. The taps
+// of the search are denser towards the centre, where near casters must be found.
 
-// Returns the mean distance from the receiver to its blockers in depth units; negative if there are none. `cone_texels`
-// is the radius of the sun's cone in texels at a distance of one depth unit. `max_radius` limits the search, in texels.
+// Returns the mean distance from the receiver to its blockers in depth units; negative if there are none.
+// `cone_texels` is the radius of the sun's cone in texels at a distance of one depth unit. `max_radius`
+// limits the search, in texels.
 fn adumbra_pcss_blocker_distance(
     map: texture_depth_2d_array,
     r: AdumbraMapReceiver,
@@ -15,8 +15,8 @@ fn adumbra_pcss_blocker_distance(
     turn: vec2f,
 ) -> f32 {
     let last = vec2i(textureDimensions(map)) - 1;
-    // No caster is nearer to the sun than depth 0. The search covers at least the receiver's own texel and its
-    // neighbours.
+    // No caster is nearer to the sun than depth 0. The search covers at least the receiver's own texel and
+    // its neighbours.
     let search = clamp(cone_texels * r.depth, 1.0, max_radius);
     var sum = 0.0;
     var count = 0.0;

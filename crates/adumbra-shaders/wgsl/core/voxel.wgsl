@@ -1,7 +1,7 @@
-// Code shared by look-ups in light-aligned files: the receiver, the layer of its plane at a tap, and
-// texel masks. This is the counterpart of adumbra::query.
-// Source: Sintorn, Kämpe, Olsson, Assarsson, Compact Precomputed Voxelized Shadows, 2014; spec/adumbra-file.md.
-// Words are fetched by `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file.
+// Code shared by look-ups in light-aligned files: the receiver, the layer of its plane at a tap, and texel
+// masks. This is the counterpart of adumbra::query. Source: Sintorn, Kämpe, Olsson, Assarsson, Compact
+// Precomputed Voxelized Shadows, 2014; spec/adumbra-file.md. Words are fetched by
+// `fn adumbra_voxel_word(index: u32) -> u32` of an access/ file.
 
 struct AdumbraVoxelReceiver {
     p_fixed: vec3i,
@@ -29,7 +29,7 @@ fn adumbra_voxel_receiver(v: AdumbraVoxelParams, s: AdumbraSurface) -> AdumbraVo
     return r;
 }
 
-// Returns the mask of the texels low…high, which lie in one block.
+// Returns the mask of the texels low…high, which are in one block.
 fn adumbra_voxel_rectangle(low: vec2i, high: vec2i) -> vec2u {
     let x = vec2u(u32(low.x) & 7u, u32(high.x) & 7u);
     let y = vec2u(u32(low.y) & 7u, u32(high.y) & 7u);
@@ -70,8 +70,8 @@ fn adumbra_voxel_layer(r: AdumbraVoxelReceiver, tap: vec2i) -> i32 {
     return adumbra_voxel_plane(r, tap) >> ADUMBRA_FIXED_BITS;
 }
 
-// Returns the voxel that an unfiltered look-up of the receiver reads; z is negative beside or in front of the grid,
-// where nothing is looked up.
+// Returns the voxel that an unfiltered look-up of the receiver reads; z is negative beside or in front of the
+// grid, where nothing is looked up.
 fn adumbra_voxel_of(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> vec3i {
     let texel = r.p_fixed.xy >> vec2u(ADUMBRA_FIXED_BITS);
     let layer = adumbra_voxel_layer(r, texel);
@@ -81,7 +81,7 @@ fn adumbra_voxel_of(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> vec3i {
     return vec3i(texel, min(layer, v.grid.size.z - 1));
 }
 
-// Returns the taps low…high, which lie in one block.
+// Returns the taps low…high, which are in one block.
 fn adumbra_voxel_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, low: vec2i, high: vec2i) -> AdumbraVoxelTaps {
     let size = high - low + 1;
     let count = u32(size.x * size.y);
@@ -107,22 +107,22 @@ fn adumbra_voxel_taps(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver, low: vec2i
     return taps;
 }
 
-// Returns how many of up to eight steps, each rising by `steep`, begin at a rise of at most `left`. No quotient of such
-// numbers is so close to an integer that the added half or the error of the division would matter.
+// Returns how many of up to eight steps, each rising by `steep`, begin at a rise of at most `left`. Quotients
+// of these numbers are never so close to an integer that the added half or the error of the division matters.
 fn adumbra_voxel_steps(left: i32, steep: i32) -> i32 {
     let quotient = i32((f32(clamp(left, 0, 7 * steep)) + 0.5) / f32(max(steep, 1)));
     return select(select(quotient + 1, 8, steep == 0), 0, left < 0);
 }
 
-// Returns the taps of a block whose layer is `layer` or in front of it: bit y·8 + x, rows 0 to 3 in x. `layer` is one
-// of the taps' layers, or -1.
+// Returns the taps of a block whose layer is `layer` or in front of it: bit y·8 + x, rows 0 to 3 in x.
+// `layer` is one of the taps' layers, or -1.
 fn adumbra_voxel_taps_to(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, layer: i32) -> vec2u {
     if (layer >= taps.farthest) {
         return adumbra_voxel_rectangle(taps.low, taps.high);
     }
     let rises = r.gradient >= vec2i(0);
     let steep = abs(r.gradient);
-    // How far the plane may still rise from the point on, less its rise at the nearest tap.
+    // The rise that the plane may still make from the point on, minus its rise at the nearest tap.
     let limit = ((((layer + 1) << ADUMBRA_FIXED_BITS) - r.p_fixed.z) << ADUMBRA_GRADIENT_BITS) - 1;
     let nearest = select(taps.high, taps.low, rises);
     let along = r.gradient * (nearest * ADUMBRA_FIXED_ONE + ADUMBRA_FIXED_ONE / 2 - r.p_fixed.xy);
@@ -138,7 +138,7 @@ fn adumbra_voxel_taps_to(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, layer:
         return adumbra_voxel_rectangle(vec2i(taps.low.x, low_y), vec2i(taps.high.x, low_y + rows - 1));
     }
     var bits = vec2u(0u);
-    // From the nearest row on, while the row has any taps.
+    // Goes from the nearest row on, while rows have taps.
     for (var row = 0; row < size.y && left >= 0; row++) {
         let y = select(taps.high.y - row, taps.low.y + row, rises.y) & 7;
         let columns = min(adumbra_voxel_steps(left, steep.x), size.x);
@@ -150,8 +150,8 @@ fn adumbra_voxel_taps_to(r: AdumbraVoxelReceiver, taps: AdumbraVoxelTaps, layer:
     return bits;
 }
 
-// Returns the visibility, filtered over K × K texels; -1 if a page under the filter is not resident. core/depths.wgsl
-// defines adumbra_voxel_lit_taps.
+// Returns the visibility, filtered over K × K texels; -1 if a page under the filter is not resident.
+// core/depths.wgsl defines adumbra_voxel_lit_taps.
 fn adumbra_voxel_factor(v: AdumbraVoxelParams, s: AdumbraSurface) -> f32 {
     let lit = adumbra_voxel_lit_taps(v, adumbra_voxel_receiver(v, s));
     return select(f32(lit) / f32(v.filter_width * v.filter_width), -1.0, lit >= ADUMBRA_TAPS_ABSENT);

@@ -1,6 +1,5 @@
-// Variance shadow maps: mean and mean square of depth. Depth is measured from the middle of the layer, where 32-bit
-// floats are most precise.
-// Source: Donnelly, Lauritzen, Variance Shadow Maps, 2006.
+// Variance shadow maps: mean and mean square of depth. Depth is measured from the middle of the layer, where
+// 32-bit floats are most precise. Source: Donnelly, Lauritzen, Variance Shadow Maps, 2006.
 
 alias AdumbraMomentsOut = texture_storage_2d<rg32float, write>;
 

@@ -1,7 +1,7 @@
-// Blur of the shadow factor: a Gaussian in screen space that reads only the factor. Source: ZwqXin, notes on soft
-// shadows, 2009. One thread per texel. The line variants are one of two separable passes, along `axis`; the square
-// variants do both at once. *_table uses weights computed once on the CPU, *_shader computes each weight where it is
-// used, as in the notes. Texels beyond the border repeat the last texel.
+// Blur of the shadow factor: a Gaussian in screen space that reads only the factor. Source: ZwqXin, notes on
+// soft shadows, 2009. One thread per texel. The line variants are one of two separable passes, along `axis`;
+// the square variants do both at once. *_table uses weights computed once on the CPU, *_shader computes each
+// weight where it is used, as in the notes. Texels beyond the border repeat the last texel.
 
 fn factor_at(texel: vec2i) -> f32 {
     return factor_within(texel, blur.size);
@@ -71,7 +71,8 @@ fn blur_square_shader(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-// Morphological dilation of the shadow by `dilation_texels`, one axis per pass: the darkest texel of the line.
+// Morphological dilation of the shadow by `dilation_texels`, one axis per pass: the darkest texel of the
+// line.
 @compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn dilate_line(@builtin(global_invocation_id) id: vec3u) {
     if (any(id.xy >= blur.size)) {

@@ -1,6 +1,6 @@
-// Edge-aware blur guided by depth and normal: only texels on the pixel's own surface count, so that no shadow crosses a
-// silhouette. One thread per texel. Texel q has the surface of the frame's pixel q · pixels_per_texel. Sky pixels keep
-// their factor of 1 and never count for others.
+// Edge-aware blur guided by depth and normal: only texels on the pixel's own surface count, so that no shadow
+// crosses a silhouette. One thread per texel. Texel q has the surface of the frame's pixel q ·
+// pixels_per_texel. Sky pixels keep their factor of 1 and never count for others.
 
 struct Center {
     surface: AdumbraSurface,

@@ -1,6 +1,6 @@
-// Scales to half of the picture's width and height and back, without regard to surfaces: down by means of four pixels,
-// up by bilinear interpolation. One thread per texel written. `size` is that of the half picture, `frame_size` that of
-// the full one.
+// Scales to half of the picture's width and height and back, without regard to surfaces: down by means of
+// four pixels, up by bilinear interpolation. One thread per texel written.
+// `size` is that of the half picture, `frame_size` that of the full one.
 
 @compute @workgroup_size(ADUMBRA_PIXEL_GROUP, ADUMBRA_PIXEL_GROUP)
 fn half_down(@builtin(global_invocation_id) id: vec3u) {

@@ -1,6 +1,6 @@
-// Scales to half of the picture's width and height and back within surfaces. Texel q has the surface of pixel 2q, and
-// only values on that surface are mixed. One thread per texel written. `size` is that of the half picture, `frame_size`
-// that of the full one.
+// Scales to half of the picture's width and height and back within surfaces. Texel q has the surface of pixel
+// 2q, and only values on that surface are mixed. One thread per texel written.
+// `size` is that of the half picture, `frame_size` that of the full one.
 
 // The factor before the blur, at full size, for pixels whose surface none of the nearby texels has.
 @group(0) @binding(6) var factor_whole: texture_2d<f32>;

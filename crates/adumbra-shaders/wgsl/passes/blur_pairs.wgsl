@@ -1,6 +1,6 @@
-// One axis of the blur with two neighbours per sample: each sample is taken between their centres, where linear
-// filtering mixes them by their weights. One thread per texel. The result equals that of blur_line_table, with about
-// half the samples.
+// One axis of the blur with two neighbours per sample: each sample is taken between their centres, where
+// linear filtering mixes them by their weights. One thread per texel. The result equals that of
+// blur_line_table, with about half the samples.
 
 @group(0) @binding(3) var factor_sampler: sampler;
 

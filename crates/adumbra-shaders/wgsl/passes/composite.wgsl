@@ -1,6 +1,6 @@
-// Lights the G-buffer with a simple sun and sky. The shadow factor applies to the sun, ambient visibility to the sky
-// light only. One thread per pixel. Lighting is linear, output is sRGB. The arithmetic is that of the CPU renderer
-// (adumbra_truth::picture).
+// Lights the G-buffer with a simple sun and sky. The shadow factor applies to the sun, ambient visibility to
+// the sky light only. One thread per pixel. Lighting is linear, output is sRGB. The arithmetic is that of the
+// CPU renderer (adumbra_truth::picture).
 
 @group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;

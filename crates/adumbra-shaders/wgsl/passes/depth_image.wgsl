@@ -1,5 +1,5 @@
-// Writes a depth image into a layer of a shadow map, as if the casters had been drawn, with one triangle over all
-// texels.
+// Writes a depth image into a layer of a shadow map, as if the casters had been drawn, with one triangle over
+// all texels.
 
 @group(0) @binding(0) var depth_image: texture_2d<f32>;
 

@@ -1,5 +1,5 @@
-// All results that a file in the layout "depths" gives for receivers in fixed point: lit taps, the column's switch
-// depth, and penumbra. One thread per receiver.
+// All results that a file in the layout "depths" gives for receivers in fixed point: lit taps, the column's
+// switch depth, and penumbra. One thread per receiver.
 
 struct DepthsAnswer {
     lit_taps: u32,

@@ -1,6 +1,6 @@
-// Depth, normal and base colour of the scene. There are three vertices per triangle, each with the triangle's own
-// normal. Masked materials are cut by their alpha at full resolution, as in the bake and in ray tracing. Colour is
-// sampled with mip levels. The CPU counterpart is adumbra_truth::picture::BaseColors.
+// Depth, normal and base colour of the scene. There are three vertices per triangle, each with the triangle's
+// own normal. Masked materials are cut by their alpha at full resolution, as in the bake and in ray tracing.
+// Colour is sampled with mip levels. The CPU counterpart is adumbra_truth::picture::BaseColors.
 
 @group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 
@@ -29,8 +29,9 @@ fn gbuffer_vertex(c: Corner) -> Fragment {
     return f;
 }
 
-// Returns the mip level at which no texel is skipped between two pixels of the quad (OpenGL 4.6, section 8.14). It is
-// computed here because devices differ in how precisely they approximate the length and the logarithm.
+// Returns the mip level at which no texel is skipped between two pixels of the quad (OpenGL 4.6, section
+// 8.14). It is computed here because devices differ in how precisely they approximate the length and the
+// logarithm.
 fn color_level(uv: vec2f) -> f32 {
     let size = vec2f(textureDimensions(color_texture));
     let x = dpdxFine(uv) * size;

@@ -1,4 +1,5 @@
-// Merging with one thread per block and one workgroup per section. The resulting words equal those of the sweep.
+// Merging with one thread per block and one workgroup per section. The resulting words equal those of the
+// sweep.
 
 var<workgroup> section_split: array<atomic<u32>, 2>;
 

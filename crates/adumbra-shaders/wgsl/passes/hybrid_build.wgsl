@@ -1,15 +1,15 @@
-// Code shared by the passes that build one level of a hybrid map. A block is four texels of the previous level. If they
-// merge, the block's word is a depth. Otherwise it is ADUMBRA_HYBRID_INDEX combined with a number: first the block's
-// rank among the unmerged blocks of its section, later, once placed, the word at which its children begin. A section is
-// a run of ADUMBRA_HYBRID_SECTION blocks of one row. Ranks follow rows, so the map is the same in every run and for
-// every way to sweep it.
+// Code shared by the passes that build one level of a hybrid map. A block is four texels of the previous
+// level. If they merge, the block's word is a depth. Otherwise it is ADUMBRA_HYBRID_INDEX combined with a
+// number: first the block's rank among the unmerged blocks of its section, later, once placed, the word at
+// which its children begin. A section is a run of ADUMBRA_HYBRID_SECTION blocks of one row. Ranks follow
+// rows, so the map is the same in every run and for every way to sweep it.
 //
-// The contents of the map belong to the place pass, in bind group 1. For the paper's layout, "word" below means a
-// texel.
+// The contents of the map belong to the place pass, in bind group 1. For the paper's layout, "word" below
+// means a texel.
 //
-// hybrid_counts: word 0 = next free word of the map; words 1 to 3 = number of unmerged blocks of levels 1 to 3; from
-// ADUMBRA_HYBRID_FIRST_SECTION on, one word per section: first its number of unmerged blocks, then the word at which
-// their children begin.
+// hybrid_counts: word 0 = next free word of the map; words 1 to 3 = number of unmerged blocks of levels 1 to
+// 3; from ADUMBRA_HYBRID_FIRST_SECTION on, one word per section: first its number of unmerged blocks, then
+// the word at which their children begin.
 
 @group(0) @binding(0) var<uniform> level: AdumbraHybridLevel;
 @group(0) @binding(1) var start_depth: texture_depth_2d_array;
@@ -38,8 +38,8 @@ fn block_offset(block: vec2u) -> u32 {
     return level.offset + block.y * level.side_texels + block.x;
 }
 
-// Returns a block's children in the previous level, which is not the finest: upper left, upper right, lower left, lower
-// right.
+// Returns a block's children in the previous level, which is not the finest: upper left, upper right, lower
+// left, lower right.
 fn block_children(block: vec2u) -> vec4u {
     let row = 2u * level.side_texels;
     let first = level.finer_offset + 2u * block.y * row + 2u * block.x;

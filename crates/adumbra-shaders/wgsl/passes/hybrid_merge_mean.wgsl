@@ -1,7 +1,7 @@
-// The merge test of the paper: four texels merge into their mean if none of them differs from it by more than e0 times
-// its own depth.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, equation 1, multiplied by D_n to allow
-// depth 0. A directional light has no distance, so D is measured from the near plane of the map.
+// The merge test of the paper: four texels merge into their mean if none of them differs from it by more than
+// e0 times its own depth. Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016,
+// equation 1, multiplied by D_n to allow depth 0. A directional light has no distance, so D is measured from
+// the near plane of the map.
 
 fn block_merged(block: vec2u) -> u32 {
     var depths: vec4f;

@@ -1,9 +1,10 @@
-// The plane merge test: a block merges if there is a plane, packed as in core/hybrid_plane.wgsl, such that no finest
-// texel of the block is behind it and none is further in front of it than the tolerance. Everything that is lit by a
-// shadow map is therefore lit by the hybrid one too, and no gap wider than the tolerance is lost. The arithmetic is in
-// integers, so that every machine builds the same map.
+// The plane merge test: a block merges if there is a plane, packed as in core/hybrid_plane.wgsl, such that no
+// finest texel of the block is behind it and none is further in front of it than the tolerance. Everything
+// that is lit by a shadow map is therefore lit by the hybrid one too, and no gap wider than the tolerance is
+// lost. The arithmetic is in integers, so that every machine builds the same map.
 
-// Returns the four finest depths of a texel of level 1 in steps of 1 / ADUMBRA_HYBRID_ONE, rounded away from the sun.
+// Returns the four finest depths of a texel of level 1 in steps of 1 / ADUMBRA_HYBRID_ONE, rounded away from
+// the sun.
 fn block_steps(block: vec2u) -> vec4i {
     return vec4i(ceil(block_depths(block) * ADUMBRA_HYBRID_ONE));
 }
@@ -47,8 +48,8 @@ fn block_merged(block: vec2u) -> u32 {
     let code_x = slope_code(((d.y + d.w) - (d.x + d.z)) / apart);
     let code_y = slope_code(((d.z + d.w) - (d.x + d.y)) / apart);
     let slope = vec2i(adumbra_hybrid_slope(code_x, level.slope_unit), adumbra_hybrid_slope(code_y, level.slope_unit));
-    // Twice the depth that each finest texel requires at the block's centre, in groups of four. Offsets from the centre
-    // are in half texels.
+    // Twice the depth that each finest texel requires at the block's centre, in groups of four. Offsets from
+    // the centre are in half texels.
     let right = vec4i(0, slope.x, 0, slope.x);
     let down = vec4i(0, 0, slope.y, slope.y);
     var nearest = vec4i(0x7fffffff);

@@ -1,4 +1,5 @@
-// Writes the children of unmerged blocks to their positions in the map, and the coarsest level. One thread per block.
+// Writes the children of unmerged blocks to their positions in the map, and the coarsest level. One thread
+// per block.
 
 @group(1) @binding(0) var<storage, read_write> map_words: array<u32>;
 

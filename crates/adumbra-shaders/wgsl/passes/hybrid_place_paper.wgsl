@@ -1,11 +1,12 @@
-// Writes the children of unmerged blocks to their positions in a map of the paper's layout, together with their links,
-// the coarsest level, and the normal of each merged block. One thread per block. Texels are packed as in
-// access/hybrid_paper.wgsl.
+// Writes the children of unmerged blocks to their positions in a map of the paper's layout, together with
+// their links, the coarsest level, and the normal of each merged block. One thread per block. Texels are
+// packed as in access/hybrid_paper.wgsl.
 
 @group(1) @binding(0) var start_normals: texture_2d_array<f32>;
 @group(1) @binding(1) var<storage, read_write> map_texels: array<vec4u>;
 @group(1) @binding(2) var<storage, read_write> map_links: array<vec2u>;
-// Packed normals of the blocks, at the same positions as the words in hybrid_levels; 0 if a block did not merge.
+// Packed normals of the blocks, at the same positions as the words in hybrid_levels; 0 if a block did not
+// merge.
 @group(1) @binding(3) var<storage, read_write> hybrid_normals: array<u32>;
 
 fn start_normal(texel: vec2u) -> u32 {

@@ -1,6 +1,5 @@
-// Merging by the parallel line sweep: each thread owns a strip two texels wide and advances along it, one block per
-// step.
-// Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1.
+// Merging by the parallel line sweep: each thread owns a strip two texels wide and advances along it, one
+// block per step. Source: Li, Yang, Zhao, Chen, Hybrid-resolution Shadow Mapping Design, 2016, algorithm 1.
 
 @compute @workgroup_size(ADUMBRA_LIST_GROUP)
 fn hybrid_sweep(@builtin(global_invocation_id) id: vec3u) {

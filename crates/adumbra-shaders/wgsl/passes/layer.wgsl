@@ -1,6 +1,6 @@
-// Displays a frame in a viewer: one of its layers, display-encoded, each displayed pixel being the mean of samples x
-// samples pixels. One thread per displayed pixel. The arithmetic is that of the program's CPU pictures of layers,
-// against which tests check it.
+// Displays a frame in a viewer: one of its layers, display-encoded, each displayed pixel being the mean of
+// samples x samples pixels. One thread per displayed pixel. The arithmetic is that of the program's CPU
+// pictures of layers, against which tests check it.
 
 @group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 @group(0) @binding(1) var<uniform> layer: AdumbraLayerParams;

@@ -1,5 +1,6 @@
-// Depth from the light, one layer per pass: linear, 0 near the sun, 1 far. Casters in front of the near plane are
-// clamped to it. map_vertex draws opaque casters from positions alone; map_masked_* also applies the alpha test.
+// Depth from the light, one layer per pass: linear, 0 near the sun, 1 far. Casters in front of the near plane
+// are clamped to it. map_vertex draws opaque casters from positions alone; map_masked_* also applies the
+// alpha test.
 
 @group(0) @binding(0) var<uniform> layer: AdumbraMapLayer;
 

@@ -1,5 +1,6 @@
-// Visibility from a shadow map with one or more layers. The layer is selected by the point's view depth, blended into
-// the next one at its end, and faded to fully lit where shadows end. A filter is a file that defines
+// Visibility from a shadow map with one or more layers. The layer is selected by the point's view depth,
+// blended into the next one at its end, and faded to fully lit where shadows end. A filter is a file that
+// defines
 //     fn map_filter(s: AdumbraSurface, layer: u32) -> f32
 
 @group(2) @binding(0) var<uniform> map_params: AdumbraMapParams;

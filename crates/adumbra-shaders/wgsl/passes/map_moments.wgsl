@@ -1,4 +1,5 @@
-// Moment-based shadow maps, read with a filtering sampler and mip levels. Requires filtering of 32-bit floats.
+// Moment-based shadow maps, read with a filtering sampler and mip levels. Requires filtering of 32-bit
+// floats.
 
 @group(2) @binding(1) var map_moments: texture_2d_array<f32>;
 @group(2) @binding(2) var map_filtering: sampler;
@@ -11,6 +12,7 @@ fn map_filter(s: AdumbraSurface, layer: u32) -> f32 {
     let m = textureSampleLevel(map_moments, map_filtering, uv, r.layer, level);
     let texel_world = map_params.layers[layer].texel_world;
     let deviation = map_params.moments.min_deviation_texels * texel_world / map_params.layers[layer].depth_world;
-    // A receiver in front of or behind the layer is clamped to its border, because warps of depths outside it overflow.
+    // A receiver in front of or behind the layer is clamped to its border, because warps of depths outside it
+    // overflow.
     return adumbra_moments_visibility(m, clamp(r.depth, 0.0, 1.0), deviation, map_params.moments);
 }

@@ -1,5 +1,6 @@
-// Depth from the light as in passes/map_depth.wgsl, together with the nearest caster's geometric normal: octahedral, in
-// world space, facing the sun. There are three vertices per triangle, so the normal is packed once per vertex.
+// Depth from the light as in passes/map_depth.wgsl, together with the nearest caster's geometric normal:
+// octahedral, in world space, facing the sun. There are three vertices per triangle, so the normal is packed
+// once per vertex.
 
 struct NormalFragment {
     @builtin(position) position: vec4f,

@@ -1,5 +1,5 @@
 // One axis of the Gaussian blur of a layer's moments. The passes along rows and along columns define
-//     fn moments_at(texel: vec2i) -> vec4f      the moments to blur; the border's texels are repeated beyond it
+//     fn moments_at(texel: vec2i) -> vec4f      the moments to blur; beyond the border its texels repeat
 
 @group(0) @binding(0) var<uniform> blur: AdumbraMomentBlurParams;
 @group(0) @binding(2) var moments_out: AdumbraMomentsOut;

@@ -1,4 +1,5 @@
-// Blurs the moments of one layer's depth along rows with a Gaussian. One thread per texel. No other layer is read.
+// Blurs the moments of one layer's depth along rows with a Gaussian. One thread per texel. No other layer is
+// read.
 
 @group(0) @binding(1) var map_depth: texture_depth_2d_array;
 

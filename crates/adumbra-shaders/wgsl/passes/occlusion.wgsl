@@ -1,7 +1,7 @@
 // Ambient visibility of each texel: the pass that calls an estimator, which is a function
 //     fn ambient_visibility(c: OcclusionCenter) -> f32      1 = unoccluded
-// in a file of its own. Writes visibility and view depth together, so that filters read one texture. One thread per
-// texel.
+// in a file of its own. Writes visibility and view depth together, so that filters read one texture. One
+// thread per texel.
 
 @group(0) @binding(0) var<uniform> occlusion: AdumbraOcclusionParams;
 @group(0) @binding(1) var<uniform> noise: AdumbraOcclusionTaps;
@@ -43,7 +43,8 @@ fn center_at(texel: vec2u, z: f32) -> OcclusionCenter {
     c.p = point_at(c.texel, z);
     c.n = normalize(adumbra_occlusion_direction(occlusion.view, n));
     let texels = occlusion.radius_world / (occlusion.texel_world + occlusion.texel_world_per_depth * z);
-    // The region shrinks as a whole: its contents are weighted as in a region of that size, and nothing is cut off.
+    // The region shrinks as a whole: its contents are weighted as in a region of that size, and nothing is
+    // cut off.
     let share = min(1.0, occlusion.max_radius_texels / texels);
     c.radius_texels = texels * share;
     c.radius_world = occlusion.radius_world * share;

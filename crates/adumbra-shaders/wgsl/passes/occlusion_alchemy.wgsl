@@ -1,10 +1,9 @@
-// McGuire, Osman, Bukowski, Hennessy, The Alchemy Screen-Space Ambient Obscurance Algorithm, 2011, expressed in radii,
-// w = v / R, so that it does not depend on the scene's unit:
+// McGuire, Osman, Bukowski, Hennessy, The Alchemy Screen-Space Ambient Obscurance Algorithm, 2011, expressed
+// in radii, w = v / R, so that it does not depend on the scene's unit:
 //     A = max(0, 1 - (2 σ / s) Σ max(0, w·n - β z / R) / (w·w + ε))^k
-// As published, only the disc of taps limits the distance of an occluder: it may be far in front of the surface that it
-// occludes.
-// Parameters: strength = 2 σ, exponent = k, bias = β, epsilon = ε.
-// A tap is a point in the unit disc, uniformly distributed, in radii.
+// As published, only the disc of taps limits the distance of an occluder: it may be far in front of the
+// surface that it occludes. Parameters: strength = 2 σ, exponent = k, bias = β, epsilon = ε. A tap is a point
+// in the unit disc, uniformly distributed, in radii.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
     let inverse_radius = 1.0 / c.radius_world;

@@ -1,8 +1,8 @@
-// Filters of ambient visibility. The bilateral filter (Qiu et al. 2014, equation 7) has weights that fall with the
-// distance of the texels and with the difference of their view depths, each as exp(-(difference / sigma)² / 2).
-// Departures: two line passes may replace the square; the difference may be taken from the centre's own surface
-// (adumbra_occlusion_run). Visibility and view depth come from one texture. Sky never counts and is left unchanged. One
-// thread per texel.
+// Filters of ambient visibility. The bilateral filter (Qiu et al. 2014, equation 7) has weights that fall
+// with the distance of the texels and with the difference of their view depths, each as exp(-(difference /
+// sigma)² / 2). Departures: two line passes may replace the square; the difference may be taken from the
+// centre's own surface (adumbra_occlusion_run). Visibility and view depth come from one texture. Sky never
+// counts and is left unchanged. One thread per texel.
 
 @group(0) @binding(0) var<uniform> blur: AdumbraOcclusionFilterParams;
 @group(0) @binding(1) var ambient_in: texture_2d<f32>;
@@ -19,21 +19,21 @@ fn ambient_near(texel: vec2i) -> vec2f {
     return select(vec2f(0.0), ambient_at(clamp(texel, vec2i(0), last)), is_inside);
 }
 
-// Returns the weighted visibility and the weight of a tap at this squared distance in texels; (0, 0) if there is no
-// surface.
+// Returns the weighted visibility and the weight of a tap at this squared distance in texels; (0, 0) if there
+// is no surface.
 fn tap(squared: f32, z: f32, other: vec2f, run: vec2f) -> vec2f {
     let d = (other.y * (1.0 + run.x) - (z + run.y)) * blur.inverse_depth_width;
     return select(0.0, exp(-d * d - squared * blur.inverse_distance_width), other.y > 0.0) * vec2f(other.x, 1.0);
 }
 
-// Returns the absolute difference between a tap's visibility and the centre's. Outside the picture, the last texel is
-// used.
+// Returns the absolute difference between a tap's visibility and the centre's. Outside the picture, the last
+// texel is used.
 fn difference(texel: vec2i, visibility: f32) -> f32 {
     return abs(ambient_at(clamp(texel, vec2i(0), vec2i(blur.size) - 1)).x - visibility);
 }
 
-// The edge test: there is nothing to smooth if the tips of the line and the midpoints of its halves have the centre's
-// visibility.
+// The edge test: there is nothing to smooth if the tips of the line and the midpoints of its halves have the
+// centre's visibility.
 fn is_even_line(texel: vec2i, axis: vec2i, visibility: f32) -> bool {
     let tip = i32(blur.taps_per_side) * axis;
     let middle = (i32(blur.taps_per_side) + 1) / 2 * axis;

@@ -1,11 +1,11 @@
-// Jimenez, Wu, Pesce, Jarabo, Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016, as implemented by
-// XeGTAO (Intel, 2021). In slices that contain the line of sight, finds the horizon on either side, and integrates the
-// cosine-weighted part of the hemisphere between the two. From a fraction of the radius to its end, horizons fall off
-// to the tangent plane. Distances along the view are scaled up, so that thin objects fade.
-// Departures: the sum over slices is divided by its value without occluders, which is not 1 for few slices. A side is
-// weighted by the number of its steps that are inside the picture. Horizons are measured from the tangent of each tap's
-// own slice (rise_over_tangent). There are no depth mips.
-// Parameters: falloff_slope = 1 / (1 - falloff), depth_stretch = 1 + thin, exponent. Taps are as in
+// Jimenez, Wu, Pesce, Jarabo, Practical Real-Time Strategies for Accurate Indirect Occlusion, 2016, as
+// implemented by XeGTAO (Intel, 2021). In slices that contain the line of sight, finds the horizon on either
+// side, and integrates the cosine-weighted part of the hemisphere between the two. From a fraction of the
+// radius to its end, horizons fall off to the tangent plane. Distances along the view are scaled up, so that
+// thin objects fade. Departures: the sum over slices is divided by its value without occluders, which is not
+// 1 for few slices. A side is weighted by the number of its steps that are inside the picture. Horizons are
+// measured from the tangent of each tap's own slice (rise_over_tangent). There are no depth mips. Parameters:
+// falloff_slope = 1 / (1 - falloff), depth_stretch = 1 + thin, exponent. Taps are as in
 // passes/occlusion_march.wgsl. Their distances are already raised to the power that concentrates them near P.
 
 // Abramowitz and Stegun, Handbook of Mathematical Functions, 4.4.45; the error is below 7e-5.
@@ -15,10 +15,10 @@ fn acos_near(x: f32) -> f32 {
     return select(angle, 3.14159265 - angle, x < 0.0);
 }
 
-// The paper's inner integral ∫ cos(θ - γ) sin θ dθ from the direction to the eye to a horizon, times the length of the
-// normal's projection into the slice. n_slice is that projection: its components along the direction to the eye, and
-// across it towards this side. In terms of the horizon's angle h, 1/4 (cos γ + 2 h sin γ - cos(2 h - γ)) becomes 1/2
-// (cos γ sin² h + sin γ (h - sin h cos h)).
+// The paper's inner integral ∫ cos(θ - γ) sin θ dθ from the direction to the eye to a horizon, times the
+// length of the normal's projection into the slice. n_slice is that projection: its components along the
+// direction to the eye, and across it towards this side. In terms of the horizon's angle h, 1/4 (cos γ + 2 h
+// sin γ - cos(2 h - γ)) becomes 1/2 (cos γ sin² h + sin γ (h - sin h cos h)).
 fn arc(n_slice: vec2f, cos_h: f32) -> f32 {
     let sin_h_2 = max(1.0 - cos_h * cos_h, 0.0);
     return 0.5 * (n_slice.x * sin_h_2 + n_slice.y * (acos_near(cos_h) - sqrt(sin_h_2) * cos_h));

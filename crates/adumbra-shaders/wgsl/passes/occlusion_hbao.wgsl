@@ -1,12 +1,11 @@
-// Bavoil, Sainz, Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008. For each direction, the occlusion is the
-// sine of the horizon's elevation minus that of the tangent plane's, accumulated step by step: each increase of the
-// horizon is weighted by 1 - r^falloff, where r is the step's distance in radii. Steps beyond the radius do not raise
-// the horizon. The mean over all directions is the occlusion.
-// Departures: elevations are relative to the plane perpendicular to the line of sight, not to the camera's axis. The
-// tangent is that of each tap's own slice (rise_over_tangent) instead of the direction's, so that slopes need no bias.
-// Parameters: strength, exponent, bias (rise over the tangent at which a horizon begins to count), falloff_exponent =
-// falloff / 2.
-// Taps are as in passes/occlusion_march.wgsl.
+// Bavoil, Sainz, Dimitrov, Image-Space Horizon-Based Ambient Occlusion, 2008. For each direction, the
+// occlusion is the sine of the horizon's elevation minus that of the tangent plane's, accumulated step by
+// step: each increase of the horizon is weighted by 1 - r^falloff, where r is the step's distance in radii.
+// Steps beyond the radius do not raise the horizon. The mean over all directions is the occlusion.
+// Departures: elevations are relative to the plane perpendicular to the line of sight, not to the camera's
+// axis. The tangent is that of each tap's own slice (rise_over_tangent) instead of the direction's, so that
+// slopes need no bias. Parameters: strength, exponent, bias (rise over the tangent at which a horizon begins
+// to count), falloff_exponent = falloff / 2. Taps are as in passes/occlusion_march.wgsl.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
     let inverse_radius = 1.0 / c.radius_world;

@@ -1,10 +1,9 @@
-// Temporal accumulation: the mean over all frames so far. Each texel's point is reprojected into the previous frame,
-// where the accumulated values of the four texels around it are interpolated, without those that are off its plane. A
-// point without any such texel was not visible and starts anew. Only the camera's motion is known. A moving object
-// counts as previously visible if it lies in the plane of what was there.
-// Source: D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk, J. R. Isidoro, Accelerating Real-Time Shading with Reverse
-// Reprojection Caching, 2007.
-// One thread per texel.
+// Temporal accumulation: the mean over all frames so far. Each texel's point is reprojected into the previous
+// frame, where the accumulated values of the four texels around it are interpolated, without those that are
+// off its plane. A point without any such texel was not visible and starts anew. Only the camera's motion is
+// known. A moving object counts as previously visible if it is in the plane of the earlier surface there.
+// Source: D. Nehab, P. V. Sander, J. Lawrence, N. Tatarchuk, J. R. Isidoro, Accelerating Real-Time Shading
+// with Reverse Reprojection Caching, 2007. One thread per texel.
 
 @group(0) @binding(0) var<uniform> occlusion: AdumbraOcclusionParams;
 @group(0) @binding(1) var<uniform> history: AdumbraOcclusionHistoryParams;
@@ -24,7 +23,8 @@ fn carried(p: vec3f) -> vec3f {
     return vec3f(dot(history.x_from_now, q), dot(history.y_from_now, q), dot(history.z_from_now, q));
 }
 
-// Returns the visibility and number of frames in the previous frame; no frames if the point was not visible there.
+// Returns the visibility and number of frames in the previous frame; no frames if the point was not visible
+// there.
 fn seen_before(texel: vec2i, z: f32) -> vec2f {
     let p = adumbra_occlusion_point(occlusion.view, texel, z);
     let p_before = carried(p);

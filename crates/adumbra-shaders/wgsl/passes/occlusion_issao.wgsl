@@ -1,19 +1,20 @@
-// Qiu, Li, Wu, Shi, Zhang, Improved Screen Space Ambient Occlusion, Chinese Journal of Computers 37(3), 2014: 4.1 and
-// 4.2, with the lost equation (6) reconstructed and expressed in radii, w = v / R, so that it does not depend on the
-// scene's unit:
-//     A = clamp((2 λ / s) Σ max(0, w·n - ψ min(z / R, z_cap)) / (w·w + σ), 0, 1),    visibility (1 - A)^(1 / φ)
-// over the s taps that are inside the picture and on texels not yet sampled; other taps are skipped. Outside R a term
-// is 0, and its tap counts as open. Readings 1 and 2 of φ differ from this formula: φ is a factor next to λ, or 1 / φ
-// is the exponent of (1 - w·w) on each term. The terms are in separate files, of which a pass includes one.
-// Departure: a surface in front of the sphere of radius R hides what is inside it. Such a tap counts as if at the point
-// where its line of sight enters the sphere, attenuated by 1 / |w|, the falloff of (5). Without the departure such taps
-// are unknown and skipped, and the ground behind objects is too bright.
-// Parameters: strength = 2 λ, bias = ψ, max_bias_depth = z_cap, epsilon = σ, falloff_exponent = exponent of (1 - w·w),
-// exponent = that of the visibility, hides_from_outside = 1 with the departure.
-// A tap is C(e1, e2) of (1), in radii; taps are sorted by distance.
+// Qiu, Li, Wu, Shi, Zhang, Improved Screen Space Ambient Occlusion, Chinese Journal of Computers 37(3), 2014:
+// 4.1 and 4.2, with the lost equation (6) reconstructed and expressed in radii, w = v / R, so that it does
+// not depend on the scene's unit:
+//     A = clamp((2 λ / s) Σ max(0, w·n - ψ min(z / R, z_cap)) / (w·w + σ), 0, 1)
+//     visibility = (1 - A)^(1 / φ)
+// over the s taps that are inside the picture and on texels not yet sampled; other taps are skipped. Outside
+// R a term is 0, and its tap counts as open. Readings 1 and 2 of φ differ from this formula: φ is a factor
+// next to λ, or 1 / φ is the exponent of (1 - w·w) on each term. The terms are in separate files, of which a
+// pass includes one. Departure: a surface in front of the sphere of radius R hides what is inside it. Such a
+// tap counts as if at the point where its line of sight enters the sphere, attenuated by 1 / |w|, the falloff
+// of (5). Without the departure such taps are unknown and skipped, and the ground behind objects is too
+// bright. Parameters: strength = 2 λ, bias = ψ, max_bias_depth = z_cap, epsilon = σ, falloff_exponent =
+// exponent of (1 - w·w), exponent = that of the visibility, hides_from_outside = 1 with the departure. A tap
+// is C(e1, e2) of (1), in radii; taps are sorted by distance.
 
-// Returns the number of taps for a disc of this radius: one quarter fewer for each halving below 16 texels, since a
-// small disc covers few texels.
+// Returns the number of taps for a disc of this radius: one quarter fewer for each halving below 16 texels,
+// since a small disc covers few texels.
 fn taps_at(radius_texels: f32) -> u32 {
     let lost = u32(radius_texels < 16.0) + u32(radius_texels < 8.0) + u32(radius_texels < 4.0);
     return max(occlusion.tap_count * max(4u - lost, occlusion.min_quarters) / 4u, 1u);

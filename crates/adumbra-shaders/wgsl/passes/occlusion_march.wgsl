@@ -1,7 +1,7 @@
-// Code shared by estimators that march along screen directions to find horizons. Angles are measured from the direction
-// to the eye, so every screen direction defines a slice of space that contains it.
-// A tap: x and y are the direction, y up; z is its distance as a fraction of the radius; w is the distance of a tap in
-// the opposite direction.
+// Code shared by estimators that march along screen directions to find horizons. Angles are measured from the
+// direction to the eye, so every screen direction defines a slice of space that contains it. A tap: x and y
+// are the direction, y up; z is its distance as a fraction of the radius; w is the distance of a tap in the
+// opposite direction.
 
 fn towards_eye(c: OcclusionCenter) -> vec3f {
     let ndc = adumbra_occlusion_ndc(occlusion.view, c.texel);
@@ -14,10 +14,10 @@ fn march_texel(c: OcclusionCenter, along: vec2f, share: f32) -> vec2i {
     return c.texel + vec2i(round(vec2f(along.x, -along.y) * texels));
 }
 
-// Returns how much closer to the direction to the eye the point at w is than P's tangent plane in the same slice: the
-// difference of the two cosines, which are the sines of the elevations. The slice is the one that contains w itself: a
-// texel's centre is slightly off the requested direction, and at a grazing view the tangent in that direction differs.
-// `facing` is the cosine between normal and direction to the eye.
+// Returns how much closer to the direction to the eye the point at w is than P's tangent plane in the same
+// slice: the difference of the two cosines, which are the sines of the elevations. The slice is the one that
+// contains w itself: a texel's centre is slightly off the requested direction, and at a grazing view the
+// tangent in that direction differs. `facing` is the cosine between normal and direction to the eye.
 fn rise_over_tangent(w: vec3f, ww: f32, n: vec3f, to_eye: vec3f, facing: f32) -> f32 {
     let a = dot(w, to_eye);
     let h = dot(w, n);

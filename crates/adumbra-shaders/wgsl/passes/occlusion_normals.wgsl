@@ -1,10 +1,10 @@
-// World normals reconstructed from depth alone, for engines that store none. Along each axis, the side is used whose
-// two pixels extrapolate closest to the centre's depth, so that neither edges nor creases are smoothed over, as in W.
-// Wu, Accurate Normal Reconstruction from Depth Buffer, 2019.
+// World normals reconstructed from depth alone, for engines that store none. Along each axis, the side is
+// used whose two pixels extrapolate closest to the centre's depth, so that neither edges nor creases are
+// smoothed over, as in W. Wu, Accurate Normal Reconstruction from Depth Buffer, 2019.
 //
-// Over a plane, stored depth d is linear on the screen in either projection. In perspective, n·P = const is n·(hx X, hy
-// Y, 1) = const · d at the point z (hx X, hy Y, 1), hence n ~ (dd/dX / hx, dd/dY / hy, d - X dd/dX - Y dd/dY), away
-// from the viewer. One thread per texel.
+// Over a plane, stored depth d is linear on the screen in either projection. In perspective, n·P = const is
+// n·(hx X, hy Y, 1) = const · d at the point z (hx X, hy Y, 1), hence n ~ (dd/dX / hx, dd/dY / hy, d - X
+// dd/dX - Y dd/dY), away from the viewer. One thread per texel.
 
 @group(0) @binding(0) var<uniform> occlusion: AdumbraOcclusionParams;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;
@@ -21,7 +21,8 @@ fn depth_at(pixel: vec2i) -> f32 {
     return select(0.0, depth, all(pixel >= vec2i(0)) && all(pixel <= last));
 }
 
-// Returns the change of depth from the centre to the next pixel on one side, and the extrapolation error of that side.
+// Returns the change of depth from the centre to the next pixel on one side, and the extrapolation error of
+// that side.
 fn side_of(pixel: vec2i, axis: vec2i, own: f32) -> vec2f {
     let one = depth_at(pixel + axis);
     let two = depth_at(pixel + 2 * axis);

@@ -1,13 +1,12 @@
-// Mittring, Finding Next Gen: CryEngine 2, 2007, with the hemisphere around the normal that engines have adopted since:
-// the fraction of points near P that are behind the visible surface at their screen position. Distances are in radii,
-// so that nothing depends on the scene's unit.
-// Parameters: strength, exponent, bias, range. The visible surface occludes a point if it is nearer than the point by
-// more than the bias. It is weighted by smoothstep(0, 1, range / |difference of its depth and P's|), so that surfaces
-// far in front of P do not darken it.
-// min_rise: the smallest height of the surface above P's tangent plane. This is a departure: a stored depth is that of
-// a texel's centre, up to half a texel from the point. On a slope the depth difference is then the surface's own, so a
-// depth bias that is right for one slope is wrong for others.
-// A tap is a point in the unit ball, in radii.
+// Mittring, Finding Next Gen: CryEngine 2, 2007, with the hemisphere around the normal that engines have
+// adopted since: the fraction of points near P that are behind the visible surface at their screen position.
+// Distances are in radii, so that nothing depends on the scene's unit. Parameters: strength, exponent, bias,
+// range. The visible surface occludes a point if it is nearer than the point by more than the bias. It is
+// weighted by smoothstep(0, 1, range / |difference of its depth and P's|), so that surfaces far in front of P
+// do not darken it. min_rise: the smallest height of the surface above P's tangent plane. This is a
+// departure: a stored depth is that of a texel's centre, up to half a texel from the point. On a slope the
+// depth difference is then the surface's own, so a depth bias that is right for one slope is wrong for
+// others. A tap is a point in the unit ball, in radii.
 
 fn ambient_visibility(c: OcclusionCenter) -> f32 {
     let inverse_radius = 1.0 / c.radius_world;

@@ -1,5 +1,5 @@
-// View depth of each texel of an occlusion picture: that of the frame's pixel texel · pixels_per_texel; 0 if there is
-// no surface. One thread per texel.
+// View depth of each texel of an occlusion picture: that of the frame's pixel texel · pixels_per_texel; 0 if
+// there is no surface. One thread per texel.
 
 @group(0) @binding(0) var<uniform> occlusion: AdumbraOcclusionParams;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;

@@ -1,7 +1,7 @@
-// Upsamples ambient visibility of half width and height to the frame's size. A texel corresponds to pixel 2 · texel of
-// the frame, so pixels at even positions copy their texel. Other pixels average the two or four texels around them, all
-// equally far, weighted by how close these are to the pixel's own surface. If none is close, the one nearest in depth
-// is used. One thread per pixel.
+// Upsamples ambient visibility of half width and height to the frame's size. A texel corresponds to pixel 2 ·
+// texel of the frame, so pixels at even positions copy their texel. Other pixels average the two or four
+// texels around them, all equally far, weighted by how close these are to the pixel's own surface. If none is
+// close, the one nearest in depth is used. One thread per pixel.
 
 @group(0) @binding(0) var<uniform> occlusion: AdumbraOcclusionParams;
 @group(0) @binding(1) var<uniform> blur: AdumbraOcclusionFilterParams;

@@ -1,5 +1,5 @@
-// The visibility of points for a sun between those of two keys, and the number of words that were read for it. One thread per
-// point. access/words_logged.wgsl must precede this file.
+// The visibility of points for a sun between those of two keys, and the number of words that were read for
+// it. One thread per point. access/words_logged.wgsl must precede this file.
 
 @group(0) @binding(0) var<storage, read> points: array<AdumbraPointQuery>;
 

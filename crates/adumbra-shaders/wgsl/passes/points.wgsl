@@ -1,5 +1,5 @@
-// Evaluates a technique for each point of a list, one thread per point. Surfaces that face away from the sun are
-// evaluated like all others.
+// Evaluates a technique for each point of a list, one thread per point. Surfaces that face away from the sun
+// are evaluated like all others.
 
 @group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 @group(0) @binding(1) var<storage, read> points: array<AdumbraPointQuery>;

@@ -1,5 +1,5 @@
-// Draws one or two pictures to a window, with one triangle over everything: the first picture, both at a divider, or
-// their difference.
+// Draws one or two pictures to a window, with one triangle over everything: the first picture, both at a
+// divider, or their difference.
 
 @group(0) @binding(0) var<uniform> present: AdumbraPresentParams;
 @group(0) @binding(1) var present_first: texture_2d<f32>;
@@ -15,8 +15,8 @@ fn present_brightness(c: vec3f) -> f32 {
     return dot(c, vec3f(0.2126, 0.7152, 0.0722));
 }
 
-// Returns `too_dark` where the first picture is brighter, `too_bright` where the second is, with a strength set by the
-// gain; elsewhere the first picture, darkened and grey.
+// Returns `too_dark` where the first picture is brighter, `too_bright` where the second is, with a strength
+// set by the gain; elsewhere the first picture, darkened and grey.
 fn present_difference(first: vec3f, second: vec3f) -> vec3f {
     let brighter = present_brightness(first) - present_brightness(second);
     let wrong = select(present.too_bright, present.too_dark, brighter > 0.0);

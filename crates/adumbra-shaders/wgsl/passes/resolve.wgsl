@@ -1,5 +1,5 @@
-// Evaluates a technique for each pixel of the G-buffer, one thread per pixel. Sky pixels are 1, surfaces that face away
-// from the sun 0.
+// Evaluates a technique for each pixel of the G-buffer, one thread per pixel. Sky pixels are 1, surfaces that
+// face away from the sun 0.
 
 @group(0) @binding(0) var<uniform> frame: AdumbraFrame;
 @group(0) @binding(1) var gbuffer_depth: texture_depth_2d;

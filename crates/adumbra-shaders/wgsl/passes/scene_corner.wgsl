@@ -1,5 +1,5 @@
-// Shared by the passes that draw the scene from its corners: the vertex input, and the material that cuts masked
-// surfaces.
+// Shared by the passes that draw the scene from its corners: the vertex input, and the material that cuts
+// masked surfaces.
 
 @group(1) @binding(0) var<uniform> material: AdumbraMaterialParams;
 @group(1) @binding(1) var color_texture: texture_2d<f32>;
@@ -17,8 +17,8 @@ struct Corner {
     @location(6) color: vec4f,
 }
 
-// Whether a masked material is cut away here: tested with its alpha at full resolution, as in the bake and in ray
-// tracing.
+// Whether a masked material is cut away here: tested with its alpha at full resolution, as in the bake and in
+// ray tracing.
 fn is_cut(uv: vec2f, interpolated_alpha: f32) -> bool {
     let texel_alpha = textureSampleLevel(color_texture, color_sampler, uv, 0.0).a;
     return material.alpha * texel_alpha * adumbra_vertex_alpha(interpolated_alpha) < material.alpha_cutoff;

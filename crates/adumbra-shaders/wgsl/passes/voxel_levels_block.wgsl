@@ -1,5 +1,5 @@
-// The level at which a look-up in a streamed file ends, in voxels of the finest level in use; -1 outside the file. It is
-// that of the finest level that has the page of the point.
+// The level at which a look-up in a streamed file ends, in voxels of the finest level in use; -1 outside the
+// file. The look-up is in the finest level that has the page of the point.
 
 fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
     var end = -1;

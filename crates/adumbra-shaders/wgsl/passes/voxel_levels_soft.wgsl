@@ -1,4 +1,5 @@
-// The technique `voxel:soft` in a streamed file: penumbrae from the finest level that has all pages which they may need.
+// The technique `voxel:soft` in a streamed file: penumbrae from the finest level that has all pages that they
+// may need.
 
 fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
     let turn = adumbra_disc_turn(s.pixel);

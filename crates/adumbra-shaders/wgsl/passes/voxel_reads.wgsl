@@ -1,5 +1,5 @@
-// Lit taps of `voxel` for receivers in fixed point, and the words that were read for them. One thread per receiver.
-// access/words_logged.wgsl must precede this file.
+// Lit taps of `voxel` for receivers in fixed point, and the words that were read for them. One thread per
+// receiver. access/words_logged.wgsl must precede this file.
 
 @group(0) @binding(0) var<storage, read> receivers: array<AdumbraVoxelQuery>;
 

@@ -20,7 +20,7 @@ fn day_has_a_step_for_each_minute_and_both_ends() {
     assert_eq!([steps[0].unix_seconds, steps[720].unix_seconds], [1_782_018_000.0, 1_782_061_200.0]);
     assert!(steps.iter().all(|step| step.sun.is_some()));
     assert!(steps.windows(2).all(|w| w[1].unix_seconds - w[0].unix_seconds == 60.0));
-    // The last step is shorter where the step does not fit.
+    // The last step is shorter if the span is not a whole number of steps.
     let steps = day("date=2026-06-21,from=7,to=7:05,step=120").steps().unwrap();
     let seconds: Vec<f64> = steps.iter().map(|step| step.unix_seconds - steps[0].unix_seconds).collect();
     assert_eq!(seconds, [0.0, 120.0, 240.0, 300.0]);
@@ -48,7 +48,7 @@ fn day_may_pass_midnight_and_last_24_hours() {
 }
 
 #[test]
-fn day_is_shorter_where_the_clock_skips_an_hour_and_longer_where_it_repeats_one() {
+fn day_length_follows_skipped_and_repeated_hours() {
     let spring = |rest: &str| day(&format!("date=2026-03-29,tz=Europe/Berlin,{rest}"));
     let autumn = |rest: &str| day(&format!("date=2026-10-25,tz=Europe/Berlin,{rest}"));
     assert_eq!(span(&spring("from=0,to=24")).0, 23.0);
@@ -64,7 +64,7 @@ fn day_is_shorter_where_the_clock_skips_an_hour_and_longer_where_it_repeats_one(
 }
 
 #[test]
-fn day_without_a_span_is_refused() {
+fn rejects_day_with_empty_span_or_bad_step() {
     let error = day("date=2026-06-21,from=7,to=7").ends().unwrap_err();
     assert!(error.to_string().contains("24 for the end of the day"), "{error}");
     assert!(matches!(
@@ -77,7 +77,7 @@ fn day_without_a_span_is_refused() {
 }
 
 #[test]
-fn day_of_the_polar_night_has_no_sun_and_of_the_polar_day_no_night() {
+fn polar_night_has_no_sun_and_polar_day_no_night() {
     let at = |text: &str| text.parse::<Day>().unwrap().steps().unwrap();
     let up = |steps: &[SunStep]| steps.iter().filter(|step| step.sun.is_some()).count();
     let tromso = |date: &str| at(&format!("lat=69.65,lon=18.96,date={date},from=0,to=24,tz=Europe/Oslo"));
@@ -88,7 +88,8 @@ fn day_of_the_polar_night_has_no_sun_and_of_the_polar_day_no_night() {
         let pole = at(&format!("lat={latitude},lon=0,date=2026-06-21,from=0,to=24,step=3600"));
         let elevation = pole[0].position.elevation_degrees;
         assert!((elevation.abs() - 23.44).abs() < 0.1, "{elevation}");
-        // It circles at one height, towards the west seen from the north, and the azimuth is always defined.
+        // The sun circles at constant elevation, westwards as seen from the north. The azimuth is always
+        // defined.
         assert!(pole.iter().all(|s| (s.position.elevation_degrees - elevation).abs() < 0.01));
         let turned = pole[1].position.azimuth_degrees - pole[0].position.azimuth_degrees;
         assert!((turned.abs() - 15.0).abs() < 0.01 || (turned.abs() - 345.0).abs() < 0.01, "{turned}");
@@ -96,7 +97,7 @@ fn day_of_the_polar_night_has_no_sun_and_of_the_polar_day_no_night() {
 }
 
 #[test]
-fn day_without_air_has_a_lower_sun() {
+fn sun_is_lower_without_refraction() {
     let of = |rest: &str| day(&format!("date=2026-12-21,from=9,to=10{rest}")).steps().unwrap()[0];
     let (air, none) = (of(""), of(",refraction=off"));
     assert!(air.position.elevation_degrees > none.position.elevation_degrees + 0.05);

@@ -1,4 +1,4 @@
-//! Positions against published ones.
+//! Comparison of positions with published ones.
 
 use super::*;
 
@@ -12,7 +12,7 @@ fn sea(latitude: f64, longitude: f64) -> Location {
 
 /// The worked example of NREL/TP-560-34302, appendix A.5.
 #[test]
-fn position_of_the_report_is_reproduced() {
+fn position_matches_the_reports_worked_example() {
     let golden = Location::new(39.742_476, -105.178_6, 1830.14).unwrap();
     let air = Atmosphere { pressure_hpa: 820.0, temperature_celsius: 11.0 };
     let found = position(&golden, at("2003-10-17T12:30:30-07:00"), Some(&air)).unwrap();
@@ -20,8 +20,8 @@ fn position_of_the_report_is_reproduced() {
     assert!((found.azimuth_degrees - 194.340_24).abs() < 1e-4, "{found:?}");
 }
 
-/// The equation of time: the sun crosses Greenwich's meridian 16.4 minutes early on 3 November and 14.2 minutes late
-/// on 11 February.
+/// The equation of time: the sun crosses Greenwich's meridian 16.4 minutes early on 3 November and 14.2
+/// minutes late on 11 February.
 #[test]
 fn position_follows_the_equation_of_time() {
     for (noon, tolerance) in [("2024-11-03T11:43:34Z", 0.03), ("2024-02-11T12:14:13Z", 0.03)] {
@@ -30,9 +30,10 @@ fn position_follows_the_equation_of_time() {
     }
 }
 
-/// Declination at the solstices is 23.44° (USNO), so the height at noon is 90° less the distance of the latitudes.
+/// Declination at the solstices is 23.44° (USNO), so the height at noon is 90° less the distance of the
+/// latitudes.
 #[test]
-fn position_at_noon_of_the_solstices_has_the_height_of_the_tropics() {
+fn elevation_at_solstice_noon_follows_declination() {
     for (noon, latitude, height) in [
         ("2024-06-20T12:02:00Z", 51.4779, 90.0 - 51.4779 + 23.436),
         ("2024-12-21T11:58:00Z", 51.4779, 90.0 - 51.4779 - 23.438),
@@ -44,8 +45,8 @@ fn position_at_noon_of_the_solstices_has_the_height_of_the_tropics() {
     }
 }
 
-/// Sunrise and sunset in London on 21 June are at 4:43 and 21:21 BST (USNO). By definition the centre, as if there were no
-/// air, is then 50' below the horizon. In a minute it moves by 0.12°.
+/// Sunrise and sunset in London on 21 June are at 4:43 and 21:21 BST (USNO). By definition the sun's centre,
+/// without refraction, is then 50' below the horizon. In a minute it moves by 0.12°.
 #[test]
 fn position_at_sunrise_and_sunset_is_50_minutes_below_the_horizon() {
     for (time, azimuth) in [("2024-06-21T03:43:00Z", 49.0), ("2024-06-21T20:21:00Z", 311.0)] {
@@ -56,7 +57,7 @@ fn position_at_sunrise_and_sunset_is_50_minutes_below_the_horizon() {
 }
 
 #[test]
-fn position_is_lifted_by_air_most_at_the_horizon() {
+fn refraction_is_largest_at_the_horizon() {
     let location = sea(51.507, -0.128);
     let lift = |time: &str| {
         let of = |air| position(&location, at(time), air).unwrap().elevation_degrees;
@@ -79,7 +80,7 @@ fn position_gives_a_sun_only_above_the_horizon() {
 }
 
 #[test]
-fn position_outside_the_algorithm_is_refused() {
+fn rejects_times_and_atmospheres_out_of_range() {
     let location = sea(0.0, 0.0);
     for seconds in [-1e12, 1e12, f64::NAN, f64::INFINITY] {
         assert!(matches!(position(&location, seconds, None), Err(Error::DateRange { .. })), "{seconds}");

@@ -30,7 +30,7 @@ impl Default for DayOptions {
     }
 }
 
-/// The suns of a day, and which of them are keys.
+/// The suns of a day, and marks for the key suns.
 #[derive(Clone, Debug)]
 pub struct SunDay {
     /// Times of the steps, and of the end of the last, seconds after 1970.
@@ -43,11 +43,11 @@ pub struct SunDay {
 }
 
 impl SunDay {
-    /// Prepares the suns of a day. Each step stands for the time until the next one, so the last is only an end.
+    /// Prepares the suns of a day. Each step lasts until the next one, so the last step is only an end.
     ///
     /// # Errors
-    /// Returns [`Error::NoSpan`] if there are fewer than two steps or if their times do not ascend, and [`Error::Range`] if
-    /// the angle between keys is out of range.
+    /// Returns [`Error::NoSpan`] if there are fewer than two steps or if their times do not ascend, and
+    /// [`Error::Range`] if the angle between keys is out of range.
     pub fn new(steps: &[SunStep], options: DayOptions) -> Result<Self> {
         let key_degrees = options.key_degrees;
         if !(0.0..=180.0).contains(&key_degrees) {
@@ -71,18 +71,18 @@ impl SunDay {
         self.towards.len()
     }
 
-    /// Whether there is no step. It never holds.
+    /// Whether there is no step. Always false.
     pub fn is_empty(&self) -> bool {
         self.towards.is_empty()
     }
 
-    /// How long the sun is above the horizon, seconds.
+    /// Time for which the sun is above the horizon, in seconds.
     pub fn sun_seconds(&self) -> f64 {
         self.up.iter().map(|run| self.times[run.end as usize] - self.times[run.start as usize]).sum()
     }
 
-    /// Tells for each point at which steps it sees the sun, on the current rayon pool. Progress counts blocks of
-    /// points. Cost: for a day of ten hours by the minute, 40 to 90 rays a point, some 0.4 µs each.
+    /// Finds for each point the steps at which it sees the sun, on the current rayon pool. Progress counts
+    /// blocks of points. Cost: for a day of ten hours by the minute, 40 to 90 rays a point, some 0.4 µs each.
     ///
     /// # Errors
     /// Returns [`Error::Interrupted`] if `watch` asks for it.
@@ -150,7 +150,7 @@ impl SunDay {
     }
 }
 
-/// The first step after `low` that is not alike, if `high` is not.
+/// Returns the first step after `low` that is not `alike`. `high` must not be.
 fn bisect(mut low: u32, mut high: u32, mut alike: impl FnMut(u32) -> bool) -> u32 {
     while high - low > 1 {
         let middle = low + (high - low) / 2;
@@ -159,7 +159,7 @@ fn bisect(mut low: u32, mut high: u32, mut alike: impl FnMut(u32) -> bool) -> u3
     high
 }
 
-/// The runs of steps on the same side, without those on side 0.
+/// The runs of steps with the same side, without runs of side 0.
 fn runs(steps: Range<u32>, side: impl Fn(u32) -> i8) -> impl Iterator<Item = (Range<u32>, i8)> {
     let mut from = steps.start;
     std::iter::from_fn(move || {
@@ -177,7 +177,7 @@ fn runs(steps: Range<u32>, side: impl Fn(u32) -> i8) -> impl Iterator<Item = (Ra
     })
 }
 
-/// Which of the suns are keys: the last before each that is farther than `degrees` from the key before.
+/// Marks the key suns: the last sun before each that is farther than `degrees` from the previous key.
 fn keys(towards: &[[f64; 3]], degrees: f64) -> Vec<bool> {
     let least_cosine = libm::cos(degrees.to_radians());
     let mut is_key = vec![degrees == 0.0; towards.len()];

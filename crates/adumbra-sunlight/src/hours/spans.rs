@@ -1,13 +1,14 @@
 //! The spans of time in which points are lit.
 
-/// When each point of a list sees the sun.
+/// The times at which each point of a list sees the sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hours {
     /// Times of the steps, and of the end of the last, seconds after 1970.
     times: Vec<f64>,
-    /// The step at which light begins, and the one before which it ends, in turn, for one point after the other.
+    /// For each point in turn, pairs of steps: the step at which light begins, and the step before which it
+    /// ends.
     edges: Vec<u32>,
-    /// Where the edges of each point end.
+    /// End of each point's edges.
     ends: Vec<usize>,
     rays: u64,
 }
@@ -62,8 +63,8 @@ impl Hours {
         &self.times
     }
 
-    /// The spans of steps in which a point is lit, in order: first step, and the step after the last. Empty for a point
-    /// that there is not.
+    /// The spans of steps in which a point is lit, in order: first step, and the step after the last. Empty
+    /// for a point that does not exist.
     pub fn steps(&self, point: usize) -> &[[u32; 2]] {
         let begin = point.checked_sub(1).and_then(|before| self.ends.get(before)).copied().unwrap_or(0);
         let end = self.ends.get(point).copied().unwrap_or(begin);
@@ -75,13 +76,13 @@ impl Hours {
         self.steps(point).iter().map(|span| span.map(|step| self.times[step as usize]))
     }
 
-    /// How long a point is lit, seconds.
+    /// Time for which a point is lit, in seconds.
     pub fn seconds(&self, point: usize) -> f64 {
         self.spans(point).fold(0.0, |sum, [begin, end]| sum + (end - begin))
     }
 
-    /// Returns the share of time in which two answers for the same points and steps differ. `None` if they are not for the
-    /// same points and steps.
+    /// Returns the share of time in which two results for the same points and steps differ. `None` if the
+    /// points or steps are different.
     pub fn difference(&self, other: &Self) -> Option<f64> {
         if self.times != other.times || self.len() != other.len() {
             return None;
@@ -126,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_differ_by_the_steps_that_differ() {
+    fn difference_is_the_share_of_differing_steps() {
         let of = |spans: &[[u32; 2]]| {
             let mut block = Block::default();
             spans.iter().for_each(|&span| block.push(0, span));

@@ -4,13 +4,14 @@ use super::{Facing, Receiver, some};
 use crate::error::{Error, Result};
 use adumbra::grid::vec3::{dot, normalize};
 
-/// Reads points from text: on each line x, y, z in world units, and a normal of any length if the point is on a surface,
-/// separated by commas, semicolons, tabs or spaces. A first line of names, empty lines and what follows `#` are skipped.
-/// Rays start `lift_world` above points with a normal, and at the points themselves otherwise.
+/// Reads points from text: on each line x, y, z in world units, and a normal of any length if the point is on
+/// a surface, separated by commas, semicolons, tabs or spaces. A first line of names, empty lines and text
+/// after `#` are skipped. Rays start `lift_world` above points with a normal, and at the points themselves
+/// otherwise.
 ///
 /// # Errors
-/// Returns [`Error::Line`] for the first line that cannot be read, [`Error::NoPoints`] if there is no point, and
-/// [`Error::Range`] if the lift is negative or not finite.
+/// Returns [`Error::Line`] for the first line that cannot be read, [`Error::NoPoints`] if there is no point,
+/// and [`Error::Range`] if the lift is negative or not finite.
 pub fn read_csv(text: &str, lift_world: f64) -> Result<Vec<Receiver>> {
     if !(lift_world >= 0.0 && lift_world.is_finite()) {
         return Err(Error::Range { field: "lift", value: lift_world, expected: "0 or more world units" });
@@ -55,7 +56,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn table_has_points_with_and_without_normals() {
+    fn reads_table_with_and_without_normals() {
         let text = "x,y,z,nx,ny,nz # names\n1,2,3\r\n\n 4; 5;\t6;0;0;-2 # a wall\n-1e3 0 0";
         let points = read_csv(text, 0.25).unwrap();
         let of = |p_world, facing| Receiver { p_world, facing, lift_world: 0.25 };
@@ -70,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn table_that_is_wrong_says_the_line() {
+    fn rejects_invalid_table_with_line_number() {
         for (text, message) in [
             ("1,2,3\n1,2", "line 2: 2 numbers"),
             ("1,2,x", "line 1: \"x\""),

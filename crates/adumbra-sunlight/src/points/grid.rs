@@ -7,8 +7,9 @@ use rayon::prelude::*;
 use super::{Facing, Receiver, check_spacing};
 use crate::error::{Error, Result};
 
-/// A grid of square cells on the ground plan. Its lines are at multiples of the spacing, so grids of two designs of a
-/// place have cells in common. Row 0 is in the north, at the lowest z, and column 0 in the west, at the lowest x.
+/// A grid of square cells on the ground plan. Its lines are at multiples of the spacing, so the grids of two
+/// designs for one site share cells. Row 0 is in the north, at the lowest z, and column 0 in the west, at the
+/// lowest x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// x and z of the north-western corner, world units.
@@ -21,7 +22,7 @@ pub struct Grid {
     pub top_world: f64,
 }
 
-/// The points of a grid. Cells below which there is nothing have none.
+/// The points of a grid. Cells with nothing below them have no point.
 #[derive(Clone, Debug)]
 pub struct GridPoints {
     /// The points, row by row.
@@ -34,8 +35,8 @@ impl Grid {
     /// Creates the grid that covers all of these boxes.
     ///
     /// # Errors
-    /// Returns [`Error::Range`] if the spacing is not above 0, [`Error::TooManyPoints`] if it is too small, and
-    /// [`Error::NoPoints`] if there is no box.
+    /// Returns [`Error::Range`] if the spacing is not above 0, [`Error::TooManyPoints`] if it is too small,
+    /// and [`Error::NoPoints`] if there is no box.
     pub fn over(bounds: &[Bounds], spacing_world: f64) -> Result<Self> {
         let fold = |pick: fn(&Bounds) -> f64, merge: fn(f64, f64) -> f64, start: f64| {
             bounds.iter().map(pick).fold(start, merge)
@@ -63,7 +64,8 @@ impl Grid {
         self.size[0] as usize * self.size[1] as usize
     }
 
-    /// Looks down at the middle of each cell, on the current rayon pool. Normals point up. Cost: one ray per cell.
+    /// Looks down at the middle of each cell, on the current rayon pool. Normals point up. Cost: one ray per
+    /// cell.
     ///
     /// # Errors
     /// Returns [`Error::NoPoints`] if there is nothing below any cell.
@@ -103,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grid_sees_the_first_surface_below_the_sky() {
+    fn grid_points_are_on_the_topmost_surface() {
         let scene = scene_of(vec![
             cuboid([-2.0, -1.0, -3.0], [2.0, 0.0, 3.0]),
             cuboid([0.0, 0.0, -3.0], [1.0, 5.0, -2.0]),
@@ -125,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_lines_are_at_multiples_and_cells_without_ground_are_left_out() {
+    fn grid_lines_are_at_multiples_and_empty_cells_are_skipped() {
         let scene = scene_of(vec![
             cuboid([0.3, 0.0, 0.3], [0.9, 1.0, 0.9]),
             cuboid([2.2, 0.0, 0.0], [2.8, 1.0, 1.0]),
@@ -141,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_refuses_spacings_that_give_nothing_or_too_much() {
+    fn rejects_grid_spacings_out_of_range() {
         let bounds = Bounds { min: [0.0; 3], max: [1000.0; 3] };
         for spacing in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             assert!(matches!(Grid::over(&[bounds], spacing), Err(Error::Range { .. })), "{spacing}");

@@ -12,7 +12,7 @@ pub use surfaces::surface_points;
 
 use crate::error::{Error, Result};
 
-/// How many points there may be at most.
+/// Largest number of points.
 pub const MAX_POINTS: u64 = 200_000_000;
 
 /// How a point faces the light.
@@ -33,7 +33,7 @@ pub struct Receiver {
     pub p_world: [f64; 3],
     /// How it faces the light.
     pub facing: Facing,
-    /// How far rays start above the surface, world units.
+    /// Distance above the surface at which rays start, world units.
     pub lift_world: f64,
 }
 
@@ -46,8 +46,8 @@ impl Receiver {
         }
     }
 
-    /// The side on which light from `towards` arrives: 1 is the normal's, -1 the back of a sheet, and 0 says that the
-    /// surface faces away.
+    /// The side on which light from `towards` arrives: 1 is the normal's, -1 the back of a sheet, and 0 means
+    /// that the surface faces away.
     pub(crate) fn side(&self, towards: [f64; 3]) -> i8 {
         match self.facing {
             Facing::Space => 1,

@@ -1,8 +1,8 @@
 //! Points on all surfaces, one for each square of a spacing's side.
 //!
-//! The triangles are laid end to end by area, and each square of the spacing's side gets a point in the triangle at its
-//! middle. Within triangles, points follow the R2 sequence (Roberts, *The Unreasonable Effectiveness of Quasirandom
-//! Sequences*, 2018), which fills large ones evenly.
+//! The triangles are laid end to end by area, and each square of the spacing's side gets a point in the
+//! triangle at its middle. Within triangles, points follow the R2 sequence (Roberts, *The Unreasonable
+//! Effectiveness of Quasirandom Sequences*, 2018), which fills large ones evenly.
 
 use adumbra::grid::vec3::{cross, dot};
 use adumbra_scene::{Instance, Mesh, Scene};
@@ -15,9 +15,10 @@ use crate::error::Result;
 /// 1 / g and 1 / g², where g³ = g + 1.
 const R2: [f64; 2] = [0.754_877_666_246_692_7, 0.569_840_290_998_053_3];
 
-/// Returns points on the opaque surfaces of the tracer's scene, one for each `spacing_world` × `spacing_world` of area.
-/// Those on solids face outward; those on sheets, which do not bound a solid, are lit from either side. The same scene and
-/// spacing give the same points. Cost: the topology of each mesh, and two passes over the placed triangles.
+/// Returns points on the opaque surfaces of the tracer's scene, one for each `spacing_world` ×
+/// `spacing_world` of area. Points on solids face outward. Points on sheets, which do not bound a solid, are
+/// lit from either side. The same scene and spacing give the same points. Cost: the topology of each mesh,
+/// and two passes over the placed triangles.
 ///
 /// # Errors
 /// Returns [`Error::Range`](crate::Error::Range) if the spacing is not above 0,
@@ -129,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn surfaces_have_points_by_area_that_face_outward() {
+    fn surface_points_are_spread_by_area_and_face_outward() {
         // Faces of 4 × 2, 4 × 1 and 2 × 1, twice each: 28 in all.
         let scene = scene_of(vec![cuboid([0.0, 0.0, 0.0], [4.0, 1.0, 2.0])]);
         let tracer = Tracer::build(&scene, TraceOptions::default());
@@ -147,14 +148,14 @@ mod tests {
         for (found, expected) in counts.into_iter().zip([200_i32, 200, 800, 800, 400, 400]) {
             assert!((found - expected).abs() <= 2, "{counts:?}");
         }
-        // They fill the top evenly: a quarter in each quarter.
+        // The points fill the top evenly: a quarter in each quarter.
         let top = points.iter().filter(|p| p.normal().unwrap()[1] > 0.5);
         let quarter = top.filter(|p| p.p_world[0] < 2.0 && p.p_world[2] < 1.0).count();
         assert!((180..=220).contains(&quarter), "{quarter}");
     }
 
     #[test]
-    fn surfaces_of_sheets_are_lit_from_both_sides() {
+    fn points_on_sheets_are_lit_from_both_sides() {
         let mut mesh = adumbra_scene::Mesh::default();
         add_quad(&mut mesh, [[0.0; 3], [0.0, 0.0, 1.0], [1.0, 0.0, 1.0], [1.0, 0.0, 0.0]]);
         let scene = scene_of(vec![mesh]);

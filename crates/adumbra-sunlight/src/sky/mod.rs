@@ -1,4 +1,4 @@
-//! Which parts of the sky points see.
+//! The parts of the sky that points see.
 
 mod patches;
 mod views;

@@ -1,12 +1,13 @@
-//! The sky in patches of about equal size: 145 after Tregenza, *Subdivision of the Sky Hemisphere for Luminance
-//! Measurements* (1987), or 577 after Reinhart's subdivision of it by 2 (as in Radiance's `reinhart.cal`).
+//! The sky in patches of about equal size: 145 after Tregenza, *Subdivision of the Sky Hemisphere for
+//! Luminance Measurements* (1987), or 577 after Reinhart's subdivision of it by 2 (as in Radiance's
+//! `reinhart.cal`).
 //!
-//! Rows go from the horizon up, and each row goes clockwise from north, where the middle of its first patch is. The last
-//! patch is a cap about the zenith.
+//! Rows go from the horizon up, and each row goes clockwise from north, where the middle of its first patch
+//! is. The last patch is a cap about the zenith.
 
 use std::f64::consts::{PI, TAU};
 
-/// Patches in each of Tregenza's rows, from the horizon up; the cap at the zenith is not among them.
+/// Number of patches in each of Tregenza's rows, from the horizon up, without the cap at the zenith.
 const TREGENZA_ROWS: [u32; 7] = [30, 30, 24, 24, 18, 12, 6];
 
 /// A division of the sky into patches.
@@ -63,7 +64,7 @@ impl Patches {
         self.centers.len()
     }
 
-    /// Whether there is no patch. It never holds.
+    /// Whether there is no patch. Always false.
     pub fn is_empty(&self) -> bool {
         self.centers.is_empty()
     }
@@ -78,8 +79,9 @@ impl Patches {
         &self.solid_angles
     }
 
-    /// Integrals of the unit vector over the patches. Their products with a normal are the patches' solid angles weighted
-    /// by the cosine, exact for patches that are wholly on the normal's side. For an upward normal they sum to π.
+    /// Integrals of the unit vector over the patches. Their products with a normal are the patches' solid
+    /// angles weighted by the cosine. They are exact for patches that are entirely on the normal's side. For
+    /// an upward normal they sum to π.
     pub fn weights(&self) -> &[[f64; 3]] {
         &self.weights
     }
@@ -122,7 +124,7 @@ mod tests {
             assert!((whole - TAU).abs() < 1e-12, "{whole}");
             let upward: f64 = patches.weights().iter().map(|w| w[1]).sum();
             assert!((upward - PI).abs() < 1e-12, "{upward}");
-            // A wall sees half of a sky that is weighted by the cosine, but for patches across its plane.
+            // A wall sees half of a cosine-weighted sky, except for patches across its plane.
             let wall: f64 = patches.weights().iter().map(|&w| dot(w, [1.0, 0.0, 0.0]).max(0.0)).sum();
             assert!((wall / (0.5 * PI) - 1.0).abs() < 0.015, "{wall}");
         }

@@ -18,12 +18,13 @@ const BLOCK: usize = 256;
 /// The sky from a point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyView {
-    /// One bit for each patch, 1 if its middle is seen. Byte k has the patches from 8 k on, the first in its lowest
-    /// bit.
+    /// One bit for each patch, 1 if its middle is seen. Byte k has the patches from 8 k on, the first in its
+    /// lowest bit.
     pub bits: Vec<u8>,
-    /// Share of the light of an evenly bright sky that arrives: 1 on an open plain, about a half on an open wall.
+    /// Share of the light of a uniform sky that arrives: 1 on an open plain, about a half on an open wall.
     pub sky_view_factor: f64,
-    /// Share of the sky's solid angle above the horizon that is hidden, by the surface itself too: 0 on an open plain.
+    /// Share of the sky's solid angle above the horizon that is hidden, also by the surface itself: 0 on an
+    /// open plain.
     pub shade_fraction: f64,
 }
 
@@ -34,9 +35,9 @@ impl SkyView {
     }
 }
 
-/// Tells for each point which patches of the sky it sees, on the current rayon pool. A sheet is seen from above, and
-/// a point in space measures light as a level surface does. Progress counts blocks of points. Cost: a ray for each
-/// patch that is on the surface's side.
+/// Finds for each point the patches of the sky that it sees, on the current rayon pool. A sheet is seen from
+/// above, and a point in space measures light as a level surface does. Progress counts blocks of points.
+/// Cost: a ray for each patch that is on the surface's side.
 ///
 /// # Errors
 /// Returns [`Error::Interrupted`] if `watch` asks for it.
@@ -115,7 +116,7 @@ mod tests {
     const UP: [f64; 3] = [0.0, 1.0, 0.0];
 
     #[test]
-    fn sky_over_an_open_plain_is_whole() {
+    fn open_plain_sees_the_whole_sky() {
         for facing in [Facing::Front(UP), Facing::Both([0.0, -1.0, 0.0]), Facing::Space] {
             let both = &views(0.5, &[([0.0, 1.0, 500.0], facing)])[0];
             for (view, count) in both.iter().zip([145, 577]) {
@@ -126,11 +127,11 @@ mod tests {
         }
     }
 
-    /// Under a wall of no end, half of the sky is hidden, and half of the light of a level surface.
+    /// Beside an endless wall, half of the sky is hidden, and half of the light of a level surface.
     #[test]
-    fn sky_beside_an_endless_wall_is_half() {
+    fn point_beside_an_endless_wall_sees_half_of_the_sky() {
         for view in &views(9000.0, &[([0.0, 0.0, 0.01], Facing::Front(UP))])[0] {
-            // Patches whose middle is in the plane of the wall count wholly.
+            // A patch counts fully if its middle is in the plane of the wall.
             assert!((view.sky_view_factor - 0.5).abs() < 0.04, "{}", view.sky_view_factor);
             assert!((view.shade_fraction - 0.5).abs() < 0.04, "{}", view.shade_fraction);
             assert!(!view.sees(0));
@@ -138,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn sky_from_a_wall_is_what_is_before_it() {
+    fn point_on_a_wall_sees_half_of_the_sky() {
         for view in &views(100.0, &[([0.0, 50.0, 0.0], Facing::Front([0.0, 0.0, 1.0]))])[0] {
             assert!((view.sky_view_factor - 0.5).abs() < 0.01, "{}", view.sky_view_factor);
             assert!((view.shade_fraction - 0.5).abs() < 0.04, "{}", view.shade_fraction);

@@ -1,4 +1,4 @@
-//! Whether one thing hides the sun from nearly everything else, as a sky dome does that is part of a scene.
+//! Finds parts of a scene that hide the sun from nearly everything else, such as a sky dome.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,32 +8,34 @@ use adumbra_scene::random::Random;
 
 use crate::glance::pencil::{Pencil, corners};
 
-/// Points on surfaces that are looked at.
+/// Number of points to sample on surfaces.
 const POINTS: usize = 256;
-/// The least share of these that must lie on other things, so that it can be said what is hidden from them.
+/// Minimum share of the points that must be on other parts. With fewer points, the hidden share means
+/// nothing.
 const LEAST_OTHERS: f64 = 0.1;
-/// The share of the points on other things that must be hidden.
+/// Minimum share of the points on other parts that must be hidden.
 const NEARLY_ALL: f64 = 0.95;
-/// A sky may be made of a few things. Each must add so much to what they hide together.
+/// Maximum number of parts that make up a sky, and the minimum share that each must add to what they hide
+/// together.
 const MOST_PARTS: usize = 5;
 const LEAST_ADDED: f64 = 0.03;
 const SEED: u64 = 1;
-/// Triangles of which the largest is taken, for a point by area.
+/// Number of random triangles, of which the largest is taken for a point by area.
 const CANDIDATES: usize = 8;
 
-/// What hides the sun from nearly everything else.
+/// The parts of a scene that hide the sun from nearly everything else.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hider {
-    /// The names of the nodes, meshes or materials, as patterns find them.
+    /// The names of the nodes, meshes or materials, in the form that name patterns match.
     pub names: Vec<String>,
-    /// Share of the points on other things that are hidden, 0 to 1.
+    /// Share of the points on other parts that are hidden, 0 to 1.
     pub share: f64,
 }
 
-/// Sets of points, a bit for each.
+/// A set of points, one bit for each.
 type Points = [u64; POINTS / 64];
 
-/// The points that things of one name hide, and those on the things themselves.
+/// The points that the parts with one name hide, and the points on these parts.
 #[derive(Clone, Copy, Default)]
 struct Group {
     hidden: Points,
@@ -41,7 +43,7 @@ struct Group {
 }
 
 impl Group {
-    /// The share of the points on other things that is hidden; 0 if there are too few of them.
+    /// The share of the points on other parts that is hidden; 0 if there are too few of them.
     fn share(&self, points: usize) -> f64 {
         let others = points - count(&self.own);
         let hidden: usize =
@@ -63,18 +65,18 @@ fn set(points: &mut Points, point: usize) {
     points[point / 64] |= 1 << (point % 64);
 }
 
-/// A point on a surface, and the instance and the material that it is on.
+/// A point on a surface, with its instance and material.
 struct OnSurface {
     p_world: [f64; 3],
     on: (u32, u32),
 }
 
 impl Hider {
-    /// Looks from points on surfaces to the sun. Cost: a visit of all triangles.
+    /// Casts rays from points on surfaces to the sun. Cost: one pass over all triangles.
     pub(super) fn of(scene: &Scene, towards_sun: [f64; 3], ignore_alpha: bool, lift: f64) -> Option<Self> {
         let points = points(scene);
         let places: Vec<[f64; 3]> = points.iter().map(|point| point.p_world).collect();
-        // The pairs of a point and a thing that hides the sun from it: an instance, and one of its materials.
+        // Pairs of a point and a part that hides the sun from it: an instance and one of its materials.
         let hiding = Pencil::new(&places, towards_sun).fold(
             scene,
             BTreeSet::new,
@@ -91,7 +93,7 @@ impl Hider {
                 one
             },
         );
-        // A thing has the names of its node, its mesh and its material. They are tried in this order.
+        // A part has the names of its node, its mesh and its material. Try them in this order.
         (0..3).find_map(|kind| {
             let mut groups: BTreeMap<&str, Group> = BTreeMap::new();
             for &(point, instance, material) in &hiding {
@@ -128,7 +130,7 @@ impl Hider {
     }
 }
 
-/// The name of a thing's node, mesh or material.
+/// The name of a part's node, mesh or material.
 fn name(scene: &Scene, (instance, material): (u32, u32), kind: usize) -> &str {
     let instance = &scene.instances[instance as usize];
     match kind {
@@ -138,10 +140,10 @@ fn name(scene: &Scene, (instance, material): (u32, u32), kind: usize) -> &str {
     }
 }
 
-/// Draws points on the surfaces of casters: one in three by instances, one in three by triangles, one in three by area, so
-/// that neither a large thing nor a finely cut one is all that is seen.
+/// Draws points on the surfaces of casters: one third by instance, one third by triangle, one third by area,
+/// so that neither large parts nor finely tessellated ones dominate.
 fn points(scene: &Scene) -> Vec<OnSurface> {
-    // The instances that cast, each with the number of triangles up to its end.
+    // The instances that cast, each with the running total of triangles including its own.
     let mut total = 0;
     let triangles: Vec<(u32, u64)> = (0..)
         .zip(&scene.instances)

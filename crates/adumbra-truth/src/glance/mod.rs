@@ -1,9 +1,10 @@
-//! What a person would see at a glance: how much of the ground, and of the places where people stand, is in shadow, whether
-//! one thing hides the sun from all others, and whether a stray triangle makes the scene many times as wide as it is.
+//! Reports what a person would notice at a glance: how much of the ground, and of the places where people
+//! stand, is in shadow, whether one part of the scene hides the sun from all others, and whether a stray
+//! triangle makes the scene many times wider than its content.
 //!
-//! A file may answer as rays do, and yet all of it may look wrong, because the scene is not what its owner thinks that it is: a
-//! sky dome is part of it, or a forgotten triangle lies 200 km away. So this looks at the scene alone. It takes a few thousand
-//! rays, and visits every triangle for all of them together.
+//! A file may agree with rays and still look wrong everywhere, because the scene is not what its owner
+//! expects: it contains a sky dome, or a forgotten triangle 200 km away. This module therefore examines only
+//! the scene. It casts a few thousand rays, and tests all of them in each pass over the triangles.
 
 mod hider;
 mod pencil;
@@ -19,23 +20,23 @@ pub use spread::{Spread, Stray};
 
 /// How high a person's eyes are above the ground, world units.
 pub const EYE_HEIGHT_WORLD: f64 = 1.7;
-/// Vertical lines across the scene's sides. On each a person may stand.
+/// Number of vertical lines along each horizontal side of the scene. A person may stand on each line.
 const LINES: usize = 45;
 const SEED: u64 = 2;
 const UP: [f64; 3] = [0.0, 1.0, 0.0];
-/// By how much a point is lifted off its surface, as a share of the scene's longest side.
+/// Distance by which a point is lifted off its surface, as a share of the scene's longest side.
 const LIFT: f64 = 1e-6;
 
-/// What a person would see of a scene at a glance.
+/// What a person would notice in a scene at a glance.
 #[derive(Clone, Debug)]
 pub struct Glance {
-    /// Points on the lowest surfaces that face up, or as low as the scene where there is none.
+    /// Points on the lowest surfaces that face up, or at the scene's lowest height where there is no surface.
     pub ground: Vec<LitPoint>,
-    /// Points at a person's eyes above them.
+    /// Points at eye level above the ground points.
     pub standing: Vec<LitPoint>,
-    /// What hides the sun from nearly everything else.
+    /// The parts that hide the sun from nearly everything else, if there are any.
     pub hider: Option<Hider>,
-    /// How far the scene is spread.
+    /// The extent of the scene, and strays outside it.
     pub spread: Spread,
 }
 
@@ -55,10 +56,11 @@ pub fn shadowed_share(points: &[LitPoint]) -> Option<f64> {
 }
 
 impl Glance {
-    /// Looks at a scene under a sun in the direction `towards_sun`, of length 1. Points inside of something are not
-    /// among those of the ground: no one stands in a wall.
+    /// Examines a scene under a sun in the direction `towards_sun`, of length 1. Points inside solids are
+    /// left out, because nobody stands in a wall.
     ///
-    /// Cost: seven visits of all triangles, instances counted, on the current rayon pool; a few bytes per instance.
+    /// Cost: seven passes over all triangles of all instances, on the current rayon pool; a few bytes per
+    /// instance.
     pub fn of(scene: &Scene, towards_sun: [f64; 3], ignore_alpha: bool) -> Self {
         let spread = Spread::of(scene);
         let lift = LIFT * spread.side_world().max(f64::MIN_POSITIVE);
@@ -92,10 +94,11 @@ impl Glance {
     }
 }
 
-/// Returns where people stand: the lowest surface that faces up on each line, lifted. One that casts goes first, then any that
-/// faces up, then any at all, then the scene's lowest height.
+/// Returns where people stand: on each line the lowest surface, lifted. Prefers a surface that faces up and
+/// casts, then one that faces up, then any surface, then the scene's lowest height.
 fn feet(scene: &Scene, within: &Bounds, lift: f64) -> Vec<[f64; 3]> {
-    // At random within its cell, so that no regular town is seen at the same place of each block.
+    // Each line has a random position in its cell, so that a regular town is not sampled at the same place of
+    // each block.
     let mut random = Random::new(SEED, 0);
     let mut across = |axis: usize, i: usize| {
         let t = (i as f64 + random.unit()) / LINES as f64;
@@ -123,9 +126,10 @@ fn feet(scene: &Scene, within: &Bounds, lift: f64) -> Vec<[f64; 3]> {
     lines.iter().zip(lowest).map(|(&[x, _, z], lowest)| [x, height(lowest) + lift, z]).collect()
 }
 
-/// Returns which points are not inside of a solid. From inside, a ray leaves more solids than it enters, however they overlap:
-/// it crosses more backs than fronts, here above a point and to two of its sides. A decal, an awning or a bridge has its back
-/// above alone. Masked surfaces bound no solids.
+/// Returns which points are not inside a solid. A ray from inside leaves more solids than it enters, however
+/// they overlap: it crosses more back faces than front faces. A point counts as inside only if this holds for
+/// three rays: upwards and to two sides. A decal, an awning or a bridge shows its back face only to the
+/// upward ray. Masked surfaces do not bound solids.
 fn are_outside(scene: &Scene, points: [&[[f64; 3]]; 2]) -> Vec<bool> {
     let points = points.concat();
     let is_free = |along: [f64; 3]| {

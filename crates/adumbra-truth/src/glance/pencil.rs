@@ -1,14 +1,14 @@
-//! Parallel rays from a few thousand points, and the triangles that they cross. All triangles are visited once, so nothing is
-//! built and held, as an acceleration structure would be.
+//! Parallel rays from a few thousand points, and the triangles that they cross. All triangles are visited
+//! once, so that no acceleration structure needs to be built and kept in memory.
 
 use adumbra::grid::vec3::{cross, dot, normalize};
 use adumbra_scene::{AlphaMode, Instance, Mesh, Scene};
 use rayon::prelude::*;
 
-/// Triangles that a thread takes at a time.
+/// Number of triangles per parallel task.
 const TASK_TRIANGLES: usize = 1 << 14;
 
-/// The share of points, at each end, that may be beyond the cells.
+/// Share of the points, at each end of an axis, that may be outside the cells.
 const FAR: f64 = 0.02;
 
 /// Rays from points, all in one direction.
@@ -16,15 +16,16 @@ pub(super) struct Pencil {
     right: [f64; 3],
     above: [f64; 3],
     along: [f64; 3],
-    /// For each point, where it is across the rays and along them.
+    /// For each point, its two coordinates across the rays and its coordinate along them.
     points: Vec<[f64; 3]>,
-    /// The ends of all points.
+    /// The minimum and maximum of the points along each axis across the rays.
     ends: [[f64; 2]; 2],
-    /// The corner of the cells, and the sides of a cell. Points beyond the cells are in those at their rim.
+    /// The lowest corner of the cells, and the sides of a cell. Points outside the cells belong to the
+    /// nearest cells.
     low: [f64; 2],
     cell: [f64; 2],
     cells_across: usize,
-    /// For each cell the first of its points in `order`, and the end of all.
+    /// For each cell, the index of its first point in `order`; then the number of points.
     starts: Vec<u32>,
     order: Vec<u32>,
 }
@@ -49,7 +50,7 @@ impl Crossing {
         mesh_of(scene, self.instance).triangle_materials[self.triangle as usize]
     }
 
-    /// Whether light is stopped here.
+    /// Whether the surface is opaque at the crossing.
     pub(super) fn is_opaque(&self, scene: &Scene, ignore_alpha: bool) -> bool {
         let (mesh, material) = (mesh_of(scene, self.instance), self.material(scene));
         if ignore_alpha || scene.materials[material as usize].alpha == AlphaMode::Opaque {
@@ -90,7 +91,7 @@ impl Pencil {
             all.sort_by(f64::total_cmp);
             all
         });
-        // A few points far away must not leave all others in one cell.
+        // Ignore a few distant points, so that they do not force all others into one cell.
         let at = |a: usize, share: f64| sorted[a].get((share * sorted[a].len() as f64) as usize).copied();
         let low = [0, 1].map(|a| at(a, FAR).unwrap_or_default());
         let high = [0, 1].map(|a| at(a, 1.0 - FAR).unwrap_or_default());
@@ -113,7 +114,7 @@ impl Pencil {
         pencil
     }
 
-    /// The column and the row of cells at a place across the rays, clamped to those that there are.
+    /// The index of a cell along one axis across the rays, clamped to the existing cells.
     fn cell_along(&self, axis: usize, at: f64) -> usize {
         (((at - self.low[axis]) / self.cell[axis]).max(0.0) as usize).min(self.cells_across - 1)
     }
@@ -122,8 +123,8 @@ impl Pencil {
         self.cell_along(1, y) * self.cells_across + self.cell_along(0, x)
     }
 
-    /// Visits all triangles of a scene, and folds the crossings of each with the rays. Runs on the current rayon pool; the
-    /// order of the crossings depends on its threads.
+    /// Visits all triangles of a scene, and folds the crossings of each with the rays. Runs on the current
+    /// rayon pool; the order of the crossings depends on its threads.
     pub(super) fn fold<T: Send>(
         &self,
         scene: &Scene,
@@ -159,8 +160,9 @@ impl Pencil {
         folded.reduce(&empty, &join)
     }
 
-    /// Calls `visit(point, distance, is_wound_along, weights)` for each ray that crosses a triangle, which is wound along the
-    /// ray if it is counter-clockwise to someone who looks against it.
+    /// Calls `visit(point, distance, is_wound_along, weights)` for each ray that crosses a triangle.
+    /// `is_wound_along` is true if the triangle is counter-clockwise when seen against the direction of the
+    /// ray.
     fn cross(&self, corners: &[[f64; 3]; 3], mut visit: impl FnMut(usize, f64, bool, [f64; 3])) {
         let [a, b, c] = corners.map(|p| [self.right, self.above, self.along].map(|axis| dot(p, axis)));
         let area = (b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1]);

@@ -1,23 +1,23 @@
-//! How far a scene is spread: the box that holds nearly all of its triangles, and what lies far outside.
+//! The extent of a scene: the box that contains nearly all of its triangles, and strays far outside the box.
 
 use adumbra::Bounds;
 use adumbra_scene::{Instance, Scene};
 
 /// The share of the triangles that may be outside the box, at each of its sides.
 const OUTSIDE: f64 = 0.001;
-/// At most so many triangles are looked at, evenly over all.
+/// Maximum number of triangles to sample, evenly spaced over all.
 const MOST_SAMPLES: u64 = 1 << 17;
-/// A thing of so many triangles, or of a hundredth of all, may be a stray.
+/// An instance with at most this many triangles, or with at most a hundredth of all, may be a stray.
 const LARGEST_SMALL: u64 = 12;
-/// A scene is wide because of what is outside the box if it is so many times as wide as the box.
+/// Strays widen a scene if it is more than this many times as wide as the box.
 const MUCH_WIDER: f64 = 3.0;
 
-/// How far a scene is spread.
+/// The extent of a scene.
 #[derive(Clone, Debug)]
 pub struct Spread {
-    /// The box that holds nearly all triangles.
+    /// The box that contains nearly all triangles.
     pub most: Bounds,
-    /// What reaches the farthest beyond it, if the scene is much wider than the box.
+    /// The instance that reaches farthest beyond the box, if the scene is much wider than the box.
     pub stray: Option<Stray>,
 }
 
@@ -28,7 +28,7 @@ pub struct Stray {
     pub name: String,
     /// The farthest corner of its box, world units.
     pub reaches: [f64; 3],
-    /// Whether it is around all the rest, as a wide ground is.
+    /// Whether it surrounds the rest of the scene horizontally, as a wide ground does.
     pub is_around: bool,
 }
 
@@ -57,11 +57,12 @@ impl Spread {
         let boxes = boxes(scene);
         let middle = |a: usize| f64::midpoint(ends[a][0][count / 2], ends[a][1][count / 2]);
         let middle = [0, 1, 2].map(middle);
-        // One triangle is a stray even of a few, and so is a small thing of more.
+        // A single triangle may be a stray even in a scene with few triangles, and a small instance may be
+        // one in a larger scene.
         let farthest_of_all = farthest(&boxes, &Bounds { min: middle, max: middle });
         let size = farthest_of_all
             .map_or(0, |(i, _)| scene.meshes[scene.instances[i].mesh as usize].triangles.len() as u64);
-        // What has most of the triangles is the scene itself.
+        // An instance with most of the triangles is the scene itself.
         let is_small = size <= LARGEST_SMALL.max(total / 100) && 2 * size < total;
         let small = if is_small { size.div_ceil(step) as usize } else { 0 };
         let without = |outside: usize| {
@@ -78,7 +79,7 @@ impl Spread {
         let stray = farthest(&boxes, &most).filter(|_| is_wide).map(|(i, reaches)| Stray {
             name: scene.instances[i].name.clone(),
             reaches,
-            // A ground is below the rest, so heights do not count.
+            // A ground is below the rest of the scene, so ignore heights.
             is_around: [0, 2]
                 .iter()
                 .all(|&a| boxes[i].min[a] <= most.min[a] && boxes[i].max[a] >= most.max[a]),
@@ -86,7 +87,8 @@ impl Spread {
         Self { most, stray }
     }
 
-    /// The box on whose ground the shadows of what is in `most` fall: around it, as far as a wide ground goes.
+    /// The box, extended horizontally over ground on which the shadows of its content fall: by its longest
+    /// side, if a wide ground surrounds it.
     pub(super) fn around(&self, whole: &Bounds) -> Bounds {
         let Self { most, stray } = self;
         let by = if stray.as_ref().is_some_and(|stray| stray.is_around) { self.side_world() } else { 0.0 };
@@ -103,7 +105,7 @@ impl Spread {
         longest(&self.most)
     }
 
-    /// Returns the box, a twentieth larger on each side and rounded to numbers that are easy to give.
+    /// Returns the box, a twentieth larger on each side and rounded to numbers that are easy to type.
     pub fn bounds_to_give(&self) -> Bounds {
         let side = self.side_world();
         let unit = if side > 0.0 { 10_f64.powi((side / 100.0).log10().floor() as i32) } else { 1.0 };
@@ -138,7 +140,7 @@ fn around(points: impl Iterator<Item = [f64; 3]>) -> Bounds {
     })
 }
 
-/// A box in the world around each instance. That of a turned instance may be larger than the instance.
+/// A world-space box around each instance. The box of a rotated instance may be larger than necessary.
 fn boxes(scene: &Scene) -> Vec<Bounds> {
     let of_mesh = scene.meshes.iter().map(|mesh| around(mesh.positions.iter().map(|p| p.map(f64::from))));
     let of_mesh: Vec<Bounds> = of_mesh.collect();

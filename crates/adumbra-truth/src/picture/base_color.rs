@@ -1,8 +1,8 @@
 //! Base colours at ray hits: material, texture and vertex colours, filtered as a renderer filters them.
 //!
-//! Textures are sampled with mip levels. The level follows from the change in texture coordinates to the next pixel. A
-//! GPU takes that from the other pixels of a 2 × 2 quad; here the rays of those pixels are intersected with the
-//! triangle's plane.
+//! Textures are sampled with mip levels. The level follows from the change in texture coordinates to the next
+//! pixel. A GPU takes that from the other pixels of a 2 × 2 quad; here the rays of those pixels are
+//! intersected with the triangle's plane.
 
 use rayon::prelude::*;
 
@@ -22,13 +22,14 @@ pub struct BaseColors<'s> {
 struct UvPlane {
     p_world: [f64; 3],
     normal: [f64; 3],
-    /// Gradients of u and v in world space: the dot product with the offset from `p_world` gives the change in u or v.
+    /// Gradients of u and v in world space: the dot product with the offset from `p_world` gives the change
+    /// in u or v.
     gradients: [[f64; 3]; 2],
 }
 
 impl<'s> BaseColors<'s> {
-    /// Builds the mip levels of all textures on the current rayon pool. Cost: that of [`MippedTexture::new`] for each
-    /// texture.
+    /// Builds the mip levels of all textures on the current rayon pool. Cost: that of [`MippedTexture::new`]
+    /// for each texture.
     pub fn new(scene: &'s Scene) -> Self {
         Self { scene, textures: scene.textures.par_iter().map(MippedTexture::new).collect() }
     }
@@ -38,8 +39,8 @@ impl<'s> BaseColors<'s> {
         scene.textures.iter().map(MippedTexture::bytes_of).sum()
     }
 
-    /// Linear base colour at `hit`, which the ray through the centre of pixel (x, y) produced. Cost: eight texels if
-    /// there is a texture.
+    /// Linear base colour at `hit`, which the ray through the centre of pixel (x, y) produced. Cost: eight
+    /// texels if there is a texture.
     pub fn at(&self, view: &View, pixel: [u32; 2], hit: &Hit) -> [f64; 3] {
         let material = &self.scene.materials[hit.material as usize];
         let mesh = &self.scene.meshes[self.scene.instances[hit.instance as usize].mesh as usize];
@@ -55,8 +56,8 @@ impl<'s> BaseColors<'s> {
         })
     }
 
-    /// Differences of the texture coordinates across the pixel's quad, along its row and along its column; `None` for a
-    /// degenerate triangle.
+    /// Differences of the texture coordinates across the pixel's quad, along its row and along its column;
+    /// `None` for a degenerate triangle.
     fn uv_differences(&self, view: &View, [x, y]: [u32; 2], hit: &Hit) -> Option<[[f64; 2]; 2]> {
         let plane = self.uv_plane(hit)?;
         let uv = |x: u32, y: u32| {
@@ -77,7 +78,8 @@ impl<'s> BaseColors<'s> {
         let (ab, ac) = (edge(b), edge(c));
         let normal = cross(ab, ac);
         let squared = dot(normal, normal);
-        // A point of the plane is a + s ab + t ac with s = (ac x n) · offset / n², t = (n x ab) · offset / n².
+        // A point of the plane is a + s ab + t ac with s = (ac x n) · offset / n², t = (n x ab) · offset /
+        // n².
         let (for_s, for_t) = (cross(ac, normal), cross(normal, ab));
         let uv = mesh.corner_uvs(hit.triangle).map(|uv| uv.map(f64::from));
         let gradients = [0, 1].map(|k| {
@@ -106,7 +108,7 @@ mod tests {
     use adumbra_scene::{GeneratedKind, generate};
 
     #[test]
-    fn uv_differences_are_those_of_the_neighbouring_hits() {
+    fn uv_differences_match_the_neighbouring_hits() {
         let mut scene = generate(GeneratedKind::Primitives, 1);
         for mesh in &mut scene.meshes {
             mesh.uvs =

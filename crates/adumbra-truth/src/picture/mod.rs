@@ -1,6 +1,7 @@
 //! Pictures drawn on the CPU: primary rays, a sun with shadows from the file or from rays, and a plain sky.
 //!
-//! They are for visual checks and are not optimised for speed. Colours are linear internally and sRGB in the output.
+//! They are for visual checks and are not optimised for speed. Colours are linear internally and sRGB in the
+//! output.
 
 mod base_color;
 mod shading;
@@ -22,8 +23,8 @@ pub enum Shadows<'a> {
     File(&'a dyn PointVisibility),
     /// Traced with rays.
     Truth,
-    /// Both, marked where they differ: red = a lit point that the file calls shadowed, blue = a shadowed point that it
-    /// calls lit.
+    /// Both, marked where they differ: red = a lit point that the file calls shadowed, blue = a shadowed
+    /// point that it calls lit.
     Difference(&'a dyn PointVisibility),
 }
 
@@ -35,7 +36,8 @@ pub struct Picture {
     pub height: u32,
     /// Three bytes per pixel.
     pub rgb: Vec<u8>,
-    /// Share of the lit-side samples (n·l > 0) on which file and rays differ; only for [`Shadows::Difference`].
+    /// Share of the lit-side samples (n·l > 0) on which file and rays differ; only for
+    /// [`Shadows::Difference`].
     pub difference_share: Option<f64>,
 }
 
@@ -44,8 +46,8 @@ const UNLIT_GREY: f64 = 0.08;
 const ACNE_COLOR: [f64; 3] = [1.0, 0.05, 0.03];
 const LEAK_COLOR: [f64; 3] = [0.05, 0.2, 1.0];
 
-/// Draws `scene` with `samples` × `samples` rays per pixel. Runs on the current rayon pool. Cost: one or two rays per
-/// sample, and the mip levels of the scene's textures.
+/// Draws `scene` with `samples` × `samples` rays per pixel. Runs on the current rayon pool. Cost: one or two
+/// rays per sample, and the mip levels of the scene's textures.
 pub fn draw(
     scene: &Scene,
     tracer: &Tracer<'_>,

@@ -9,8 +9,8 @@ pub fn sky(direction: [f64; 3]) -> [f64; 3] {
     SKY_COLOR.map(|c| c * (1.25 - 0.5 * height))
 }
 
-/// Linear colour of a surface: its base colour lit by the ambient light of sky and ground and by the sun. Sunlight is
-/// scaled by n·l and by the sun's `visibility`, 0 to 1.
+/// Linear colour of a surface: its base colour lit by the ambient light of sky and ground and by the sun.
+/// Sunlight is scaled by n·l and by the sun's `visibility`, 0 to 1.
 pub fn lit(base_color: [f64; 3], normal: [f64; 3], n_dot_l: f64, visibility: f64) -> [f64; 3] {
     let up = normal[1] * 0.5 + 0.5;
     std::array::from_fn(|a| {
@@ -19,8 +19,8 @@ pub fn lit(base_color: [f64; 3], normal: [f64; 3], n_dot_l: f64, visibility: f64
     })
 }
 
-/// The sRGB pixel that displays a linear colour, tone mapped with a gentle shoulder so that sunlit white stays below
-/// white.
+/// The sRGB pixel that displays a linear colour, tone mapped with a gentle shoulder so that sunlit white
+/// stays below white.
 pub fn shown(color: [f64; 3]) -> [u8; 3] {
     encoded(toned(color))
 }

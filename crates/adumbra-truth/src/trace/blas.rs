@@ -1,7 +1,8 @@
 //! The bottom level of the tracer: one BVH per mesh, stored once, and the instances that place them.
 //!
-//! Rays are transformed to mesh space by the inverse of the instance's transform, with t unchanged. An instance whose
-//! transform has no usable inverse (flattened to a plane, for example) gets its own BVH over its transformed triangles.
+//! Rays are transformed to mesh space by the inverse of the instance's transform, with t unchanged. An
+//! instance whose transform has no usable inverse (flattened to a plane, for example) gets its own BVH over
+//! its transformed triangles.
 
 use crate::trace::bvh::{Box3, Bvh, Traversal, union};
 use crate::trace::triangle::{ShearedRay, TriangleHit};
@@ -9,7 +10,8 @@ use crate::trace::{Ray, Scene};
 use adumbra::grid::vec3::{cross, dot};
 use adumbra_scene::{Instance, Mesh};
 
-/// A transform counts as flat if its determinant is below this fraction of the product of its columns' lengths.
+/// A transform counts as flat if its determinant is below this fraction of the product of its columns'
+/// lengths.
 const FLAT: f64 = 1e-9;
 
 /// A BVH and its triangles, in the order of its leaves.
@@ -91,8 +93,9 @@ impl TlasInstance {
         (instance, flat_blas)
     }
 
-    /// Calls `visit` with each triangle that the ray hits, and its slot in `blas`. Returns whether the visitor stopped
-    /// the traversal. `until` is the end of the ray and is updated when the visitor shortens it.
+    /// Calls `visit` with each triangle that the ray hits, and its slot in `blas`. Returns whether the
+    /// visitor stopped the traversal. `until` is the end of the ray and is updated when the visitor shortens
+    /// it.
     #[inline]
     pub(super) fn walk(
         &self,
@@ -162,7 +165,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn mesh_tree_inverts_maps_and_refuses_flat_ones() {
+    fn mesh_tree_inverts_maps_except_flat_ones() {
         let m = [[0.0, -2.0, 0.0, 5.0], [3.0, 0.0, 0.5, -7.0], [0.0, 0.0, 1e-7, 2.0]];
         let inverse = invert(&m).unwrap();
         let p = [0.3, -0.4, 0.6];

@@ -1,10 +1,12 @@
-//! A BVH that is traversed with `f64` rays: the compressed wide BVH of obvhs (after Ylitie, Karras, Laine, *Efficient
-//! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017) with conservative `f32` tests.
+//! A BVH that is traversed with `f64` rays: the compressed wide BVH of obvhs (after Ylitie, Karras, Laine,
+//! *Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs*, 2017) with conservative `f32`
+//! tests.
 //!
-//! Boxes are stored in *unit space*, in which the root box is centred and its longest half side is in 0.5 .. 1, and are
-//! padded by [`PADDING`]. A ray is clipped to the root box in `f64` before it is rounded. All numbers in a box test are
-//! therefore of order one, and its error, whatever the world's offset, is far below the padding. The traversal is
-//! implemented here because the stack of obvhs overflows on deep trees and its traversal cannot be nested.
+//! Boxes are stored in *unit space*, in which the root box is centred and its longest half side is in 0.5 ..
+//! 1, and are padded by [`PADDING`]. A ray is clipped to the root box in `f64` before it is rounded. All
+//! numbers in a box test are therefore of order one, and its error, whatever the world's offset, is far below
+//! the padding. The traversal is implemented here because the stack of obvhs overflows on deep trees and its
+//! traversal cannot be nested.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -12,12 +14,13 @@ use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
 
 use crate::trace::sah;
 
-/// Padding of every box in unit space. It bounds the sum of three errors: origin and planes rounded to `f32` (2^-24),
-/// reciprocals and products of numbers up to 2 (about 2^-22), and the grid step of obvhs, whose exponent comes from a
-/// rounded logarithm (2^-21).
+/// Padding of every box in unit space. It bounds the sum of three errors: origin and planes rounded to `f32`
+/// (2^-24), reciprocals and products of numbers up to 2 (about 2^-22), and the grid step of obvhs, whose
+/// exponent comes from a rounded logarithm (2^-21).
 const PADDING: f32 = 1.0 / (1 << 19) as f32;
 
-/// How far the start of the box ray is moved back in unit space, because obvhs drops boxes that end closer than 1e-4.
+/// How far the start of the box ray is moved back in unit space, because obvhs drops boxes that end closer
+/// than 1e-4.
 const SET_BACK: f64 = 1.0 / 4096.0;
 
 /// Extension of the end of the box ray in unit space.
@@ -26,11 +29,12 @@ const END_SLACK: f64 = 1.0 / (1 << 18) as f64;
 /// Padding of the root box for clipping in `f64`.
 const CUT_MARGIN: f64 = 1.0 / 1024.0;
 
-/// Minimum magnitude of a direction component in box tests (the longest component is 1), which keeps reciprocals
-/// finite. Over the length of a ray in unit space the difference is negligible.
+/// Minimum magnitude of a direction component in box tests (the longest component is 1), which keeps
+/// reciprocals finite. Over the length of a ray in unit space the difference is negligible.
 const MIN_COMPONENT: f64 = 1.0 / (1_u64 << 60) as f64;
 
-/// Number of node groups that a traversal can stack before it uses the heap; a tree of a billion boxes needs a dozen.
+/// Number of node groups that a traversal can stack before it uses the heap; a tree of a billion boxes needs
+/// a dozen.
 const STACK: usize = 32;
 
 /// The bounding box of a primitive: lower and upper corner.
@@ -87,8 +91,8 @@ impl Bvh {
         (size_of_val(self.bvh.nodes.as_slice()) + size_of_val(self.order())) as u64
     }
 
-    /// Calls `visit` with each primitive whose box the ray may hit within `t_min ..= t_max`, each once, roughly front
-    /// to back. Returns whether the visitor stopped the traversal.
+    /// Calls `visit` with each primitive whose box the ray may hit within `t_min ..= t_max`, each once,
+    /// roughly front to back. Returns whether the visitor stopped the traversal.
     #[inline]
     pub(super) fn walk(
         &self,
@@ -101,8 +105,8 @@ impl Bvh {
         let octant = [4, 2, 1].iter().zip(ray.direction.to_array());
         let octant = octant.map(|(bit, d)| if d < 0.0 { 0 } else { bit * 0x0101_0101_u32 }).sum::<u32>();
         let mut stack = Stack::new();
-        // A group: index of the first child node; bits 31..24 the children to visit, by priority; bits 7..0 which
-        // children are inner nodes.
+        // A group: index of the first child node; bits 31..24 the children to visit, by priority; bits 7..0
+        // which children are inner nodes.
         let mut group = (0_u32, 0x8000_0000_u32);
         loop {
             if group.1 & 0xff00_0000 == 0 {
@@ -135,7 +139,8 @@ impl Bvh {
         }
     }
 
-    /// The ray in unit space, clipped to the root box; `None` if it misses, has no direction, or is not finite.
+    /// The ray in unit space, clipped to the root box; `None` if it misses, has no direction, or is not
+    /// finite.
     fn box_ray(
         &self,
         origin: [f64; 3],
@@ -248,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn box_tree_stack_goes_on_in_the_heap() {
+    fn box_tree_stack_continues_on_the_heap() {
         let mut stack = Stack::new();
         (0..100).for_each(|i| stack.push((i, i)));
         assert!((0..100).rev().all(|i| stack.pop() == Some((i, i))));
@@ -256,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn box_tree_visits_each_box_once_and_starts_anywhere() {
+    fn box_tree_visits_each_box_once_from_any_origin() {
         let boxes = (0..1000).map(|i| [[f64::from(i), 0.0, 0.0], [f64::from(i) + 0.5, 1.0, 1.0]]);
         let tree = Bvh::build(boxes);
         let visited = |origin, direction, range| {

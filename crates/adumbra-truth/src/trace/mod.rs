@@ -1,9 +1,10 @@
 //! Ray tracing: the reference for every other answer of this crate.
 //!
-//! A [`Tracer`] holds a BVH of triangles for each mesh, stored once however often the mesh is placed, and a BVH of
-//! instances over them. Origins, directions and t are `f64`; box tests are `f32` and conservative. The triangle test is
-//! watertight (Woop, Benthin, Wald 2013): within one instance, no ray passes between triangles that share an edge or a
-//! corner. Alpha masks are evaluated by [`Scene::is_opaque`], which the bake uses too.
+//! A [`Tracer`] holds a BVH of triangles for each mesh, stored once however often the mesh is placed, and a
+//! BVH of instances over them. Origins, directions and t are `f64`; box tests are `f32` and conservative. The
+//! triangle test is watertight (Woop, Benthin, Wald 2013): within one instance, no ray passes between
+//! triangles that share an edge or a corner. Alpha masks are evaluated by [`Scene::is_opaque`], which the
+//! bake uses too.
 
 mod blas;
 mod bvh;
@@ -23,11 +24,11 @@ use blas::{Blas, TlasInstance, used_positions, world_box};
 use bvh::{Bvh, Traversal};
 use triangle::TriangleHit;
 
-/// Lift relative to a position in a mesh: 2 to 4 units in the last place of `f32`, in which meshes are stored. Surfaces
-/// drawn at the same place are no farther apart than that.
+/// Lift relative to a position in a mesh: 2 to 4 units in the last place of `f32`, in which meshes are
+/// stored. Surfaces drawn at the same place are no farther apart than that.
 const LIFT_OF_PLACE: f64 = 4.0 / 16_777_216.0;
-/// Lift relative to a world position and to the distance to it: at least 64 units in the last place of `f64`, in which
-/// hits are computed. A hit's position is off by a few.
+/// Lift relative to a world position and to the distance to it: at least 64 units in the last place of `f64`,
+/// in which hits are computed. A hit's position is off by a few.
 const LIFT_OF_POSITION: f64 = 64.0 * f64::EPSILON;
 
 /// Up to this many instances are tested one after another; more get a BVH.
@@ -68,8 +69,8 @@ pub struct Hit {
     pub barycentric: [f64; 3],
     /// Texture coordinates at the hit; zero for a mesh that has none.
     pub uv: [f32; 2],
-    /// Unit geometric normal in world space, on the counter-clockwise side of the triangle (the clockwise side if the
-    /// instance is mirrored, as in glTF 2.0).
+    /// Unit geometric normal in world space, on the counter-clockwise side of the triangle (the clockwise
+    /// side if the instance is mirrored, as in glTF 2.0).
     pub normal: [f64; 3],
     /// True if the ray comes from the side that the normal points to.
     pub front: bool,
@@ -96,8 +97,8 @@ pub struct Tracer<'s> {
 /// Bytes that a tracer holds for each stored triangle, and for each instance.
 const TRIANGLE_BYTES: u64 = 64;
 const INSTANCE_BYTES: u64 = 300;
-/// Bytes that a triangle takes while the BVH of its mesh is built: corners, box, two nodes of the binary tree, and the
-/// costs by which those are merged into wide nodes.
+/// Bytes that a triangle takes while the BVH of its mesh is built: corners, box, two nodes of the binary
+/// tree, and the costs by which those are merged into wide nodes.
 const WORKING_BYTES: u64 = 260;
 
 /// A hit with the indices that the BVHs use.
@@ -109,9 +110,9 @@ struct Found<'h> {
 }
 
 impl<'s> Tracer<'s> {
-    /// Prepares a scene for ray tracing. The scene must be valid, as [`adumbra_scene::load`] returns it. Runs on
-    /// rayon's threads; the result does not depend on their number. Cost: about 2 µs per stored triangle, and one pass
-    /// over the instanced vertices. Instances whose transform is not finite are skipped.
+    /// Prepares a scene for ray tracing. The scene must be valid, as [`adumbra_scene::load`] returns it. Runs
+    /// on rayon's threads; the result does not depend on their number. Cost: about 2 µs per stored triangle,
+    /// and one pass over the instanced vertices. Instances whose transform is not finite are skipped.
     pub fn build(scene: &'s Scene, options: TraceOptions) -> Self {
         let surfaces = scene.materials.iter().map(|m| Surface {
             casts: m.casts,
@@ -138,8 +139,8 @@ impl<'s> Tracer<'s> {
         Self { scene, surfaces: surfaces.collect(), blases, instances, tlas }
     }
 
-    /// Returns about how many bytes [`Tracer::build`] holds at most in addition to the scene. Meshes are prepared on all
-    /// threads at a time.
+    /// Returns the approximate peak memory of [`Tracer::build`] in bytes, in addition to the scene. Meshes
+    /// are prepared on all threads at the same time.
     pub fn building_bytes(scene: &Scene) -> u64 {
         let positions: u64 = scene.meshes.iter().map(|mesh| size_of_val(&*mesh.positions) as u64).sum();
         let mut sizes: Vec<u64> = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).collect();
@@ -148,7 +149,7 @@ impl<'s> Tracer<'s> {
         Self::kept_bytes(scene) + positions + at_work * WORKING_BYTES
     }
 
-    /// Returns about how many bytes the tracer of a scene holds at most in addition to the scene.
+    /// Returns the approximate maximum memory of a scene's tracer in bytes, in addition to the scene.
     pub(crate) fn kept_bytes(scene: &Scene) -> u64 {
         let triangles: u64 = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
         triangles * TRIANGLE_BYTES + scene.instances.len() as u64 * INSTANCE_BYTES
@@ -165,26 +166,28 @@ impl<'s> Tracer<'s> {
         self.blases.iter().map(Blas::memory_bytes).sum::<u64>() + self.tlas.memory_bytes() + flat as u64
     }
 
-    /// Whether the ray hits anything that casts a shadow. Cost: one traversal that ends at the first hit, about 1 µs.
+    /// Whether the ray hits anything that casts a shadow. Cost: one traversal that ends at the first hit,
+    /// about 1 µs.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.walk(ray, true, |_| Traversal::Stop)
     }
 
-    /// The nearest opaque surface on the ray, whether it casts or not. If several are equally near, the lowest instance
-    /// wins, then the lowest triangle. Cost: one traversal.
+    /// The nearest opaque surface on the ray, whether it casts or not. If several are equally near, the
+    /// lowest instance wins, then the lowest triangle. Cost: one traversal.
     pub fn nearest_surface(&self, ray: &Ray) -> Option<Hit> {
         self.nearest(ray, false)
     }
 
-    /// The nearest opaque surface on the ray that casts a shadow. Ties and cost as for [`Tracer::nearest_surface`].
+    /// The nearest opaque surface on the ray that casts a shadow. Ties and cost as for
+    /// [`Tracer::nearest_surface`].
     pub fn nearest_blocker(&self, ray: &Ray) -> Option<Hit> {
         self.nearest(ray, true)
     }
 
-    /// How far a secondary ray must start above a hit at `p_world`, world units, so that it hits neither the surface it
-    /// leaves nor a coincident one. The distance follows the precision of the hit: of its position in its mesh, as
-    /// scaled by the instance, and of `p_world` and `t`. The rest of the scene and its position in the world hardly
-    /// matter.
+    /// How far a secondary ray must start above a hit at `p_world`, world units, so that it hits neither the
+    /// surface it leaves nor a coincident one. The distance follows the precision of the hit: of its position
+    /// in its mesh, as scaled by the instance, and of `p_world` and `t`. The rest of the scene and its
+    /// position in the world hardly matter.
     pub fn lift_world(&self, hit: &Hit, p_world: [f64; 3]) -> f64 {
         let largest = |v: [f64; 3]| v.into_iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         let rows = &self.scene.instances[hit.instance as usize].world_from_mesh;
@@ -192,9 +195,9 @@ impl<'s> Tracer<'s> {
         LIFT_OF_PLACE * place + LIFT_OF_POSITION * (largest(p_world) + hit.t.abs())
     }
 
-    /// Calls `visit` with every opaque hit on the ray, whether it casts or not, in no particular order. A ray through a
-    /// shared edge or corner hits each triangle there, and each one counts; a caller that counts windings should avoid
-    /// aiming at edges. Cost: one traversal of everything that the ray's line meets.
+    /// Calls `visit` with every opaque hit on the ray, whether it casts or not, in no particular order. A ray
+    /// through a shared edge or corner hits each triangle there, and each one counts; a caller that counts
+    /// windings should avoid aiming at edges. Cost: one traversal of everything that the ray's line meets.
     pub fn for_each_hit(&self, ray: &Ray, mut visit: impl FnMut(&Hit)) {
         self.walk(ray, false, |found| {
             visit(&self.complete(found));

@@ -1,9 +1,9 @@
-//! Builds a binary BVH top down with binned surface-area splits. Source: Wald, *On fast Construction of SAH-based
-//! Bounding Volume Hierarchies*, 2007.
+//! Builds a binary BVH top down with binned surface-area splits. Source: Wald, *On fast Construction of
+//! SAH-based Bounding Volume Hierarchies*, 2007.
 //!
-//! obvhs builds bottom up (PLOC). If boxes coincide or nest, it pairs only one box per round, so the time grows with
-//! the square of their number and the depth with their number. Here the depth is bounded whatever the boxes: below
-//! [`SAH_DEPTH`], ranges are simply halved.
+//! obvhs builds bottom up (PLOC). If boxes coincide or nest, it pairs only one box per round, so the time
+//! grows with the square of their number and the depth with their number. Here the depth is bounded whatever
+//! the boxes: below [`SAH_DEPTH`], ranges are simply halved.
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
@@ -12,7 +12,8 @@ use obvhs::bvh2::{Bvh2, node::Bvh2Node};
 /// Number of bins along an axis.
 const BINS: usize = 16;
 
-/// Depth down to which splits use surface area. Below it ranges are halved, so no tree is deeper than this plus 32.
+/// Depth down to which splits use surface area. Below it ranges are halved, so no tree is deeper than this
+/// plus 32.
 const SAH_DEPTH: u32 = 48;
 
 /// Builds the tree over `boxes`, with one box per leaf. Cost: about 0.5 µs per box.
@@ -40,8 +41,8 @@ pub(super) fn build(boxes: &[Aabb]) -> Bvh2 {
     Bvh2 { nodes, primitive_indices: items, ..Bvh2::default() }
 }
 
-/// Reorders `range` (two or more boxes) so that its first boxes go left. Returns their number, which is neither zero
-/// nor all.
+/// Reorders `range` (two or more boxes) so that its first boxes go left. Returns their number, which is
+/// neither zero nor all.
 fn split(boxes: &[Aabb], range: &mut [u32], depth: u32) -> usize {
     // Twice the box's centre.
     let center = |i: u32| boxes[i as usize].min + boxes[i as usize].max;

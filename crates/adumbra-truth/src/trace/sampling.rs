@@ -1,10 +1,10 @@
-//! Directions for soft sun shadows and ambient occlusion: stratified, rotated by a seed, and deterministic on every
-//! machine.
+//! Directions for soft sun shadows and ambient occlusion: stratified, rotated by a seed, and deterministic on
+//! every machine.
 //!
-//! Samples are Hammersley points. The first coordinate is stratified and jittered. The second is the base-2 radical
-//! inverse, rotated modulo one (Cranley, Patterson, *Randomization of Number Theoretic Methods for Multiple
-//! Integration*, 1976). Frame: Duff et al., *Building an Orthonormal Basis, Revisited*, 2017. Sine and cosine come from
-//! `libm`.
+//! Samples are Hammersley points. The first coordinate is stratified and jittered. The second is the base-2
+//! radical inverse, rotated modulo one (Cranley, Patterson, *Randomization of Number Theoretic Methods for
+//! Multiple Integration*, 1976). Frame: Duff et al., *Building an Orthonormal Basis, Revisited*, 2017. Sine
+//! and cosine come from `libm`.
 
 use std::f64::consts::TAU;
 
@@ -27,15 +27,15 @@ pub(super) fn frame(n: [f64; 3]) -> [[f64; 3]; 2] {
     [[1.0 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]], [b, sign + n[1] * n[1] * a, -n[1]]]
 }
 
-/// The direction with the component `height` along `n`, rotated about it by `turns` (1 is a full circle); `flat² +
-/// height² = 1`.
+/// The direction with the component `height` along `n`, rotated about it by
+/// `turns` (1 is a full circle); `flat² + height² = 1`.
 pub(super) fn around(n: [f64; 3], [x, y]: [[f64; 3]; 2], flat: f64, height: f64, turns: f64) -> [f64; 3] {
     let (sin, cos) = libm::sincos(TAU * turns);
     std::array::from_fn(|r| n[r] * height + (x[r] * cos + y[r] * sin) * flat)
 }
 
-/// Sine and cosine of the angle to the axis, for directions uniformly distributed over a spherical cap of half-angle
-/// `half` radians; `u` is in 0 .. 1.
+/// Sine and cosine of the angle to the axis, for directions uniformly distributed over a spherical cap of
+/// half-angle `half` radians; `u` is in 0 .. 1.
 pub(super) fn cap(u: f64, half: f64) -> (f64, f64) {
     let s = libm::sin(0.5 * half);
     // 1 - cos, without the cancellation at small angles.
@@ -62,7 +62,7 @@ mod tests {
     use adumbra::grid::vec3::{dot, normalize};
 
     #[test]
-    fn sampling_points_are_stratified_and_turn_with_the_seed() {
+    fn sampling_points_are_stratified_and_vary_with_the_seed() {
         let a: Vec<_> = points(64, 7).collect();
         assert_eq!(a, points(64, 7).collect::<Vec<_>>());
         assert_ne!(a, points(64, 8).collect::<Vec<_>>());

@@ -67,7 +67,8 @@ fn down(origin: [f64; 3]) -> Ray {
     Ray { origin, direction: [0.0, -1.0, 0.0], t_min: 0.0, t_max: f64::INFINITY }
 }
 
-/// Calls `check` with rays to random corners and edge points of the only mesh, from `distance` away in all directions.
+/// Calls `check` with rays to random corners and edge points of the only mesh, from `distance` away in all
+/// directions.
 fn aim_at_seams(scene: &Scene, rays: usize, distance: f64, mut check: impl FnMut(&Ray)) {
     let (mut random, mesh, instance) = (Random(1), &scene.meshes[0], &scene.instances[0]);
     for i in 0..rays {
@@ -88,8 +89,8 @@ fn trace_closed_mesh_has_no_leak_at_its_seams() {
         let scene = scene(ball(5), &[map]);
         let tracer = tracer(&scene);
         let center = map.map(|row| row[3]);
-        // From the centre every ray must be blocked on its way out, and from outside every ray through a seam towards
-        // the centre must be blocked on its way in.
+        // From the centre every ray must be blocked on its way out, and from outside every ray through a seam
+        // towards the centre must be blocked on its way in.
         aim_at_seams(&scene, 50_000, 10.0, |ray| {
             let seam = [0, 1, 2].map(|a| ray.origin[a] + ray.direction[a]);
             assert!(tracer.occluded(&through(center, seam)), "leaves through {seam:?}");
@@ -152,7 +153,8 @@ fn trace_equals_brute_force_on_soups() {
     );
 }
 
-/// Compares rays with brute force in soups of so many triangles, with a size, at a distance from the origin.
+/// Compares rays with brute force in triangle soups, given by number of triangles, their size, and distance
+/// from the origin.
 fn equals_brute_force(soups: &[(u32, f64, f64)], rays: usize) {
     let mut random = Random(11);
     for &(count, size, offset) in soups {
@@ -265,7 +267,7 @@ fn trace_range_is_inclusive() {
 }
 
 #[test]
-fn trace_axis_parallel_rays_hit_in_a_world_far_out() {
+fn trace_axis_parallel_rays_hit_far_from_the_origin() {
     let offset = [1e5, 300.0, -1e5];
     let map: [[f64; 4]; 3] = std::array::from_fn(|r| {
         let mut row = IDENTITY[r];
@@ -368,7 +370,7 @@ fn trace_nearest_sees_through_gaps_and_counts_crossings() {
 }
 
 #[test]
-fn trace_disc_is_half_seen_over_a_half_plane() {
+fn trace_sun_disc_is_half_visible_over_a_half_plane() {
     // The edge of the half plane passes through the zenith.
     let mut half_plane = square(1e4);
     half_plane.0.iter_mut().for_each(|p| *p = [p[0] + 1e4, 100.0, p[2]]);
@@ -400,7 +402,7 @@ fn trace_ambient_is_open_on_a_plane_and_closed_in_a_ball() {
 }
 
 #[test]
-fn trace_builds_on_what_trees_dislike() {
+fn trace_handles_coincident_shrinking_and_huge_triangles() {
     let empty = Scene::default();
     assert!(!tracer(&empty).occluded(&down([0.0; 3])));
     // The same triangle many times over, and triangles of ever smaller size, which give a very deep tree.

@@ -1,11 +1,14 @@
-//! Watertight ray-triangle test in `f64`. Source: Woop, Benthin, Wald, *Watertight Ray/Triangle Intersection*, 2013.
+//! Watertight ray-triangle test in `f64`. Source: Woop, Benthin, Wald, *Watertight Ray/Triangle
+//! Intersection*, 2013.
 //!
-//! The ray is sheared onto its own z axis. A triangle is hit if its three edge functions about the origin do not differ
-//! in sign. Rounding is monotone, so an edge function computed from rounded products has the sign of the exact one or
-//! is zero. The two triangles that share an edge compute it from the same two vertices, so no ray slips between them.
+//! The ray is sheared onto its own z axis. A triangle is hit if its three edge functions about the origin do
+//! not differ in sign. Rounding is monotone, so an edge function computed from rounded products has the sign
+//! of the exact one or is zero. The two triangles that share an edge compute it from the same two vertices,
+//! so no ray slips between them.
 //!
-//! Differences from the paper: it uses `f32`, this uses `f64`. If an edge function is zero, the paper recomputes it in
-//! `f64`; here its sign is taken from the exact rounding errors of the two products (Dekker 1971).
+//! Differences from the paper: it uses `f32`, this uses `f64`. If an edge function is zero, the paper
+//! recomputes it in `f64`; here its sign is taken from the exact rounding errors of the two products (Dekker
+//! 1971).
 
 /// A triangle hit, before its material is considered.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,8 +50,8 @@ impl ShearedRay {
         self.t_max = t;
     }
 
-    /// Intersects the triangle `v` from either side, including its edges and corners and the ends of the range. A
-    /// triangle that is exactly edge-on is not hit, but the adjacent ones are.
+    /// Intersects the triangle `v` from either side, including its edges and corners and the ends of the
+    /// range. A triangle that is exactly edge-on is not hit, but the adjacent ones are.
     pub(super) fn intersect(&self, v: &[[f32; 3]; 3]) -> Option<TriangleHit> {
         let [a, b, c] = [self.relative(v[0]), self.relative(v[1]), self.relative(v[2])];
         let mut e = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
@@ -79,8 +82,8 @@ impl ShearedRay {
     }
 }
 
-/// Returns `a·b - c·d`. If the rounded products are equal, it returns the difference of their rounding errors, so that
-/// the sign is exact (barring underflow).
+/// Returns `a·b - c·d`. If the rounded products are equal, it returns the difference of their rounding
+/// errors, so that the sign is exact (barring underflow).
 fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
     let (ab, cd) = (a * b, c * d);
     if ab == cd { product_error(a, b, ab) - product_error(c, d, cd) } else { ab - cd }
@@ -121,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn triangle_counts_its_edges_corners_and_ends_of_the_range() {
+    fn triangle_includes_edges_corners_and_ends_of_the_range() {
         for (x, y) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.5, 0.0), (0.0, 0.5)] {
             let ray = |t_min, t_max| ShearedRay::new([x, y, 1.0], [0.0, 0.0, -1.0], t_min, t_max);
             assert!(ray(0.0, 9.0).intersect(&TRIANGLE).is_some(), "{x} {y}");
@@ -134,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn difference_of_products_keeps_its_sign_where_the_products_round_alike() {
+    fn difference_of_products_has_the_exact_sign() {
         let a = 1.0 + f64::EPSILON;
         // (1 + e)² rounds to 1 + 2e; the exact difference is e².
         assert_eq!(difference_of_products(a, a, 1.0 + 2.0 * f64::EPSILON, 1.0), f64::EPSILON * f64::EPSILON);

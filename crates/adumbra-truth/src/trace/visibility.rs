@@ -5,16 +5,16 @@ use crate::trace::{Ray, Tracer};
 use adumbra::grid::vec3::normalize;
 
 impl Tracer<'_> {
-    /// Whether the ray from `point` along `towards`, the direction to the sun (any length), hits no caster. The point
-    /// should be lifted off its surface. Cost: one ray.
+    /// Whether the ray from `point` along `towards`, the direction to the sun (any length), hits no caster.
+    /// The point should be lifted off its surface. Cost: one ray.
     pub fn sun_visible(&self, point: [f64; 3], towards: [f64; 3]) -> bool {
         !self.occluded(&Ray { origin: point, direction: towards, t_min: 0.0, t_max: f64::INFINITY })
     }
 
-    /// Fraction of the sun's disc that is visible from `point`: `samples` rays spread evenly over the cone with the
-    /// full angle `angular_diameter_degrees` (clamped to 0 ..= 360) about `towards` (any length). The result is
-    /// deterministic for a given `seed`. An angle of 0, or a single sample, is one ray to the centre. Cost: `samples`
-    /// rays.
+    /// Fraction of the sun's disc that is visible from `point`: `samples` rays spread evenly over the cone
+    /// with the full angle `angular_diameter_degrees` (clamped to 0 ..= 360) about `towards` (any length).
+    /// The result is deterministic for a given `seed`. An angle of 0, or a single sample, is one ray to the
+    /// centre. Cost: `samples` rays.
     pub fn sun_disc_visibility(
         &self,
         point: [f64; 3],
@@ -37,8 +37,8 @@ impl Tracer<'_> {
     }
 
     /// Cosine-weighted fraction of the hemisphere about `normal` (any length) in which no caster is within
-    /// `radius_world`, from `rays` rays; 1 if `rays` is 0. The result is deterministic for a given `seed`. The point
-    /// should be lifted off its surface. Cost: `rays` rays.
+    /// `radius_world`, from `rays` rays; 1 if `rays` is 0. The result is deterministic for a given `seed`.
+    /// The point should be lifted off its surface. Cost: `rays` rays.
     pub fn ambient_visibility(
         &self,
         point: [f64; 3],

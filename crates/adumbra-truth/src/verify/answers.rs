@@ -1,4 +1,5 @@
-//! What is verified: anything that answers visibility queries, with the settings that a fair comparison needs.
+//! The subject of a verification: anything that answers visibility queries, with the settings that a fair
+//! comparison needs.
 
 use crate::verify::classes::Promises;
 use adumbra::grid::LightGrid;
@@ -28,13 +29,14 @@ pub trait Answers: Sync {
     /// Whether the file may answer either way inside solids.
     fn insides_are_free(&self) -> bool;
 
-    /// What a file that answers points below the scene's last surfaces promises there; `None` if it promises nothing.
+    /// The promise of a file that answers points below the scene's last surfaces; `None` if it promises
+    /// nothing there.
     fn below(&self) -> Option<Below> {
         None
     }
 
-    /// The points that a filtered look-up samples, in the grid's voxels. Empty for a single tap, or if the taps are not
-    /// points of a plane.
+    /// The points that a filtered look-up samples, in the grid's voxels. Empty for a single tap, or if the
+    /// taps are not points of a plane.
     fn taps(&self, _receiver: &Receiver) -> Vec<[f64; 3]> {
         Vec::new()
     }
@@ -43,13 +45,13 @@ pub trait Answers: Sync {
     fn promises(&self) -> Promises;
 }
 
-/// Where points below the scene's last surfaces are answered.
+/// How points below the scene's last surfaces are answered.
 #[derive(Clone, Copy, Debug)]
 pub struct Below {
     /// The grid that answers them.
     pub grid: LightGrid,
-    /// How far below an open surface its shadow may begin, voxels along the light; the bias at the surface's slope if that is
-    /// more.
+    /// How far below an open surface its shadow may begin, voxels along the light. The bias at the surface's
+    /// slope replaces it if that is larger.
     pub thickness_voxels: f64,
 }
 
@@ -71,8 +73,8 @@ impl LightAnswers<Sampler> {
 }
 
 impl<Q: PointVisibility> LightAnswers<Q> {
-    /// Wraps `look_up`, whose voxels are those of `grid` and were baked with `settings`, and which has this filter and
-    /// bias.
+    /// Wraps `look_up`, whose voxels are those of `grid` and were baked with `settings`, and which has this
+    /// filter and bias.
     pub fn new(grid: LightGrid, settings: FileSettings, look_up: Q, (filter, bias): (Filter, Bias)) -> Self {
         Self { grid, settings, look_up, filter, bias }
     }
@@ -136,15 +138,15 @@ impl<Q: PointVisibility> Answers for LightAnswers<Q> {
     }
 }
 
-/// Answers with another visibility, or of another part of the world; all else stays as it is.
+/// Answers with a replaced visibility or coverage. Everything else is unchanged.
 ///
 /// Passing [`Answers::visibility`] or [`Answers::covers`] itself replaces nothing.
 pub struct Replaced<A, V, C> {
-    /// The answers that all else is taken from.
+    /// The original answers.
     pub answers: A,
-    /// Takes the place of [`Answers::visibility`].
+    /// Replaces [`Answers::visibility`].
     pub visibility: V,
-    /// Takes the place of [`Answers::covers`].
+    /// Replaces [`Answers::covers`].
     pub covers: C,
 }
 

@@ -1,30 +1,32 @@
 //! The classes of a verification and what a file promises for each.
 //!
-//! Every compared point belongs to exactly one class. The class depends on rays alone, so a wrong answer cannot move
-//! its point into a more lenient class.
+//! Every compared point belongs to exactly one class. The class depends on rays alone, so a wrong answer
+//! cannot move its point into a more lenient class.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Describes the neighbourhood of a compared point, according to rays. The first variant that applies is the point's
-/// class.
+/// Describes the neighbourhood of a compared point, according to rays. The first variant that applies is the
+/// point's class.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Class {
-    /// The surface is almost edge-on to the sun, steeper than look-ups follow ([`adumbra::MAX_PLANE_SLOPE`]). n·l is
-    /// below 0.0084, so the surface receives less than a hundredth of the sun's light, and nothing is promised.
+    /// The surface is almost edge-on to the sun, steeper than look-ups follow ([`adumbra::MAX_PLANE_SLOPE`]).
+    /// n·l is below 0.0084, so the surface receives less than a hundredth of the sun's light, and nothing is
+    /// promised.
     #[serde(rename = "edge-on")]
     EdgeOn,
-    /// A blocker is within the point's bias, so that it cannot be distinguished from the surface itself. Or one is within
-    /// rounding of where the look-up ends. Nothing is promised.
+    /// A blocker is within the point's bias, so that it cannot be distinguished from the surface itself. Or
+    /// one is within rounding of where the look-up ends. Nothing is promised.
     Thin,
-    /// Neighbours on opposite sides of the point disagree with it, or an inner neighbour disagrees while the outer one
-    /// in the same direction agrees. Or only the centre of the point's texel disagrees, where look-ups sample. Light or
-    /// shadow is narrower than four texels there.
+    /// Neighbours on opposite sides of the point disagree with it, or an inner neighbour disagrees while the
+    /// outer one in the same direction agrees. Or only the centre of the point's texel disagrees, where
+    /// look-ups sample. Light or shadow is narrower than four texels there.
     Narrow,
     /// Some neighbour disagrees with the point: an edge is nearby.
     Edge,
-    /// All neighbours and the texel's centre agree, but the sun is grazing: n·l is at most [`crate::verify::MIN_N_DOT_L`].
+    /// All neighbours and the texel's centre agree, but the sun is grazing: n·l is at most
+    /// [`crate::verify::MIN_N_DOT_L`].
     Grazing,
     /// A point just below the scene, on level ground that the scene does not have: all neighbours agree.
     Ground,
@@ -51,8 +53,8 @@ impl Class {
     }
 }
 
-/// The promises for each class: the least agreement, and the largest share of points whose error is more than their
-/// texel explains. `None` if nothing is promised.
+/// The promises for each class: the least agreement, and the largest share of points whose error is more than
+/// their texel explains. `None` if nothing is promised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Promises {
     /// [`ClassResult::agreement`] of [`Class::Interior`].
@@ -101,14 +103,14 @@ pub struct ClassResult {
     pub class: Class,
     /// Number of points in the class.
     pub points: u64,
-    /// One minus the mean difference from the rays' value; without a filter, the share of correct answers. 1 if there
-    /// are no points.
+    /// One minus the mean difference from the rays' value; without a filter, the share of correct answers. 1
+    /// if there are no points.
     pub agreement: f64,
-    /// Number of points whose answer is darker than the rays' value by more than half; without a filter, lit points
-    /// answered as shadowed.
+    /// Number of points whose answer is darker than the rays' value by more than half; without a filter, lit
+    /// points answered as shadowed.
     pub acne: u64,
-    /// Number of points whose answer is lighter than the rays' value by more than half; without a filter, shadowed
-    /// points answered as lit.
+    /// Number of points whose answer is lighter than the rays' value by more than half; without a filter,
+    /// shadowed points answered as lit.
     pub leak: u64,
     /// Number of wrong answers that rays do not give at the centre of the point's texel either.
     pub misplaced: u64,
@@ -142,15 +144,15 @@ fn share(part: u64, whole: u64) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ClassCounts {
     pub(super) points: u64,
-    /// Sum of the differences from the rays' values, in units of 1 / [`DIFFERENCE_STEPS`]. Integers, so that the order
-    /// of summation does not matter.
+    /// Sum of the differences from the rays' values, in units of 1 / [`DIFFERENCE_STEPS`]. Integers, so that
+    /// the order of summation does not matter.
     pub(super) difference_steps: u64,
     pub(super) acne: u64,
     pub(super) leak: u64,
     pub(super) misplaced: u64,
 }
 
-/// Minimum number of points to judge a class. With fewer, a share near a hundredth is too uncertain.
+/// Minimum number of points to check a class. With fewer, a share near a hundredth is too uncertain.
 pub const MIN_CHECKED_POINTS: u64 = 300;
 
 /// Number of steps in a difference of 1: a multiple of 1, 9, 25, 81 and 289, the tap counts of all filters.

@@ -1,20 +1,21 @@
 //! Compares a file's answers with ray tracing.
 //!
-//! Random points are drawn on the scene's surfaces, uniformly by area, or in its space. They are lifted by the
-//! look-up's bias, and both the file and the rays answer them. So are points on level ground just below the scene, if the
-//! file promises answers there: an app may draw such a ground. Every point that the sun can shine on is compared. The
-//! points that are not compared are counted: faces turned away from the sun, points inside solids, which cannot be seen,
-//! and points outside the file's bounds. Each compared point has a [`Class`], which depends on rays alone:
+//! Random points are drawn on the scene's surfaces, uniformly by area, or in its space. They are lifted by
+//! the look-up's bias, and both the file and the rays answer them. So are points on level ground just below
+//! the scene, if the file promises answers there: an app may draw such a ground. Every point that the sun can
+//! shine on is compared. The points that are not compared are counted: faces turned away from the sun, points
+//! inside solids, which cannot be seen, and points outside the file's bounds. Each compared point has a
+//! [`Class`], which depends on rays alone:
 //!
-//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, and the centre of its
-//!   texel, which look-ups sample. They are moved along the light onto the point's tangent plane (in space: at its depth)
-//!   and lifted alike. In a world-aligned file, which samples no centres, a texel is
-//!   the side of a voxel, and its centre one neighbour more.
-//! - *Acne*: a lit point answered as shadowed. *Leak*: a shadowed point answered as lit. *Misplaced*: a wrong answer
-//!   that a ray from the centre of the point's texel does not give either, so the resolution of the grid does not
-//!   explain it.
-//! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the centre of
-//!   each tap, on the receiver's plane. The taps count as neighbours.
+//! - The *neighbours* of a point are eight at one texel and eight at two texels in the light's plane, and the
+//!   centre of its texel, which look-ups sample. They are moved along the light onto the point's tangent
+//!   plane (for points in space, to the point's depth), and lifted in the same way. In a world-aligned file,
+//!   which samples no centres, a texel is the side of a voxel, and its centre is one more neighbour.
+//! - *Acne*: a lit point answered as shadowed. *Leak*: a shadowed point answered as lit. *Misplaced*: a wrong
+//!   answer that a ray from the centre of the point's texel does not give either, so the resolution of the
+//!   grid does not explain it.
+//! - With a filter of K × K texels, the file's value is compared with the mean of K × K rays, one from the
+//!   centre of each tap, on the receiver's plane. The taps count as neighbours.
 //!
 //! [`Promises`] states what a file promises for each class.
 
@@ -54,7 +55,8 @@ pub struct Verification {
     pub samples: u64,
     /// Number of points drawn that face away from the sun; not compared.
     pub facing_away: u64,
-    /// Number of points drawn inside solids, which cannot be seen and where the file may answer either way; not compared.
+    /// Number of points drawn inside solids, which cannot be seen and where the file may answer either way;
+    /// not compared.
     pub inside_solids: u64,
     /// Number of points drawn outside the bounds given to the bake; not compared.
     pub outside_bounds: u64,
@@ -81,7 +83,7 @@ impl Verification {
         &self.classes[place]
     }
 
-    /// Whether there are enough points to judge the file: in [`Class::Interior`], or under a low sun in
+    /// Whether there are enough points to check the file: in [`Class::Interior`], or under a low sun in
     /// [`Class::Grazing`].
     pub fn is_checked(&self) -> bool {
         [Class::Interior, Class::Grazing].iter().any(|class| self.class(*class).checked)
@@ -105,15 +107,15 @@ struct Counts {
 
 /// Distances from a point to its inner and outer neighbours, texels.
 const NEIGHBOUR_TEXELS: [f64; 2] = [1.0, 2.0];
-/// Points with n·l at most this are close to the terminator, and are a class of their own.
+/// Points with n·l at most this are close to the terminator, and form a separate class.
 pub const MIN_N_DOT_L: f64 = 0.1;
 /// Points per batch. Each batch has its own random numbers, so the result does not depend on the threads.
 const BATCH: u64 = 4096;
 /// Number of points on surfaces, or in space, for each point on ground just below the scene.
 pub const SURFACE_POINTS_PER_GROUND_POINT: u64 = 8;
 
-/// Returns about how many bytes a comparison holds at most in addition to the scene and the file: the tracer, the solids
-/// and the sampler, and what it takes to build them.
+/// Returns the approximate peak memory of a comparison in bytes, in addition to the scene and the file: the
+/// tracer, the solids, the sampler, and the memory to build them.
 pub fn building_bytes(scene: &Scene) -> u64 {
     let topology = scene.meshes.iter().map(topology::working_bytes).max().unwrap_or_default();
     let stored: u64 = scene.meshes.iter().map(|mesh| mesh.triangles.len() as u64).sum();
@@ -133,15 +135,15 @@ pub struct Verifier<'a, A> {
 }
 
 impl<'a, A: Answers> Verifier<'a, A> {
-    /// Prepares a comparison of `answers` with rays of `tracer`. Both `tracer` and `solids` must be built from the
-    /// scene that was baked.
+    /// Prepares a comparison of `answers` with rays of `tracer`. Both `tracer` and `solids` must be built
+    /// from the scene that was baked.
     pub fn new(answers: &'a A, tracer: &'a Tracer<'a>, solids: &'a Solids) -> Self {
         let promises = Promises { ground: None, ..answers.promises() };
         Self { answers, tracer, solids, ground: None, promises }
     }
 
-    /// Compares points on ground just below the scene too, one for every [`SURFACE_POINTS_PER_GROUND_POINT`] others, if the
-    /// file promises answers there.
+    /// Compares points on ground just below the scene too, one for every [`SURFACE_POINTS_PER_GROUND_POINT`]
+    /// others, if the file promises answers there.
     #[must_use]
     pub fn with_ground(self) -> Self {
         let ground = self.answers.below().map(|below| GroundSampler::new(self.tracer.scene(), below));
@@ -155,8 +157,8 @@ impl<'a, A: Answers> Verifier<'a, A> {
         Self { promises: Promises { interior: least_agreement, ..self.promises }, ..self }
     }
 
-    /// Draws the points and compares them. Runs on the current rayon pool. Cost: about 20 rays per point, and one more
-    /// per tap of a filter.
+    /// Draws the points and compares them. Runs on the current rayon pool. Cost: about 20 rays per point, and
+    /// one more per tap of a filter.
     pub fn run(&self, sampler: &Sampler<'_>, options: &VerifyOptions) -> Verification {
         let counts = self.count(options.seed, options.samples, |random, counts| {
             let sample = match sampler {

@@ -11,7 +11,8 @@ use adumbra_scene::{Instance, Mesh, Scene, topology};
 pub struct Sample {
     /// World position.
     pub p_world: [f64; 3],
-    /// Unit geometric normal, turned towards the sun unless the triangle bounds a solid; `None` for points in space.
+    /// Unit geometric normal, turned towards the sun unless the triangle bounds a solid; `None` for points in
+    /// space.
     pub normal: Option<[f64; 3]>,
 }
 
@@ -44,8 +45,8 @@ impl Solids {
     }
 }
 
-/// Draws points on the scene's opaque surfaces, uniformly by area in world space. A two-sided surface is sampled on the
-/// side that faces the sun.
+/// Draws points on the scene's opaque surfaces, uniformly by area in world space. A two-sided surface is
+/// sampled on the side that faces the sun.
 pub struct SurfaceSampler<'s> {
     scene: &'s Scene,
     ignore_alpha: bool,
@@ -54,8 +55,8 @@ pub struct SurfaceSampler<'s> {
     instance_sums: Vec<f64>,
     /// For each instance, the index into `triangle_sums`.
     sums_of_instance: Vec<u32>,
-    /// Running sums of triangle areas: first of each mesh in its own space, then of each non-uniformly scaled instance
-    /// in world space.
+    /// Running sums of triangle areas: first of each mesh in its own space, then of each non-uniformly scaled
+    /// instance in world space.
     triangle_sums: Vec<Vec<f64>>,
     solids: &'s Solids,
 }
@@ -66,8 +67,8 @@ const MASK_TRIES: u32 = 64;
 const SAME_SCALE: f64 = 1e-6;
 
 impl<'s> SurfaceSampler<'s> {
-    /// Computes the running sums. Cost: one pass over the triangles of every mesh and of every non-uniformly scaled
-    /// instance. Memory: 8 bytes for each of those triangles.
+    /// Computes the running sums. Cost: one pass over the triangles of every mesh and of every non-uniformly
+    /// scaled instance. Memory: 8 bytes for each of those triangles.
     pub fn new(scene: &'s Scene, solids: &'s Solids, towards_sun: [f64; 3], ignore_alpha: bool) -> Self {
         let corners = |mesh: &Mesh, t: &[u32; 3]| t.map(|v| mesh.positions[v as usize]);
         let mesh_sums = scene.meshes.iter().map(|mesh| {

@@ -11,13 +11,13 @@ use adumbra::{Bias, MAX_PLANE_SLOPE, MAX_SLOPE};
 
 /// Distance at which a ray starts off its own surface, voxels.
 const OFF_SURFACE_VOXELS: f64 = 1e-3;
-/// Radius about a texel's centre within which a ray counts as one from the centre, texels: the most that snapping and
-/// rounding may move it.
+/// Radius about a texel's centre within which a ray counts as one from the centre, texels: the most that
+/// snapping and rounding may move it.
 const CENTER_TEXELS: f64 = 1.0 / 64.0;
 /// How far before a surface its column may switch to shadow, voxels.
 const ROUNDING_VOXELS: f64 = 0.5;
-/// For points in space, blockers count as near up to this many voxels, or up to the bias at their slope if that is
-/// more.
+/// For points in space, blockers count as near up to this many voxels, or up to the bias at their slope if
+/// that is more.
 const NEAR_VOXELS: f64 = 2.0;
 
 /// The ray-traced side of one sample.
@@ -31,7 +31,8 @@ pub(super) struct TracedSample<'a> {
     pub(super) normal: Option<[f64; 3]>,
     /// The point after the bias.
     pub(super) receiver: Receiver,
-    /// For points on ground below the scene: how far below an open surface its shadow may begin, voxels along the light.
+    /// For points on ground below the scene: how far below an open surface its shadow may begin, voxels along
+    /// the light.
     pub(super) thickness_voxels: Option<f64>,
 }
 
@@ -72,7 +73,8 @@ impl TracedSample<'_> {
         if narrow { Class::Narrow } else { Class::Edge }
     }
 
-    /// Whether a ray about the centre of the point's texel, on its plane, gives this answer. Look-ups sample the centre.
+    /// Whether a ray about the centre of the point's texel, on its plane, gives this answer. Look-ups sample
+    /// the centre.
     pub(super) fn is_answer_of_its_texel(&self, answer: bool) -> bool {
         let center = self.to_center();
         (0..9).any(|i| {
@@ -125,12 +127,12 @@ impl TracedSample<'_> {
         if self.normal.is_none() {
             return voxels_to(&hit) < NEAR_VOXELS.max(bias_at_hit(&hit));
         }
-        // One voxel more for the grid.
+        // Add one voxel for the resolution of the grid.
         let Some(thickness_voxels) = self.thickness_voxels else {
             return voxels_to(&hit) < self.lifted_voxels() + 1.0;
         };
-        // Below a solid, the shadow begins where ground could meet it, so only one that is thin itself is too near. That of an
-        // open surface begins below it, as for points in space.
+        // Below a solid, the shadow begins where ground could touch the solid, so a solid is too near only if
+        // it is thin itself. The shadow of an open surface begins below it, as for points in space.
         let bounds_solid = |hit: &Hit| self.solids.contains(hit.instance, hit.triangle);
         while hit.front && bounds_solid(&hit) {
             ray.t_min = hit.t + OFF_SURFACE_VOXELS * self.grid.voxel_size;
@@ -144,8 +146,8 @@ impl TracedSample<'_> {
         voxels_to(&hit) < self.lifted_voxels() + begins_voxels
     }
 
-    /// Whether the look-up of a point on a surface, which ends in the light at its texel's centre, ends less than rounding
-    /// before a blocker that is not the surface itself. The answer may be that of either side.
+    /// Whether the look-up of a point on a surface ends within rounding of a blocker other than the surface
+    /// itself. The look-up ends in the light, at the texel's centre. Either answer is then possible.
     fn is_at_a_blocker(&self, [x, y, z]: [f64; 3]) -> bool {
         self.normal.is_some()
             && self.lifted_voxels() > ROUNDING_VOXELS

@@ -53,7 +53,7 @@ impl App {
                     self.forget_file();
                 }
             }
-            // The next tick takes it.
+            // The next tick reads the key.
             Event::Key => {}
             Event::BakeEnded { bake, error } => {
                 if let Some(error) = &error {
@@ -145,7 +145,7 @@ impl App {
         }
     }
 
-    /// Follows the files of a scene that is shown, if that was asked for.
+    /// Watches the files of the shown scene, if that was requested.
     fn follow_files(&mut self, scene: &LoadedScene) {
         if !self.options.watch {
             return;
@@ -163,8 +163,8 @@ impl App {
         }
     }
 
-    /// Uses the scene's sun, unless an option or a shadow file gives one. A scene that replaces another and has no light
-    /// leaves the sun as it is.
+    /// Uses the scene's sun, unless an option or a shadow file gives one. A scene that replaces another and
+    /// has no light leaves the sun as it is.
     fn take_sun_of(&mut self, scene: &LoadedScene) -> Result<()> {
         if self.options.sun.is_some() || self.options.shadow_file.is_some() {
             return Ok(());
@@ -180,7 +180,8 @@ impl App {
         Ok(())
     }
 
-    /// Applies the camera and the file that arrived while scenes were loading, once no scene is loading any more.
+    /// Applies the camera and the file that arrived while scenes were loading, once no scene is loading any
+    /// more.
     fn enter_held(&mut self) -> Result<()> {
         if !self.loads.are_done() {
             return Ok(());

@@ -143,7 +143,8 @@ impl SideView {
         Ok(())
     }
 
-    /// Continues without the technique in frames of this size. The loss of the device is returned as an error.
+    /// Continues without the technique in frames of this size. The loss of the device is returned as an
+    /// error.
     fn without(&mut self, error: RenderError, fine: [u32; 2]) -> Result<()> {
         if super::is_fatal(&error) {
             return Err(error);

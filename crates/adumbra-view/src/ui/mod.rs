@@ -1,5 +1,5 @@
-//! Everything over the picture: the panel, messages, the help. It reads the view and returns commands, but changes
-//! nothing itself.
+//! Everything over the picture: the panel, messages, the help. It reads the view and returns commands, but
+//! changes nothing itself.
 
 mod help;
 mod legend;

@@ -197,7 +197,7 @@ fn file(ui: &mut egui::Ui, app: &App, commands: &mut Vec<Command>) {
     let mut budget = s.budget_mib;
     let slider = egui::Slider::new(&mut budget, 1..=1024).logarithmic(true).suffix(" MiB").text("budget");
     let slider = ui.add(slider.clamping(egui::SliderClamping::Edits));
-    // A file is read again for each change, so it is made when the slider is let go.
+    // Each change reads the file again, so apply the new budget only when the slider is released.
     let id = ui.scope_id().with("budget");
     if slider.changed() {
         ui.data_mut(|d| d.insert_temp(id, budget));

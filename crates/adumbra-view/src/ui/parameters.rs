@@ -12,8 +12,8 @@ pub(super) struct Changed {
 }
 
 impl Changed {
-    /// Returns the technique with this change. `change` writes it as briefly as possible. If `change` fails, the value
-    /// is written out in full, and is rejected when it is used.
+    /// Returns the technique with this change. `change` writes it as briefly as possible. If `change` fails,
+    /// the value is written out in full, and is rejected when it is used.
     pub(super) fn of(
         &self,
         spec: &SpecText,
@@ -27,7 +27,8 @@ impl Changed {
 /// Initial value of a slider without a default.
 const USUAL: f64 = 100.0;
 
-/// Shows the parameters and returns the one that was changed. `describe` returns the parameters of a nested technique.
+/// Shows the parameters and returns the one that was changed. `describe` returns the parameters of a nested
+/// technique.
 pub(super) fn show(
     ui: &mut Ui,
     salt: &str,
@@ -150,7 +151,7 @@ mod tests {
     use super::rounded;
 
     #[test]
-    fn slider_gives_three_digits() {
+    fn slider_value_has_three_digits() {
         for (value, text) in [
             (0.0, "0"),
             (0.5, "0.5"),

@@ -8,8 +8,8 @@ use crate::app::App;
 use crate::command::{Command, Side};
 use crate::shadow_file::ShownFile;
 
-/// Returns the technique's parameters. They include those that the current file does not support, such as penumbrae,
-/// because another file is baked if they are requested.
+/// Returns the technique's parameters. They include those that the current file does not support, such as
+/// penumbrae, because another file is baked if they are requested.
 fn describe(spec: &TechniqueSpec, baked: TechniqueFiles<'_>) -> Vec<Parameter> {
     let of_any = spec.describe(TechniqueFiles::default()).unwrap_or_default();
     let Ok(mut of_file) = spec.describe(baked) else { return of_any };

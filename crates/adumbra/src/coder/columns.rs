@@ -24,7 +24,8 @@ impl<C: Coder> Walk<'_, C> {
         self.rows(ranks, if known[0] { sure } else { 0 }, leaf);
     }
 
-    /// Returns the ranks whose depths are nearest to those above and to the left, and which columns above are within 2.
+    /// Returns, for each column above and to the left, the rank with the nearest depth, and a mask of the
+    /// columns above whose nearest depth is within 2.
     fn facing_ranks(&self, at: [usize; 2], base: u32, leaf: &Leaf) -> ([u8; 16], u32) {
         let cells = self.edges.facing_cells(at, leaf.slant);
         let ahead = cells.map(|cell| cell.wrapping_sub(base) as i32);
@@ -50,11 +51,11 @@ impl<C: Coder> Walk<'_, C> {
         (ranks, sure & 0xff)
     }
 
-    /// Codes rows of ranks, each as what changed from the row above. `facing` has row −1, then column −1.
+    /// Codes rows of ranks, each as its changes from the row above. `facing` has row −1, then column −1.
     ///
-    /// A row below one that is flat begins with a bit: whether it is equal to that row. Otherwise, a symbol for each half
-    /// of a row says which of its four columns changed. Where that leaves a choice, a symbol for each of these says to
-    /// what.
+    /// A row below a flat row begins with a bit: whether the two rows are equal. Otherwise, a symbol for each
+    /// half of a row says which of its four columns changed. If a changed column has more than one possible
+    /// new rank, a further code gives the rank.
     fn rows(&mut self, facing: [u8; 16], sure: u32, leaf: &mut Leaf) {
         let (mut coder, model) = (std::mem::take(&mut self.coder), &mut *self.model);
         let last = leaf.last as u8;
@@ -78,7 +79,7 @@ impl<C: Coder> Walk<'_, C> {
             for half in if is_still { 0..0 } else { 0..2 } {
                 let first = 4 * half;
                 let history = match y {
-                    // Below a flat row, which this one differs from.
+                    // The row above is flat, and this row differs from it.
                     _ if flat && changed == 0 => 18 + half as usize,
                     0 => 16 + usize::from(sure >> first & 15 == 15),
                     _ => (changed_above >> first & 15) as usize,

@@ -1,4 +1,4 @@
-//! Leaves as numbers, and what their neighbours see of them.
+//! Leaves as numbers, and the outlines that predict their neighbours.
 
 use crate::layout::depths::code::{LEAF_NEVER, LEAF_SLANTED, LEAF_WIDTH, LeafHead};
 
@@ -24,7 +24,7 @@ pub(super) struct Leaf {
 }
 
 impl Leaf {
-    /// A leaf that is to be filled.
+    /// An empty leaf, to be filled.
     pub(super) const EMPTY: Self =
         Self { last: 0, never: false, slant: 0, differences: [0; 64], ranks: [0; 64] };
 
@@ -40,7 +40,7 @@ impl Leaf {
         kind_of(self.last, self.never)
     }
 
-    /// Reads the half-words of a valid leaf. `None` unless [`Leaf::halves`] gives the same.
+    /// Reads the half-words of a valid leaf. Returns `None` if [`Leaf::halves`] would write other half-words.
     pub(super) fn read(halves: &[u16]) -> Option<Self> {
         let head = LeafHead::new(halves[0].into());
         let mut leaf = Self { last: head.last, never: head.never, ..Self::EMPTY };
@@ -122,7 +122,7 @@ fn kind_of(last: u32, never: bool) -> u8 {
     }
 }
 
-/// Returns a difference of those that begin with the half-words `stored`, of 8 << `width` bits each.
+/// Returns difference `index` of those that `stored` begins with, of 8 << `width` bits each.
 #[inline(always)]
 fn difference_at(stored: &[u16], width: u32, index: usize) -> u32 {
     match width {
@@ -146,7 +146,8 @@ pub(super) fn quarters(slant: u32, x: i32, y: i32) -> i32 {
     3 - along(gx, x) - along(gy, y)
 }
 
-/// Returns by how much a plane is nearer to the sun than at its deepest corner, in a column that may be a neighbour's.
+/// Returns how much nearer to the sun a plane is in a column than at its deepest corner. The column may be in
+/// a neighbouring leaf.
 #[inline(always)]
 pub(super) fn rise(slant: u32, x: i32, y: i32) -> u32 {
     (quarters(slant, x, y) >> 2) as u32
@@ -168,7 +169,7 @@ pub(super) mod class {
     pub(in super::super) const COUNT: usize = 5;
 }
 
-/// What neighbours see of a leaf.
+/// The part of a leaf that predicts its neighbours.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Outline {
     /// Depths of row 7, then of column 7, relative to the base, or [`NEVER_CELL`].

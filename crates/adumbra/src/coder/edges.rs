@@ -1,7 +1,7 @@
-//! Depths along the border of what was coded.
+//! Depths along the border of the coded area.
 //!
-//! The blocks above and to the left of a block are coded before it, and no other block of the same columns or rows is
-//! coded in between. One row and one column of depths are therefore enough.
+//! The blocks above and to the left of a block are coded before it, and no other block of the same columns or
+//! rows is coded in between. One row and one column of depths are therefore enough.
 
 use super::contour::{NEVER_CELL, Outline, class, gradient, quarters};
 use super::shapes::{NEVER_CHILD, Pool, Shape, UNIFORM};
@@ -11,12 +11,12 @@ use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS};
 /// Number of columns along each side of a bundle.
 const SIDE: usize = (BUNDLE_SIDE as usize) << PAGE_LEVEL;
 
-/// What a block of 8 × 8 columns sees of the one above it or to its left.
+/// A neighbouring block, above or to the left, as a predictor for a block of 8 × 8 columns.
 #[derive(Clone, Copy)]
 pub(super) struct Facing {
     /// See [`class`].
     pub(super) class: u8,
-    /// 0 where the block is uniform, else that of [`Outline::kind`].
+    /// 0 if the block is uniform, else its [`Outline::kind`].
     pub(super) kind: u8,
     /// Gradient of a leaf, or 0.
     pub(super) slant: u16,
@@ -26,7 +26,7 @@ pub(super) struct Facing {
 
 const UNKNOWN: Facing = Facing { class: class::UNKNOWN, kind: 0, slant: 0, shape: UNIFORM };
 
-/// The border of what was coded.
+/// The border of the coded area.
 pub(super) struct Edges {
     /// Depth of the last coded column of each x.
     pub(super) bottom: Vec<u32>,
@@ -39,13 +39,13 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Begins where nothing was coded.
+    /// Returns the border before anything is coded.
     pub(super) fn new() -> Self {
         let (cells, blocks) = (vec![NEVER; SIDE], vec![UNKNOWN; SIDE >> LEAF_LEVEL]);
         Self { bottom: cells.clone(), right: cells, above: blocks.clone(), left: blocks }
     }
 
-    /// Forgets what is next to a square.
+    /// Forgets the neighbours above and to the left of a square.
     pub(super) fn forget(&mut self, at: [usize; 2], level: u32) {
         self.set(at, level, NEVER, UNKNOWN);
     }
@@ -66,8 +66,8 @@ impl Edges {
         self.set(at, level, depth, Facing { class, ..UNKNOWN });
     }
 
-    /// Returns the depths of the columns above and to the left of a leaf, deeper by what the leaf's slant would rise
-    /// there. [`NEVER`] stays as it is.
+    /// Returns the depths of the columns above and to the left of a leaf, each plus the rise of the leaf's
+    /// slant in that column. [`NEVER`] stays as it is.
     #[inline]
     pub(super) fn facing_cells(&self, [x, y]: [usize; 2], slant: u32) -> [u32; 16] {
         let mut cells = [0; 16];

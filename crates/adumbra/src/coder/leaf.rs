@@ -1,4 +1,4 @@
-//! What is inside a leaf: its head, its slant and the differences of its depths.
+//! The inside of a leaf: its head, its slant and the differences of its depths.
 
 use super::Fault;
 use super::contour::{Leaf, class};
@@ -6,11 +6,12 @@ use super::edges::Facing;
 use super::rans::Coder;
 use super::walk::{RECENT_SLANTS, Walk, to_front};
 
-/// Symbols of a leaf's head. 0 is a single depth, which is slanted. Then each last rank from 1 to 3 has four, by whether
-/// the last depth is never and whether the leaf is slanted.
+/// Symbols of a leaf's head. 0 is a single depth, which is slanted. Then each last rank from 1 to 3 has four,
+/// by whether the last depth is never and whether the leaf is slanted.
 const FROM_4: u32 = 13;
 const FROM_8: u32 = 14;
-/// Symbol of a gradient that is coded by its change. 0 and 1 are those above and to the left, the others recent ones.
+/// Symbol of a gradient that is coded by its change. 0 and 1 are those above and to the left, the others
+/// recent ones.
 const OTHER_SLANT: u32 = 15;
 
 impl<C: Coder> Walk<'_, C> {
@@ -49,7 +50,7 @@ impl<C: Coder> Walk<'_, C> {
         if flags & 2 != 0 {
             leaf.slant = self.slant(leaf.slant, facing.map(|f| f.slant.into()));
         }
-        // A single depth without a gradient is no leaf.
+        // A single depth without a gradient is not a leaf.
         if last == 0 && leaf.slant == 0 { Err(Fault) } else { Ok(()) }
     }
 

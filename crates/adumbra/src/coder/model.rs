@@ -1,4 +1,4 @@
-//! All adaptive probabilities, each with what it depends on, and the codes of numbers and depths.
+//! All adaptive probabilities, each with its context, and the codes of numbers and depths.
 
 use super::contour::class;
 use super::rans::{Bit, Coder, Symbol};
@@ -48,10 +48,11 @@ impl Number {
     }
 }
 
-/// A depth that may be one of six that are known.
+/// A depth that may equal one of six known depths.
 #[derive(Clone, Copy)]
 pub(super) struct Depth {
-    /// Which of the known depths it is, or the length of its distance, by which of them are equal.
+    /// Index of the known depth that it equals, or the length of its distance. The context: which known
+    /// depths are equal.
     way: [Symbol; 64],
     /// Whether it is less, by length.
     sign: [Bit; 16],
@@ -104,7 +105,8 @@ pub(super) struct Model {
     pub(super) count: Number,
     /// Level of each of them, as (level − 3) / 2.
     pub(super) level: Symbol,
-    /// State of a child, by level, by whether there are leaves above and to the left, and by the classes of their edges.
+    /// State of a child, by level, by whether there are leaves above and to the left, and by the classes of
+    /// their edges.
     pub(super) state: [[[Symbol; class::COUNT * class::COUNT]; 4]; 4],
     /// Place of a shape in the order of last use, by level.
     pub(super) reference: [Symbol; 4],
@@ -116,11 +118,12 @@ pub(super) struct Model {
     pub(super) node: [Depth; 4],
     /// Base of a leaf, by whether it is slanted, and by whether it has more than two depths.
     pub(super) leaf: [Depth; 4],
-    /// Head of a leaf, by what is above and to the left.
+    /// Head of a leaf, by the neighbours above and to the left.
     pub(super) head: [Symbol; 36],
     /// Last rank from 4 on, and from 8 on.
     pub(super) last: [Symbol; 2],
-    /// Whether the last depth of such a leaf is never, and whether the leaf is slanted, by the former.
+    /// For such a leaf: whether its last depth is never, and whether it is slanted, by whether its last depth
+    /// is never.
     pub(super) never: [Bit; 2],
     pub(super) slanted: [[Bit; 2]; 2],
     /// Gradient, by those above and to the left.
@@ -133,8 +136,8 @@ pub(super) struct Model {
     pub(super) difference: [Number; 24],
     /// Whether a row after a flat one is equal to it: by last rank, row, and whether the row before differed.
     pub(super) still: [[[Bit; 2]; 8]; 3],
-    /// Which of four columns change: by last rank, and by the steps of the row above, the column to the left, and the
-    /// changes of the row above.
+    /// Which of four columns change: by last rank, and by the steps of the row above, the column to the left,
+    /// and the changes of the row above.
     pub(super) row: [[Symbol; 640]; 3],
     /// The rank to which a column changes: by last rank, and by the ranks to the left and to the upper right.
     pub(super) value: [[Symbol; 48]; 4],

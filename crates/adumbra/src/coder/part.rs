@@ -10,10 +10,10 @@ use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 /// Number of words of a bundle before those of its pages.
 const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
 
-/// Codes a common section of so many words.
+/// Codes a common section of `words` words.
 ///
 /// # Errors
-/// Returns [`Fault`] if a shape leads to one that is not before it.
+/// Returns [`Fault`] if a shape points to a later shape.
 pub(crate) fn encode_common(common: &Common, words: usize) -> Result<Vec<u8>, Fault> {
     let none = Shapes::default();
     let mut walk = Walk::of_section(Encoder::default(), &none, &common.shapes);
@@ -21,7 +21,7 @@ pub(crate) fn encode_common(common: &Common, words: usize) -> Result<Vec<u8>, Fa
     Ok(walk.coder.finish(least_bytes(words)))
 }
 
-/// Decodes a common section of so many words. Returns its shapes and its words.
+/// Decodes a common section of `words` words. Returns its shapes and its words.
 ///
 /// # Errors
 /// Returns [`Fault`] if an encoder would not have written these bytes.
@@ -40,7 +40,7 @@ pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u
 /// Codes the pages of a bundle. They must be valid.
 ///
 /// # Errors
-/// Returns [`Fault`] if a page is not what a writer makes of its shapes.
+/// Returns [`Fault`] if a writer would lay out a page's shapes differently.
 pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -> Result<Vec<u8>, Fault> {
     let mut reader = Reader::of_pages(common);
     let mut roots = [Child::NEVER; BUNDLE_PAGES];
@@ -61,7 +61,7 @@ pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -
     Ok(walk.coder.finish(least_bytes(words)))
 }
 
-/// Decodes a bundle of so many words, which it returns: the heads of its pages, and the pages.
+/// Decodes a bundle of `words` words. Returns these words: the heads of its pages, then the pages.
 ///
 /// Time and memory are proportional to `words`, whatever the bytes are.
 ///

@@ -1,12 +1,13 @@
-//! Range asymmetric numeral systems with two states that take turns, and adaptive probabilities.
+//! Range asymmetric numeral systems with two interleaved states, and adaptive probabilities.
 //!
-//! A state has 32 bits and is at least 2^16 between two steps. A symbol has an interval of the numbers below 2^scale,
-//! which begins at `start` and is as long as its `frequency`. To decode, the state's lowest `scale` bits select the
-//! symbol whose interval contains them. The state then becomes `frequency · (state >> scale) + low bits − start`. If it
-//! is below 2^16, the next half-word is appended to it as its lower half. Then the states change places.
+//! A state has 32 bits and is at least 2^16 between two steps. A symbol has an interval of the numbers
+//! below 2^scale, which begins at `start` and is as long as its `frequency`. To decode, the state's lowest
+//! `scale` bits select the symbol whose interval contains them. The state then becomes
+//! `frequency · (state >> scale) + low bits − start`. If it is below 2^16, the next half-word is appended to
+//! it as its lower half. Then the states change places.
 //!
-//! The bytes are the two initial states, followed by half-words, all little-endian. Both states are 2^16 at the end.
-//! Thus a decoder can tell whether it read what an encoder wrote.
+//! The bytes are the two initial states, followed by half-words, all little-endian. Both states are 2^16 at
+//! the end. Thus a decoder can tell whether it read what an encoder wrote.
 
 use super::Fault;
 
@@ -14,7 +15,7 @@ use super::Fault;
 const BIT_SCALE: u32 = 12;
 /// Logarithm of the sum of a symbol's frequencies.
 const SYMBOL_SCALE: u32 = 15;
-/// Shift by which the probability of a bit moves towards what was coded.
+/// Shift by which the probability of a bit moves towards the coded bit.
 const BIT_SHIFT: u32 = 4;
 /// States are at least this between two steps.
 const LEAST_STATE: u32 = 1 << 16;
@@ -50,7 +51,7 @@ pub(super) struct Symbol {
     count: u16,
 }
 
-/// Shifts by which intervals move towards what was coded, by the number of symbols before.
+/// Shifts by which intervals move towards the coded symbol, by the number of symbols coded before.
 const SHIFTS: [u8; 32] = {
     let mut shifts = [4; 32];
     let mut count = 0;
@@ -65,7 +66,7 @@ const SHIFTS: [u8; 32] = {
 /// The frequency that symbols 0 to 14 approach if they are not coded.
 const LEAST_FREQUENCY: i16 = 48;
 
-/// The starts that are approached if one symbol alone is coded, by that symbol.
+/// The starts that intervals approach if only one symbol is coded, by that symbol.
 const TARGETS: [[i16; 16]; 16] = {
     let mut targets = [[0; 16]; 16];
     let mut at = 0;
@@ -90,7 +91,8 @@ impl Symbol {
         Self { starts, count: 0 }
     };
 
-    /// Intervals stay in order and are never empty: targets are [`LEAST_FREQUENCY`] apart, so a shorter interval grows.
+    /// Intervals stay in order and are never empty: targets are [`LEAST_FREQUENCY`] apart, so a shorter
+    /// interval grows.
     #[inline(never)]
     pub(super) fn adapt(&mut self, symbol: u32) {
         let shift = SHIFTS[self.count as usize & 31] & 15;
@@ -120,8 +122,8 @@ impl Symbol {
     }
 }
 
-/// Codes in either direction, so that one description of the contents serves both. A decoder ignores the last argument of
-/// each method and returns what it reads. An encoder returns that argument.
+/// Codes in either direction, so that one description of the contents serves both. A decoder ignores the last
+/// argument of each method and returns what it reads. An encoder returns that argument.
 pub(super) trait Coder: Default {
     /// Whether this is a decoder.
     const DECODES: bool;
@@ -158,7 +160,7 @@ impl<'b> Decoder<'b> {
         decoder
     }
 
-    /// Checks that the bytes end here, or after zeros that make them `least_bytes` long.
+    /// Checks that the bytes end here, or after the zeros that pad them to `least_bytes`.
     pub(super) fn finish(self, least_bytes: usize) -> Result<(), Fault> {
         let rest = self.bytes.get(self.at..).ok_or(Fault)?;
         let is_end = self.bytes.len() == self.at.max(least_bytes) && rest.iter().all(|&byte| byte == 0);
@@ -174,7 +176,7 @@ impl<'b> Decoder<'b> {
         }
     }
 
-    /// Sets the state of the step that ends. Without a branch, which would often be mispredicted.
+    /// Sets the state after a step. It has no branch, because a branch would often be mispredicted.
     #[inline(always)]
     fn advance(&mut self, state: u32) {
         let half = self.peek();
@@ -249,7 +251,8 @@ impl CodingStep {
         Self(2 | count << 2 | bits << 16)
     }
 
-    /// Returns the start and the length of the interval, and the scale: of how many parts it is, as a power of two.
+    /// Returns the start and the length of the interval, and the scale: the base-2 logarithm of the sum of
+    /// frequencies.
     fn interval(self) -> (u32, u32, u32) {
         let Self(step) = self;
         match step & 3 {
@@ -260,14 +263,14 @@ impl CodingStep {
     }
 }
 
-/// Writes coded bytes. Steps are undone in reverse order, so all are kept until the end.
+/// Writes coded bytes. Encoding runs through the steps in reverse order, so all steps are kept until the end.
 #[derive(Default)]
 pub(super) struct Encoder {
     steps: Vec<CodingStep>,
 }
 
 impl Encoder {
-    /// Returns the coded bytes, with zeros behind them if they were fewer than `least_bytes`.
+    /// Returns the coded bytes, padded with zeros to `least_bytes`.
     pub(super) fn finish(self, least_bytes: usize) -> Vec<u8> {
         let mut halves: Vec<u16> = Vec::new();
         let mut states = [LEAST_STATE; 2];

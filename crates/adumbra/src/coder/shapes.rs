@@ -1,7 +1,7 @@
 //! Shapes as a list, read from half-words, and written as half-words again.
 //!
-//! A shape has an index. Those of the common section come first, in the order in which they are stored. The shapes of a
-//! bundle follow. The half-words of a page depend on its shapes alone, see [`Layout`].
+//! A shape has an index. Those of the common section come first, in the order in which they are stored. The
+//! shapes of a bundle follow. The half-words of a page depend on its shapes alone, see [`Layout`].
 
 use std::collections::HashMap;
 
@@ -33,7 +33,7 @@ impl Child {
     /// All columns switch at the base.
     const AT_BASE: Self = Self { shape: UNIFORM, delta: 0 };
 
-    /// Whether it is in a list of shapes, and takes half-words of its own.
+    /// Whether the child is in a list of shapes, and takes half-words.
     #[inline(always)]
     pub(super) fn is_listed(self) -> bool {
         self != Self::NEVER && self != Self::AT_BASE
@@ -52,16 +52,16 @@ struct Entry {
     /// | 0 to 15 | child 0 to 15 is listed |
     /// | 16 to 31 | child 0 to 15 never switches |
     ///
-    /// A child with neither bit switches at the node's base. `0xfffc_0001`: child 0 is listed, child 1 switches at the base,
-    /// and the others never switch.
+    /// A child with neither bit switches at the node's base. `0xfffc_0001`: child 0 is listed, child 1
+    /// switches at the base, and the others never switch.
     children: u32,
     level: u8,
 }
 
-/// A list of shapes. Each comes after those that it leads to.
+/// A list of shapes. Each comes after the shapes that it points to.
 ///
-/// It takes memory in proportion to the half-words of its shapes, whatever they are: a child is listed if it takes a
-/// half-word at least.
+/// Its memory is proportional to the half-words of its shapes, because only children that take at least one
+/// half-word are listed.
 #[derive(Debug, Default)]
 pub(super) struct Shapes {
     entries: Vec<Entry>,
@@ -77,7 +77,7 @@ pub(super) fn rank_of_level(level: u32) -> usize {
 }
 
 impl Shapes {
-    /// Gives back the memory that the lists do not use.
+    /// Releases the memory that the lists do not use.
     pub(super) fn shrink_to_fit(&mut self) {
         self.entries.shrink_to_fit();
         self.leaf_halves.shrink_to_fit();
@@ -140,9 +140,9 @@ impl Shapes {
 
 /// The shapes of a part, while it is coded.
 pub(super) enum Coded<'s> {
-    /// Those that were coded.
+    /// The shapes coded so far.
     SoFar(Shapes),
-    /// All, for an encoder that codes them in order.
+    /// All shapes, for an encoder that codes them in order.
     All(&'s Shapes),
 }
 
@@ -156,8 +156,8 @@ impl Coded<'_> {
         }
     }
 
-    /// Notes a shape that was coded, and returns its index: that of the shape `source` if all are known, else what `push`
-    /// returns, which adds it.
+    /// Records a coded shape and returns its index: `source` if all shapes are known, else the result of
+    /// `push`, which adds the shape.
     #[inline(always)]
     pub(super) fn note(&mut self, source: u32, push: impl FnOnce(&mut Shapes) -> u32) -> u32 {
         match self {
@@ -187,7 +187,7 @@ pub(super) enum Shape<'s> {
 pub(super) struct Node<'s> {
     /// As in an [`Entry`].
     children: u32,
-    /// Those that are listed, and others behind them.
+    /// The listed children of the node, then those of later nodes.
     listed: &'s [Child],
 }
 
@@ -254,7 +254,7 @@ impl Common {
     /// Reads a valid common section. `places` are those of all its shapes, in order.
     ///
     /// # Errors
-    /// Returns [`Fault`] if the words are not what a writer makes of these shapes.
+    /// Returns [`Fault`] if a writer would write other words for these shapes.
     pub(crate) fn new(words: &[u32], places: &[ShapePlace]) -> Result<Self, Fault> {
         let none = Self::default();
         let mut reader = Reader::new(&none, true);
@@ -287,8 +287,8 @@ impl Common {
     }
 }
 
-/// Writes shapes as half-words: those of a page in the order of their last visit from the root, children in order, each
-/// once.
+/// Writes shapes as half-words. The shapes of a page are in post-order from the root, children in order, each
+/// written once.
 pub(super) struct Layout<'s> {
     common: &'s Common,
     pool: Pool<'s>,
@@ -340,7 +340,7 @@ impl<'s> Layout<'s> {
         }
     }
 
-    /// Writes a shape, after what it leads to, unless it was written.
+    /// Writes a shape after the shapes that it points to, unless it is already written.
     fn emit(&mut self, shape: u32) -> Result<ShapeRef, Fault> {
         let place = self.place(shape);
         if place != ShapeRef::Here(UNIFORM) {
@@ -370,8 +370,8 @@ impl<'s> Layout<'s> {
     }
 }
 
-/// Reads shapes from the half-words of valid pages, or of a valid common section. Equal shapes of pages are listed once;
-/// a common section has none.
+/// Reads shapes from the half-words of valid pages, or of a valid common section. Equal shapes of pages are
+/// listed once. A common section has no equal shapes.
 pub(super) struct Reader<'c> {
     common: &'c Common,
     /// Whether this reads a common section.
@@ -421,7 +421,7 @@ impl<'c> Reader<'c> {
         self.common.indices.get(&place).copied().ok_or(Fault)
     }
 
-    /// Reads a shape, and those that it leads to. Returns its index.
+    /// Reads a shape, and the shapes that it points to. Returns its index.
     fn shape(&mut self, code: Code<'_>, place: ShapePlace) -> Result<u32, Fault> {
         if let Some(&known) = self.indices.get(&place) {
             return Ok(known);

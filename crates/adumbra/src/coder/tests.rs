@@ -10,7 +10,7 @@ use super::{
 use crate::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page};
 use crate::layout::depths::{NEVER, ShapePlace};
 
-/// A fixed sequence that looks random (xorshift).
+/// A deterministic pseudo-random sequence (xorshift).
 struct Random(u32);
 
 impl Random {
@@ -29,7 +29,7 @@ struct PartBuilder<'c> {
     random: Random,
 }
 
-/// A page with words of its own.
+/// A page that owns its words.
 #[derive(Clone, Debug, PartialEq)]
 struct OwnedPage {
     root: u32,
@@ -48,7 +48,8 @@ impl<'c> PartBuilder<'c> {
         Self { common, own: Shapes::default(), random: Random(seed) }
     }
 
-    /// Adds a leaf of any number of depths, some slanted, some with columns that never switch, some with large differences.
+    /// Adds a leaf of any number of depths, some slanted, some with columns that never switch, some with
+    /// large differences.
     fn leaf(&mut self) -> u32 {
         let r = &mut self.random;
         let last = [1, 1, 2, 3, 5, 9, 15, 16, 20, 63][r.below(10) as usize];
@@ -152,11 +153,11 @@ fn check(pages: &Pages, common: &Common) -> Vec<u8> {
 }
 
 #[test]
-fn bits_symbols_and_numbers_come_back() {
+fn bits_symbols_and_numbers_round_trip() {
     fn code(coder: &mut impl Coder, mut seen: impl FnMut(u32, u32)) {
         let (mut random, mut bit, mut symbol) = (Random(7), [Bit::NEW; 2], [Symbol::NEW; 2]);
         for i in 0..20_000 {
-            // Rare symbols, frequent ones, and changes of what is frequent.
+            // Rare symbols, frequent symbols, and changes of which symbol is frequent.
             let rare = random.below(50) == 0;
             let value = if rare { random.below(16) } else { i / 5000 * 5 };
             seen(value, coder.symbol(&mut symbol[(i & 1) as usize], value));
@@ -202,7 +203,7 @@ fn references_to_the_common_section_are_restored() {
     let bytes = encode_common(&common, words.len()).unwrap();
     let (decoded, found) = decode_common(&bytes, words.len()).unwrap();
     assert_eq!(found, words);
-    // A root in the common section, and nodes of its leaves far and near, with small and large differences.
+    // A root in the common section, and nodes of its leaves, near and far, with small and large differences.
     let mut b = PartBuilder::new(&common, 9);
     let mut roots = vec![(50, list(9)[0])];
     let leaves = list(3);
@@ -245,7 +246,7 @@ fn far_pointers_of_a_large_page_are_restored() {
 }
 
 #[test]
-fn page_that_is_not_written_in_order_is_not_coded() {
+fn rejects_pages_that_decoder_would_not_restore() {
     let none = Common::default();
     let mut b = PartBuilder::new(&none, 3);
     let leaf = b.leaf();
@@ -261,17 +262,17 @@ fn page_that_is_not_written_in_order_is_not_coded() {
         encode_bundle(&pages_of(&pages), &none)
     };
     let OwnedPage { root, words, .. } = pages[0].clone();
-    // Words that nothing leads to, behind the root and before everything.
+    // Unreferenced words, after the root and before the first shape.
     assert_eq!(with([&words[..], &[0]].concat(), root), Err(Fault));
     assert_eq!(with([&[0], &words[..]].concat(), root + 2), Err(Fault));
-    // Words of a uniform page, and of one whose root is in the common section.
+    // A uniform page with words, and a root in the common section, which is empty.
     assert_eq!(with(words, UNIFORM), Err(Fault));
     assert_eq!(with(Vec::new(), 0), Err(Fault));
     assert_eq!(root & IN_PAGE, IN_PAGE);
 }
 
 #[test]
-fn garbage_is_refused_and_bounded() {
+fn rejects_garbage_or_decodes_exact_word_count() {
     let (common, common_words) = common_of(11, 40);
     let mut b = PartBuilder::new(&common, 21);
     let mut known = common.shapes.of_level(7).to_vec();
@@ -298,7 +299,7 @@ fn garbage_is_refused_and_bounded() {
         let mut flipped = bytes.clone();
         let at = random.below(bytes.len() as u32) as usize;
         flipped[at] ^= 1 << random.below(8);
-        // A flipped bit of a plain number gives other words. Checksums are the file's.
+        // A flipped bit of a plain number decodes to other words. Only the file's checksums detect that.
         if let Ok(found) = decode(&flipped, words) {
             assert_eq!(found.len(), words);
         }
@@ -310,7 +311,7 @@ fn garbage_is_refused_and_bounded() {
 }
 
 #[test]
-fn part_that_would_be_too_short_ends_with_zeros() {
+fn pads_highly_compressible_part_with_zeros() {
     let none = Common::default();
     let mut b = PartBuilder::new(&none, 1);
     let mut leaf = Leaf { last: 1, ..Leaf::EMPTY };
@@ -345,18 +346,19 @@ fn part_that_would_be_too_short_ends_with_zeros() {
 }
 
 #[test]
-fn outline_of_a_deep_leaf_is_risen_where_its_columns_switch() {
+fn outline_subtracts_rise_only_where_columns_switch() {
     let mut leaf = Leaf { last: 2, never: true, slant: 0x0404, ..Leaf::EMPTY };
     leaf.differences[0] = 1 << 31;
     leaf.ranks = std::array::from_fn(|c| [1, 2][c % 2]);
     let outline = Outline::of(leaf.halves(&mut [0; MOST_HALVES]));
-    // Columns 0 and 1 of row 7: 2^31 is a depth, less the rise of 7 columns, and the other never switches.
+    // Columns 0 and 1 of row 7: the first has the depth 2^31 minus the rise of 7 columns, the second never
+    // switches.
     assert_eq!(outline.cells[..2], [(1 << 31) - 7, NEVER_CELL]);
 }
 
 #[test]
-fn children_are_counted_while_they_are_decoded() {
-    // A node whose children all switch at a depth of their own: 3 half-words and 16.
+fn decoder_counts_children_against_half_word_limit() {
+    // A node whose 16 children are uniform at their own depths takes 3 + 16 half-words.
     let none = Common::default();
     let mut b = PartBuilder::new(&none, 2);
     let mut root = b.node(5, [Child { shape: UNIFORM, delta: 3 }; 16]);
@@ -378,7 +380,7 @@ fn children_are_counted_while_they_are_decoded() {
 }
 
 #[test]
-fn lists_of_shapes_take_little_more_than_their_half_words() {
+fn memory_of_shape_lists_is_within_decoding_ratio() {
     let far = Child { shape: 0, delta: 1 << 17 };
     let nodes = [
         [Child::NEVER; 16],
@@ -394,7 +396,7 @@ fn lists_of_shapes_take_little_more_than_their_half_words() {
         let mut shapes = Shapes::default();
         let smallest = Leaf { slant: 1, ..Leaf::EMPTY };
         shapes.push_leaf(smallest.halves(&mut buffer), 0);
-        // A little more than a power of two, so the lists are half empty.
+        // A little more than a power of two, so that the lists are half empty.
         for _ in 0..4200 {
             match kind.checked_sub(1) {
                 None => shapes.push_leaf(smallest.halves(&mut buffer), 0),
@@ -405,14 +407,14 @@ fn lists_of_shapes_take_little_more_than_their_half_words() {
         let (_, words) = Common::lay_out(shapes, usize::MAX).unwrap();
         all_taken.push(taken as f64 / (4 * words.len()) as f64);
     }
-    // The writer's half-words, their words and addresses come to this.
+    // Memory of the writer's half-words, their words and their addresses, relative to the words.
     let rest = 2.0 + 1.0 + 2.0;
     let most = all_taken.iter().copied().fold(0.0, f64::max);
     assert!(most + rest <= DECODING_RATIO as f64 && most > 1.0, "{all_taken:?}");
 }
 
 #[test]
-fn symbol_costs_little_if_it_is_frequent_and_is_possible_if_it_is_rare() {
+fn frequent_symbols_are_cheap_and_rare_ones_stay_possible() {
     for symbol in 0..16 {
         let mut model = Symbol::NEW;
         for _ in 0..2000 {
@@ -424,7 +426,7 @@ fn symbol_costs_little_if_it_is_frequent_and_is_possible_if_it_is_rare() {
             assert!(expected.contains(&frequency), "{symbol}, {other}: {frequency}");
         }
     }
-    // However frequencies change, none vanishes.
+    // No frequency reaches 0, however the frequencies change.
     let (mut model, mut random) = (Symbol::NEW, Random(3));
     for i in 0..100_000 {
         model.adapt(if i % 1000 < 900 { i / 1000 % 16 } else { random.below(16) });

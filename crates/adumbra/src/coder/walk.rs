@@ -1,8 +1,9 @@
-//! The order in which shapes are coded, and all of them but what is inside a leaf.
+//! The order in which shapes are coded, and the coding of everything except the inside of a leaf.
 //!
-//! Pages come in order, each from its root down. A shape is coded where it is first led to, and is a reference elsewhere.
-//! A common section is coded shape by shape, in the order in which they are stored. The same functions serve both
-//! directions. An encoder passes what is to be coded; a decoder passes anything; both get back what was coded.
+//! Pages come in order, each from its root down. A shape is coded where it is first used, and is a reference
+//! elsewhere. A common section is coded shape by shape, in the order in which they are stored. The same
+//! functions serve both directions. An encoder passes the values to code; a decoder passes any values; both
+//! get back the coded values.
 
 use super::Fault;
 use super::contour::{Leaf, MOST_HALVES, Outline, class, rise};
@@ -18,7 +19,8 @@ const RECENT: usize = 10;
 /// Number of gradients that are remembered in order of their last use.
 pub(super) const RECENT_SLANTS: usize = 13;
 
-/// Symbols of a child's state. [`ABOVE`] and [`LEFT`] are the shapes of those blocks, [`SEEN`] any other known one.
+/// Symbols of a child's state. [`ABOVE`] and [`LEFT`] are the shapes of those blocks, [`SEEN`] any other
+/// known one.
 const UNIFORM_STATE: u32 = 0;
 const NEVER_STATE: u32 = 1;
 const NEW: u32 = 2;
@@ -37,7 +39,7 @@ pub(super) struct Walk<'s, C> {
     pub(super) model: Box<Model>,
     /// Shapes that both sides know.
     common: &'s Shapes,
-    /// What an encoder codes.
+    /// The shapes that an encoder codes.
     source: Pool<'s>,
     /// Index of each own shape of the source among those that were coded, or [`UNIFORM`].
     coded: Vec<u32>,
@@ -46,7 +48,7 @@ pub(super) struct Walk<'s, C> {
     pub(super) recent_slants: [u16; RECENT_SLANTS],
     /// Number of half-words that may still be decoded.
     most_halves: usize,
-    /// The last leaf, whose memory the next one uses.
+    /// The last leaf, whose memory the next leaf reuses.
     scratch: Option<Box<Leaf>>,
 }
 
@@ -74,8 +76,8 @@ impl<'s, C: Coder> Walk<'s, C> {
         Self { own: Coded::All(shapes), ..walk }
     }
 
-    /// Codes the roots of pages, whose `delta` is the page's base. Each is a child whose parent has the base of the page
-    /// before it.
+    /// Codes the roots of pages, whose `delta` is the page's base. Each is a child whose parent has the base
+    /// of the page before it.
     pub(super) fn pages(&mut self, sources: [Child; BUNDLE_PAGES]) -> Result<[Child; BUNDLE_PAGES], Fault> {
         let mut roots = sources;
         let mut base = 0_u32;
@@ -152,7 +154,8 @@ impl<'s, C: Coder> Walk<'s, C> {
         Ok(Child { shape, delta: depth.wrapping_sub(base) })
     }
 
-    /// Returns what is above and to the left of a square. Only leaves have a shape there.
+    /// Returns the neighbours above and to the left of a square. They have a shape only if the square is a
+    /// leaf's.
     fn facing(&self, level: u32, [x, y]: [usize; 2]) -> [Facing; 2] {
         let [above, left] = [&self.edges.above[x >> LEAF_LEVEL..], &self.edges.left[y >> LEAF_LEVEL..]];
         if level == LEAF_LEVEL {
@@ -184,13 +187,14 @@ impl<'s, C: Coder> Walk<'s, C> {
         }
     }
 
-    /// Counts half-words that were decoded.
+    /// Counts decoded half-words against the limit.
     fn spend(&mut self, halves: usize) -> Result<(), Fault> {
         self.most_halves = self.most_halves.checked_sub(halves).ok_or(Fault)?;
         Ok(())
     }
 
-    /// Codes a reference to a shape by its last use, or by its number among those of its level.
+    /// Codes a reference to a shape: its place in the order of last use, or its number among the shapes of
+    /// its level.
     fn reference(&mut self, level: u32, shape: u32) -> Result<u32, Fault> {
         let rank = rank_of_level(level);
         let way = if C::DECODES {
@@ -211,7 +215,7 @@ impl<'s, C: Coder> Walk<'s, C> {
         list.get(number as usize).copied().ok_or(Fault)
     }
 
-    /// Codes the base of a known shape. Returns both.
+    /// Codes the base of a known shape. Returns the shape and its base.
     fn seen(&mut self, level: u32, at: [usize; 2], base: u32, shape: u32, target: u32) -> (u32, u32) {
         let pool = Pool { common: self.common, own: self.own.shapes() };
         if let Shape::Leaf(halves) = pool.get(shape) {
@@ -238,7 +242,7 @@ impl<'s, C: Coder> Walk<'s, C> {
         for (c, child) in children.iter_mut().enumerate() {
             let at = [x + ((c & 3) << below), y + ((c >> 2) << below)];
             *child = self.child(below, at, base, *child)?;
-            // It has a half-word at least.
+            // A listed child takes at least one half-word.
             self.spend(usize::from(child.is_listed()))?;
         }
         let before = self.common.len();
@@ -295,7 +299,8 @@ impl<'s, C: Coder> Walk<'s, C> {
     }
 }
 
-/// Puts a value first. The others keep their order, and without it the last is dropped.
+/// Moves a value to the front, and keeps the order of the others. If the value is new, the last value is
+/// dropped.
 pub(super) fn to_front<T: Copy + PartialEq, const N: usize>(recent: &mut [T; N], value: T) {
     let place = recent.iter().position(|&r| r == value).unwrap_or(N - 1);
     recent.copy_within(..place, 1);

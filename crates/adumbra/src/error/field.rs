@@ -2,8 +2,8 @@
 
 use std::fmt;
 
-/// A field or parameter that has a range. The list is complete, so that a program that tells its users which option
-/// sets a field does not compile until a new one has its option.
+/// A field or parameter that has a range. The list is complete, so that a program that tells its users which
+/// option sets a field does not compile until a new one has its option.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RangeField {
     /// Elevation of the sun.

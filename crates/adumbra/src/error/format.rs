@@ -122,7 +122,8 @@ pub enum FormatError {
         /// The common section or the bundle.
         section: String,
     },
-    /// A part is not stored as bakes store it, so a decoder would not restore it. Nothing was lost: it can be stored raw.
+    /// A part is not laid out as bakes lay it out, so a decoder would not restore it. No data is lost: it can
+    /// be stored raw.
     #[error(
         "the {section} is not written as this program does, so it cannot be coded; keep it raw, or bake it again"
     )]
@@ -135,10 +136,10 @@ pub enum FormatError {
         "it may take {needed_bytes} bytes in memory while it is read, but {limit_bytes} are allowed; allow more, or stream the file"
     )]
     TooLarge {
-        /// The file's length if that alone is too much, else what [`ShadowFile::read_within`](crate::ShadowFile::read_within)
-        /// would hold at most.
+        /// The file's length if that alone is too much, else what
+        /// [`ShadowFile::read_within`](crate::ShadowFile::read_within) would hold at most.
         needed_bytes: u64,
-        /// What is allowed.
+        /// The memory that is allowed.
         limit_bytes: u64,
     },
     /// The quadtree of depths cannot be looked up in.
@@ -151,7 +152,8 @@ pub enum FormatError {
     },
 }
 
-/// What a file is instead of one of this project's, as far as its first eight bytes tell, and what to do.
+/// Describes a file that is not one of this project's, guessed from its first eight bytes, and says what to
+/// do.
 fn instead(found: &[u8], expected: &str) -> String {
     let text = found.trim_ascii_start().to_ascii_lowercase();
     if text.starts_with(b"<!doc") || text.starts_with(b"<html") {
@@ -188,8 +190,8 @@ impl FormatError {
         }
     }
 
-    /// Returns the name of the fault in the voxels, if that is where the fault is. It is stable across versions and is
-    /// used by the test vectors.
+    /// Returns the name of the fault in the voxels, if that is where the fault is. It is stable across
+    /// versions and is used by the test vectors.
     pub fn fault(&self) -> Option<&'static str> {
         match self {
             Self::Depths { fault, .. } => Some(fault.kind()),
@@ -203,7 +205,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_shadow_file_is_named_as_what_it_is() {
+    fn magic_error_names_kind_of_foreign_file() {
         for (found, words) in [
             (&b"<!DOCTYP"[..], "it is a web page"),
             (b"\n<html>\n", "it is a web page"),

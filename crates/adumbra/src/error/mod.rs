@@ -111,7 +111,8 @@ pub struct IoError {
 }
 
 impl IoError {
-    /// Returns a function that wraps an error of the operating system with `action` and `path`. For use with `map_err`.
+    /// Returns a function that wraps an error of the operating system with `action` and `path`. For use with
+    /// `map_err`.
     pub fn at(action: &'static str, path: impl AsRef<Path>) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.as_ref().to_owned();
         move |source| {
@@ -139,7 +140,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_numbers_have_an_exponent() {
+    fn shortened_text_writes_long_numbers_with_exponent() {
         let text = format!("{} (azimuth -{}), 1.5 and 200000", 1e300, 2.5e40);
         assert_eq!(shortened(&text), "1e300 (azimuth -2.5e40), 1.5 and 200000");
         assert_eq!(shortened(&format!("{}", 1e-300)), "1e-300");

@@ -1,4 +1,4 @@
-//! A grid's common section, as it is stored and as it is used, and what coded bundles need of it.
+//! A grid's common section, as stored and as used, and the shapes that coded bundles need from it.
 
 use std::fmt;
 
@@ -12,7 +12,7 @@ use crate::settings::Encoding;
 /// Number of words of a bundle before those of its pages.
 pub const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
 
-/// Whether a coded part of so many bytes may have shapes of so many raw bytes.
+/// Whether a coded part of `stored_bytes` may have shapes of `shapes_bytes` raw bytes.
 pub(super) fn is_plausible(stored_bytes: u64, shapes_bytes: u64) -> bool {
     shapes_bytes.is_multiple_of(4) && shapes_bytes <= stored_bytes.saturating_mul(coder::LARGEST_RATIO)
 }
@@ -26,10 +26,10 @@ pub struct CommonSection {
 }
 
 impl CommonSection {
-    /// Takes the words of a common section that is to be written. `shapes` returns all of its shapes, by address.
+    /// Takes the words of a common section to be written. `shapes` returns all of its shapes, by address.
     ///
     /// # Errors
-    /// Returns [`FormatError::Uncodable`] if it is to be coded and is not written as bakes do.
+    /// Returns [`FormatError::Uncodable`] if the section is to be coded and is not laid out as bakes do.
     pub fn new(
         words: Vec<u32>,
         shapes: impl FnOnce() -> Vec<ShapePlace>,
@@ -79,10 +79,10 @@ impl CommonSection {
         if self.shapes.is_some() { Encoding::Coded } else { Encoding::Raw }
     }
 
-    /// Returns the bytes that are stored.
+    /// Returns the stored bytes.
     ///
     /// # Errors
-    /// Returns [`FormatError::Uncodable`] if the section is not written as bakes do.
+    /// Returns [`FormatError::Uncodable`] if the section is not laid out as bakes do.
     pub(super) fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         match &self.shapes {
             _ if self.words.is_empty() => Ok(Vec::new()),
@@ -91,10 +91,10 @@ impl CommonSection {
         }
     }
 
-    /// Returns the bytes that are stored of a bundle. `name` names it.
+    /// Returns the stored bytes of a bundle. `name` names the bundle.
     ///
     /// # Errors
-    /// Returns [`FormatError::Uncodable`] if the pages are to be coded and are not written as bakes do.
+    /// Returns [`FormatError::Uncodable`] if the pages are to be coded and are not laid out as bakes do.
     pub(super) fn bundle_to_bytes(
         &self,
         pages: &[Page<'_>; BUNDLE_PAGES],
@@ -114,7 +114,8 @@ impl CommonSection {
         }
     }
 
-    /// Returns the words of a bundle from its stored bytes: the heads of its pages, and the pages. `section` names it.
+    /// Returns the words of a bundle from its stored bytes: the heads of its pages, and the pages. `section`
+    /// names it.
     ///
     /// # Errors
     /// Returns [`FormatError::Coded`] if the bytes cannot be decoded.

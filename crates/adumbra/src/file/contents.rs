@@ -1,4 +1,4 @@
-//! What a file says about its parts: header, directory and tables, and the checksums of the parts.
+//! The description of a file's parts: header, directory and tables, and the checksums of the parts.
 
 use crate::error::FormatError;
 use crate::file::common::CommonSection;
@@ -65,8 +65,8 @@ pub(super) fn tables_end(front: &[u8]) -> Result<u64, FormatError> {
     Ok(grids.iter().map(|grid| grid.table.end()).max().unwrap_or_default())
 }
 
-/// Returns the length in bytes of the beginning of a file up to the end of its coarsest level. `front` is the beginning
-/// of the beginning, with header and directory.
+/// Returns the length in bytes of the beginning of a file up to the end of its coarsest level. `front` is a
+/// prefix of the file that includes header and directory.
 ///
 /// # Errors
 /// Returns the fault with the values found.

@@ -1,7 +1,7 @@
 //! The directory: an entry of 256 bytes per grid, and where the grid's parts are in the file.
 //!
-//! The tables of all grids follow the directory, finest grid first. Then come common section and bundles of each grid,
-//! coarsest grid first, so that a reader that has the beginning of a file can already answer.
+//! The tables of all grids follow the directory, finest grid first. Then come common section and bundles of
+//! each grid, coarsest grid first, so that a reader that has the beginning of a file can already answer.
 
 use crate::coder::LARGEST_RATIO;
 use crate::error::FormatError;
@@ -29,7 +29,7 @@ pub struct GridEntry {
     pub common: Section,
     /// Length of the common section's words in bytes.
     pub common_raw_bytes: u64,
-    /// The bundles, one after the other. Each has a checksum of its own, in the table.
+    /// The bundles, one after the other. The checksum of each is in the table.
     pub bundles: Section,
 }
 
@@ -133,8 +133,8 @@ pub(super) fn place(entries: &mut [GridEntry]) -> u64 {
     end
 }
 
-/// Checks that every part begins where the parts before it end, that common sections can be as long as the directory
-/// says once they are decoded, and that the file ends with the last part.
+/// Checks that every part begins where the parts before it end, that common sections can be as long as the
+/// directory says once they are decoded, and that the file ends with the last part.
 fn check_places(entries: &[GridEntry], file_bytes: u64, encoding: Encoding) -> Result<(), FormatError> {
     let mut expected = entries.to_vec();
     let end = place(&mut expected);

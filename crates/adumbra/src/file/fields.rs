@@ -1,13 +1,13 @@
-//! Reading, writing and checking the header fields that all kinds of file share. They are public for crates that define
-//! another kind, as `adumbra-papers` does.
+//! Reading, writing and checking the header fields that all kinds of file share. They are public for crates
+//! that define another kind, as `adumbra-papers` does.
 
 use crate::error::FormatError;
 use crate::file::sections::Section;
 use crate::grid::vec3::dot;
 use crate::grid::{Bounds, Sun};
 
-/// Tolerance for orthonormal axes and for the sun as a unit vector. It is far above rounding errors and far below a
-/// texel.
+/// Tolerance for orthonormal axes and for the sun as a unit vector. It is far above rounding errors and far
+/// below a texel.
 pub const UNIT_TOLERANCE: f64 = 1e-9;
 
 /// Size in bytes of magic, version and header length, with which every kind of file begins.
@@ -48,8 +48,8 @@ pub fn is_path(bytes: &[u8]) -> bool {
     bytes.starts_with(&PATH.magic)
 }
 
-/// Checks that `bytes` begin with a header of this kind: magic, version, length, and checksum in the last word. Returns
-/// the version and the fields between.
+/// Checks that `bytes` begin with a header of this kind: magic, version, length, and checksum in the last
+/// word. Returns the version and the fields between.
 ///
 /// # Errors
 /// Returns the fault with the values found: the magic, the version, the length or the checksum.
@@ -103,7 +103,8 @@ pub fn sun(towards: [f64; 3]) -> Result<Sun, FormatError> {
     Err(field("sun", format!("{towards:?}"), "a unit vector with y above zero"))
 }
 
-/// Returns the bounds if they are present according to their flag. If they are not, all their bits must be zero.
+/// Returns the bounds if they are present according to their flag. If they are not, all their bits must be
+/// zero.
 ///
 /// # Errors
 /// Returns [`FormatError::HeaderField`] if the bounds are absent but a bit is set.
@@ -182,7 +183,7 @@ impl<const N: usize> Encoder<N> {
         encoder
     }
 
-    /// Begins a record that has no magic and no checksum of its own.
+    /// Begins a record without magic and checksum.
     pub fn blank() -> Self {
         Self { bytes: [0; N], at: 0 }
     }
@@ -303,8 +304,8 @@ impl Decoder<'_> {
     /// Reads a section table of `N` entries.
     ///
     /// # Errors
-    /// Returns [`FormatError::Truncated`] if the header ends before them, and [`FormatError::HeaderField`] if a
-    /// reserved word is not zero.
+    /// Returns [`FormatError::Truncated`] if the header ends before them, and [`FormatError::HeaderField`] if
+    /// a reserved word is not zero.
     pub fn sections<const N: usize>(&mut self) -> Result<[Section; N], FormatError> {
         let mut sections = [Section::default(); N];
         for section in &mut sections {

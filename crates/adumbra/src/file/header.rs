@@ -1,5 +1,5 @@
-//! The first 256 bytes of a file: what holds for all of its grids. The offsets are in `spec/adumbra-file.md`. The
-//! fields are read and written here in file order.
+//! The first 256 bytes of a file: the fields that apply to all of its grids. The offsets are in
+//! `spec/adumbra-file.md`. The fields are read and written here in file order.
 
 use crate::error::FormatError;
 use crate::file::fields::{Encoder, LIGHT, field, identify};

@@ -1,4 +1,4 @@
-//! What a file takes in memory, from its header, directory and tables alone.
+//! The memory that a file takes, computed from its header, directory and tables alone.
 
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -10,14 +10,14 @@ use crate::file::contents::{directory_end, tables_end};
 use crate::file::{BundleEntry, Contents, GridEntry, HEAD_WORDS, HEADER_BYTES, ShadowFile, threads};
 use crate::layout::depths::{PLACED_PAGE_BYTES, page, top};
 
-/// What coding a part takes beside its words, as a multiple of them: its shapes, and tables of them that find equal ones.
-/// `docs/figures.md` has the measurement.
+/// Memory that coding a part takes in addition to its words, as a multiple of them: its shapes, and the
+/// tables that find equal shapes. `docs/figures.md` has the measurement.
 pub const CODING_RATIO: u64 = 24;
 
 /// Number of bundles that are decoded at a time. Their words are in memory twice until they are in the tree.
 pub(super) const BATCH_BUNDLES: usize = 64;
 
-/// Lengths are counted up to here. What a file says of them is not yet known to be true, and is multiplied.
+/// Largest length that is counted. The lengths in a file are not verified yet, and are multiplied.
 const MOST_BYTES: u64 = 1 << 50;
 
 /// The memory that a shadow file takes, for programs with a limit on theirs.
@@ -25,15 +25,16 @@ const MOST_BYTES: u64 = 1 << 50;
 pub struct FileMemory {
     /// Bytes of all levels, once they are read.
     pub held_bytes: u64,
-    /// Most bytes at any time while the file is read, with what is held by then. About right: how an allocator rounds is
-    /// not counted.
+    /// Peak bytes while the file is read, including the levels read so far. Approximate: rounding by the
+    /// allocator is not counted.
     pub peak_bytes: u64,
-    /// Most bytes at any time while the file is written again, coded, with what is held.
+    /// Peak bytes while the file is written again in coded form, including the levels held.
     pub writing_bytes: u64,
 }
 
 impl FileMemory {
-    /// Returns the memory of a file. `first` returns its first bytes, as many as it is asked for or as there are.
+    /// Returns the memory of a file. `first(n)` returns the first `n` bytes of the file, or all if it is
+    /// shorter.
     pub(crate) fn of(
         mut first: impl FnMut(u64) -> Result<Vec<u8>>,
         invalid: impl Fn(FormatError) -> Error,
@@ -83,11 +84,12 @@ impl FileMemory {
 }
 
 impl ShadowFile {
-    /// Returns the memory that the file at `path` takes. The file's first bytes are read, up to the end of its tables.
+    /// Returns the memory that the file at `path` takes. The file's first bytes are read, up to the end of
+    /// its tables.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if these bytes are not
-    /// valid.
+    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if these
+    /// bytes are not valid.
     #[doc(hidden)]
     pub fn memory(path: impl AsRef<Path>) -> Result<FileMemory> {
         let path = path.as_ref();
@@ -105,7 +107,7 @@ impl ShadowFile {
     }
 }
 
-/// Returns the bytes of a level that was read.
+/// Returns the bytes that a level holds once it is read.
 fn held_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let size = grid.grid.size;
     let count = |dims: [u32; 2]| dims.map(u64::from).iter().product::<u64>();
@@ -114,15 +116,15 @@ fn held_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     common_bytes(grid) + pages + PLACED_PAGE_BYTES * count(page::page_dims(size)) + 8 * blocks
 }
 
-/// Returns the bytes that a level takes while it is read, beside what is held.
+/// Returns the bytes that a level takes while it is read, in addition to the bytes held.
 fn decoding_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let batches = table.chunks(BATCH_BUNDLES).map(|batch| batch.iter().map(page_bytes).sum::<u64>());
     let words = common_bytes(grid) + batches.max().unwrap_or_default();
     words + DECODING_RATIO * shapes_bytes(grid, table)
 }
 
-/// Returns the bytes of words whose shapes are listed at a time, to be coded or decoded: the common section, and a bundle on
-/// each thread.
+/// Returns the bytes of the words whose shapes are in lists at one time, while they are coded or decoded: the
+/// common section, and one bundle per thread.
 fn shapes_bytes(grid: &GridEntry, table: &[BundleEntry]) -> u64 {
     let largest = table.iter().map(page_bytes).max().unwrap_or_default();
     let all = table.iter().map(page_bytes).sum();
@@ -143,7 +145,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lengths_that_cannot_be_true_are_too_much() {
+    fn forged_lengths_give_huge_memory_without_overflow() {
         let bytes = std::fs::read(adumbra_testing::vectors("valid/many_pages_depths.adumbra")).unwrap();
         let contents = Contents::parse(&bytes).unwrap();
         let true_bytes = FileMemory::of_contents(&contents).peak_bytes;

@@ -1,5 +1,5 @@
-//! The `.adumbra` file: conversion between its bytes and grids, settings and voxels. `spec/adumbra-file.md` specifies the
-//! format for readers in other languages.
+//! The `.adumbra` file: conversion between its bytes and grids, settings and voxels. `spec/adumbra-file.md`
+//! specifies the format for readers in other languages.
 //!
 //! | part | bytes | meaning |
 //! |---|---|---|
@@ -10,8 +10,9 @@
 //! | bundles | | of the coarsest grid: 4 × 4 pages each, along a Hilbert curve |
 //! | … | | common section and bundles of the finer grids |
 //!
-//! All values are little-endian. Nothing is stored twice and nothing varies between runs: there is one raw file for given
-//! contents, and one coded file. In a coded file common sections and bundles are stored in fewer bytes (`common.rs`).
+//! All values are little-endian. Nothing is stored twice and nothing varies between runs: there is one raw
+//! file for given contents, and one coded file. In a coded file common sections and bundles are stored in
+//! fewer bytes (`common.rs`).
 
 mod common;
 mod contents;
@@ -64,7 +65,7 @@ pub struct Level {
     pub tree: Arc<DepthTree>,
 }
 
-/// What a file says about its parts.
+/// The description of a file's parts.
 #[doc(hidden)]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contents {
@@ -91,14 +92,14 @@ impl ShadowFile {
         self
     }
 
-    /// Returns the number of levels of detail, at least 1. Level 0 is the finest, and each has voxels four times as large
-    /// as the one before it.
+    /// Returns the number of levels of detail, at least 1. Level 0 is the finest, and each has voxels four
+    /// times as large as the one before it.
     pub fn level_count(&self) -> u32 {
         1 + self.coarser.len() as u32
     }
 
-    /// Returns a level as a file of its own, with the levels coarser than it. `None` if there is no such level. The
-    /// voxels are shared, so this is cheap.
+    /// Returns a level as a separate file, with the levels coarser than it. `None` if there is no such level.
+    /// The voxels are shared, so this is cheap.
     pub fn level(&self, level: u32) -> Option<Self> {
         if level == 0 {
             return Some(self.clone());
@@ -110,8 +111,8 @@ impl ShadowFile {
         Some(Self { grid, settings, tree, coarser: self.coarser[at + 1..].to_vec() })
     }
 
-    /// Returns the file with positions in the world. Those in the file of a region are relative to the region's origin; of
-    /// other files nothing changes. The voxels are shared, so this is cheap.
+    /// Returns the file with positions in the world. Those in the file of a region are relative to the
+    /// region's origin; of other files nothing changes. The voxels are shared, so this is cheap.
     #[must_use]
     pub fn in_world(mut self) -> Self {
         if let Some(region) = self.settings.region.take() {

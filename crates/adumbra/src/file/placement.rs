@@ -1,5 +1,5 @@
-//! The settings and the placement of a grid, as headers hold them: those of shadow files and those of graph files, which
-//! `adumbra-papers` defines.
+//! The settings and the placement of a grid, as headers hold them: those of shadow files and those of graph
+//! files, which `adumbra-papers` defines.
 
 use std::f64::consts::PI;
 
@@ -32,7 +32,7 @@ pub fn flags(settings: &FileSettings) -> u32 {
         | bit(settings.scene_is_z_up, SCENE_IS_Z_UP)
 }
 
-/// Returns settings with what the field `flags` says. `box_given` is the field `bounds`.
+/// Returns settings with the values of the field `flags`. `box_given` is the field `bounds`.
 ///
 /// # Errors
 /// Returns [`FormatError::HeaderField`] for unknown flags, and for bounds that the flags do not announce.
@@ -98,7 +98,7 @@ pub fn check_grid(grid: &LightGrid) -> Result<(), FormatError> {
     Err(field("axes", format!("{:?}", grid.axes), expected))
 }
 
-// Both are written so that a NaN anywhere fails.
+// Both checks fail if any component is NaN.
 
 fn is_along_light(grid: &LightGrid) -> bool {
     let [x, y, z] = grid.axes;

@@ -22,20 +22,20 @@ impl ShadowFile {
     /// The header is read first, so a large file of another kind is refused without being read.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if the file is not
-    /// valid.
+    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if the
+    /// file is not valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
         Self::from_bytes(&bytes).map_err(|fault| invalid(path, fault))
     }
 
-    /// Reads and validates the file at `path` if that takes at most `limit_bytes` of memory, the file's own bytes with
-    /// it.
+    /// Reads and validates the file at `path` if that takes at most `limit_bytes` of memory, the file's own
+    /// bytes with it.
     ///
-    /// For files from others: a file of a few megabytes is often five times as large in memory, and a forged one can be
-    /// 300 times as large. Header, directory and tables say how large it can be, so one that may be too large is
-    /// refused before the rest is read. A pipe cannot be read this way.
+    /// For files from others: a file of a few megabytes is often five times as large in memory, and a forged
+    /// one can be 300 times as large. Header, directory and tables say how large it can be, so one that may
+    /// be too large is refused before the rest is read. A pipe cannot be read this way.
     ///
     /// # Errors
     /// Returns the errors of [`ShadowFile::read`], and [`Error::Format`] with [`FormatError::TooLarge`].
@@ -57,8 +57,8 @@ impl ShadowFile {
 
     /// Decodes and validates a whole file.
     ///
-    /// Cost: time linear in the decoded words; memory for them once, and for the file's bytes. Besides, 64 bundles are
-    /// decoded at a time.
+    /// Cost: time linear in the decoded words; memory for them once, and for the file's bytes. Besides, 64
+    /// bundles are decoded at a time.
     ///
     /// # Errors
     /// Returns the fault with the values found. All bytes that are not exactly one valid file are refused.
@@ -66,8 +66,8 @@ impl ShadowFile {
         Self::from_bytes_within(bytes, u64::MAX)
     }
 
-    /// Decodes and validates a whole file if that takes at most `limit_bytes` of memory, as [`ShadowFile::read_within`]
-    /// does.
+    /// Decodes and validates a whole file if that takes at most `limit_bytes` of memory, as
+    /// [`ShadowFile::read_within`] does.
     ///
     /// # Errors
     /// Returns the errors of [`ShadowFile::from_bytes`], and [`FormatError::TooLarge`].
@@ -128,12 +128,12 @@ impl Part<'_> {
             Ok(bundle)
         };
         for batch in stored.chunks(BATCH_BUNDLES) {
-            // The error is that of the first bundle that has one.
+            // Return the error of the first bundle that fails.
             for (&(i, ..), bundle) in batch.iter().zip(each(batch, parse)) {
                 builder.add(places[i], &bundle?.pages());
             }
         }
-        // The lists of its shapes are as large as what checking takes.
+        // Free the lists of shapes: they are as large as the memory that checking needs.
         drop(common);
         let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
         let mut ranges = Ranges::new(tree.common());

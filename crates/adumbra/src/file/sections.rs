@@ -1,5 +1,5 @@
-//! The sections after a header: their offsets, padding and checksums, and reading and writing files that consist of
-//! them.
+//! The sections after a header: their offsets, padding and checksums, and reading and writing files that
+//! consist of them.
 
 use std::borrow::Cow;
 use std::fs::File;
@@ -46,8 +46,8 @@ fn align(offset: u64) -> u64 {
     offset.checked_next_multiple_of(ALIGNMENT).unwrap_or(u64::MAX)
 }
 
-/// Checks that sections have the offsets that [`lay_out`] gives them, and valid lengths. `expected` is called with a
-/// section's index and length, and returns the required length as text if the length is wrong.
+/// Checks that sections have the offsets that [`lay_out`] gives them, and valid lengths. `expected` is called
+/// with a section's index and length, and returns the required length as text if the length is wrong.
 ///
 /// # Errors
 /// Returns [`FormatError::SectionBounds`] with the first section that has a wrong offset or length.
@@ -80,8 +80,8 @@ pub fn bounds(
     FormatError::SectionBounds { section: section.into(), field, value, expected: expected.into() }
 }
 
-/// Returns the bytes of each section, after checking padding, lengths and checksums. The order of the sections must
-/// have been checked with the header.
+/// Returns the bytes of each section, after checking padding, lengths and checksums. The order of the
+/// sections must have been checked with the header.
 ///
 /// # Errors
 /// Returns the fault with the values found.
@@ -119,12 +119,12 @@ pub fn split<'a, const N: usize>(
     Ok(parts)
 }
 
-/// Reads the file at `path`. `file_bytes` receives the first `header_bytes` bytes, or all of a shorter file, and
-/// returns the length of the file. So a large file of another kind is refused without being read.
+/// Reads the file at `path`. `file_bytes` receives the first `header_bytes` bytes, or all of a shorter file,
+/// and returns the length of the file. So a large file of another kind is refused without being read.
 ///
 /// # Errors
-/// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] with an error of
-/// `file_bytes`.
+/// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] with an error
+/// of `file_bytes`.
 pub fn read_file(
     path: &Path,
     header_bytes: usize,

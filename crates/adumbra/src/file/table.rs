@@ -76,8 +76,8 @@ impl BundleEntry {
         Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })
     }
 
-    /// Checks that the range is that of the bundle's pages, which are valid, and that nothing is stored where one depth
-    /// suffices.
+    /// Checks that the range is that of the bundle's pages, which are valid, and that nothing is stored where
+    /// one depth suffices.
     pub(super) fn check_range(
         &self,
         pages: &[Page<'_>; BUNDLE_PAGES],
@@ -107,10 +107,10 @@ pub struct StoredBundle {
 }
 
 impl StoredBundle {
-    /// Encodes the pages of a bundle at this place, in a grid of so many pages.
+    /// Encodes the pages of the bundle at this place, in a grid of `page_dims` pages.
     ///
     /// # Errors
-    /// Returns [`FormatError::Uncodable`] if the file is coded and the pages are not written as bakes do.
+    /// Returns [`FormatError::Uncodable`] if the file is coded and the pages are not laid out as bakes do.
     pub fn new(
         bundle: [u32; 2],
         page_dims: [u32; 2],
@@ -184,7 +184,8 @@ impl Bundle {
         })
     }
 
-    /// Checks what the tree does not show: that pages outside the grid and uniform pages are as writers write them.
+    /// Checks what the tree does not show: that pages outside the grid and uniform pages are as writers write
+    /// them.
     pub(super) fn check_pages(
         &self,
         entry: &BundleEntry,
@@ -229,8 +230,8 @@ fn is_uniform(pages: &[Page<'_>]) -> bool {
     pages.iter().all(|page| *page == Page::uniform(pages[0].base))
 }
 
-/// Returns the range of a bundle's pages that are inside the grid, and whether all of their columns switch at one
-/// depth.
+/// Returns the range of a bundle's pages that are inside the grid, and whether all of their columns switch at
+/// one depth.
 fn range_of(
     bundle: [u32; 2],
     page_dims: [u32; 2],

@@ -21,8 +21,8 @@ impl ShadowFile {
     /// Writes the bytes of the file to `out`, from its position on. Returns their number.
     ///
     /// # Errors
-    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if the contents are not valid,
-    /// or cannot be coded although they are to be.
+    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if the contents are
+    /// not valid, or if they are to be coded and cannot be.
     pub fn write_to(&self, out: impl Write + Seek, encoding: Encoding) -> io::Result<u64> {
         let levels = self.levels();
         let grids: Vec<LightGrid> = levels.iter().map(|level| level.grid).collect();
@@ -46,13 +46,13 @@ impl ShadowFile {
     /// Returns the bytes of the file.
     ///
     /// # Errors
-    /// Returns the fault if the contents are not valid, or cannot be coded although they are to be.
+    /// Returns the fault if the contents are not valid, or if they are to be coded and cannot be.
     pub fn to_bytes(&self, encoding: Encoding) -> Result<Vec<u8>, FormatError> {
         let capacity = if encoding == Encoding::Raw { self.encoded_len() } else { 0 };
         let mut bytes = Cursor::new(Vec::with_capacity(capacity as usize));
         match self.write_to(&mut bytes, encoding) {
             Ok(_) => Ok(bytes.into_inner()),
-            // Memory itself gives no errors.
+            // Writing to memory gives no I/O errors.
             Err(error) => Err(error.downcast().unwrap_or(FormatError::TrailingBytes { end: 0 })),
         }
     }
@@ -69,7 +69,8 @@ impl ShadowFile {
     }
 }
 
-/// Writes a file part by part: for each grid, the coarsest first, its common section and then its bundles in order.
+/// Writes a file part by part: for each grid, the coarsest first, its common section and then its bundles in
+/// order.
 pub struct FileWriter<W> {
     out: W,
     /// Position of the file's first byte.
@@ -91,8 +92,8 @@ impl<W: Write + Seek> FileWriter<W> {
     /// Begins a file with these grids, the finest first.
     ///
     /// # Errors
-    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if settings or grids are not
-    /// valid. Nothing has been written then.
+    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`FormatError`] if settings or
+    /// grids are not valid. Nothing has been written then.
     pub fn new(
         mut out: W,
         settings: FileSettings,
@@ -154,8 +155,8 @@ impl<W: Write + Seek> FileWriter<W> {
         Ok(())
     }
 
-    /// Writes tables, directory and header, and returns the number of bytes of the file. Every bundle of every grid
-    /// must have been written.
+    /// Writes tables, directory and header, and returns the number of bytes of the file. Every bundle of
+    /// every grid must have been written.
     ///
     /// # Errors
     /// Returns the errors of the output.

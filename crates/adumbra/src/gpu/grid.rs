@@ -7,11 +7,12 @@ use crate::query::{FIXED_ONE, MAX_FIXED_SIDE};
 /// Largest length of a step, in voxels.
 const STEP_VOXELS: f64 = 8.0;
 
-/// The WGSL structure `AdumbraGridTransform`: the transform from positions relative to an anchor to grid positions.
+/// The WGSL structure `AdumbraGridTransform`: the transform from positions relative to an anchor to grid
+/// positions.
 ///
-/// A position is split into whole steps of 4 to 8 voxels, whose contribution is exact in integers, and a remainder. A
-/// look-up is thus accurate to within 1e-5 voxels, however large the grid. Fixed-point numbers have [`FIXED_ONE`] per
-/// voxel, and wrap around.
+/// A position is split into whole steps of 4 to 8 voxels, whose contribution is exact in integers, and a
+/// remainder. A look-up is thus accurate to within 1e-5 voxels, however large the grid. Fixed-point numbers
+/// have [`FIXED_ONE`] per voxel, and wrap around.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GridParameters {
     /// Rows of the linear map from world to grid, see [`Frame::axes`](crate::Frame::axes).
@@ -51,8 +52,9 @@ impl GridParameters {
         Self::of(grid.axes, grid.edges, grid.voxel_size, grid.size, anchor_voxels)
     }
 
-    /// Creates the transform for a cube whose axes are the world's, with its corner at `corner_world` and `side` voxels
-    /// of `voxel_size` world units a side. Positions in the shader are relative to `anchor_world`.
+    /// Creates the transform for a cube whose axes are the world's, with its corner at
+    /// `corner_world` and `side` voxels of `voxel_size` world units a side. Positions in the shader are
+    /// relative to `anchor_world`.
     ///
     /// # Errors
     /// Returns [`RangeError`] if a side has more than [`MAX_FIXED_SIDE`] voxels.

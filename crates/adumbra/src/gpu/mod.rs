@@ -1,11 +1,11 @@
-//! The contents of a file for shaders, independent of any graphics library: its words, its parameter block, both
-//! combined in a texture, and the list of WGSL files that read them.
+//! The contents of a file for shaders, independent of any graphics library: its words, its parameter block,
+//! both combined in a texture, and the list of WGSL files that read them.
 //!
 //! There are two ways to give a shader a file:
 //!
 //! - *Buffers.* [`FileForGpu::words`] go into a storage buffer, [`Parameters`] into a uniform buffer.
-//! - *A texture.* [`LookUpTexture`] holds both in rows of texels, `R32Uint` or `Rgba8Unorm`, for engines whose
-//!   materials can add a texture but no buffer. `spec/look-up-texture.md` describes it.
+//! - *A texture.* [`LookUpTexture`] holds both in rows of texels, `R32Uint` or `Rgba8Unorm`, for engines
+//!   whose materials can add a texture but no buffer. `spec/look-up-texture.md` describes it.
 //!
 //! [`wgsl_files`] lists the files of `adumbra-shaders` for either way.
 //!
@@ -46,7 +46,7 @@ pub struct FileForGpu<'f> {
 }
 
 impl ShadowFile {
-    /// Returns what a shader needs of the file.
+    /// Returns the file's contents in the form that shaders read.
     pub fn gpu(&self) -> FileForGpu<'_> {
         FileForGpu { file: self }
     }
@@ -58,8 +58,8 @@ impl<'f> FileForGpu<'f> {
         Words::new(&self.file.tree)
     }
 
-    /// Returns the parameters of a look-up, for a uniform buffer. Positions in the shader are relative to `anchor_world`,
-    /// which is near the camera.
+    /// Returns the parameters of a look-up, for a uniform buffer. Positions in the shader are relative to
+    /// `anchor_world`, which is near the camera.
     ///
     /// # Errors
     /// Returns the errors of [`Parameters::new`].
@@ -67,7 +67,7 @@ impl<'f> FileForGpu<'f> {
         Parameters::new(self.file, look_up, anchor_world)
     }
 
-    /// Returns the header of the file's texture alone: for an engine that writes the words to a place of its own. Positions
+    /// Returns only the header of the file's texture, for an engine that places the words itself. Positions
     /// in the shader are relative to the same anchor as in [`FileForGpu::texture`].
     ///
     /// # Errors

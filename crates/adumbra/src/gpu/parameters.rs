@@ -1,5 +1,5 @@
-//! The parameter block of a look-up: the placement of the grid, the location of the file's words, and the bias and
-//! filter.
+//! The parameter block of a look-up: the placement of the grid, the location of the file's words, and the
+//! bias and filter.
 
 use std::ops::RangeInclusive;
 
@@ -29,8 +29,8 @@ impl Default for Penumbra {
 impl Penumbra {
     /// Full angles of a sun whose penumbrae can be looked up, degrees.
     pub const ANGLES_DEGREES: RangeInclusive<f64> = 0.01..=20.0;
-    /// Largest radii of penumbrae that can be looked up, texels. With larger ones, depths on the receiver's plane would
-    /// overflow 32 bits.
+    /// Largest radii of penumbrae that can be looked up, texels. With larger ones, depths on the receiver's
+    /// plane would overflow 32 bits.
     pub const RADII_TEXELS: RangeInclusive<f64> = 1.0..=64.0;
 
     fn check(&self) -> Result<(), RangeError> {
@@ -58,7 +58,7 @@ pub struct LookUp {
     pub bias: Option<Bias>,
     /// Penumbrae in place of the filter, for `core/depths_soft.wgsl`.
     pub penumbra: Option<Penumbra>,
-    /// Where the app has the file's world.
+    /// Placement of the file's world in the app's.
     pub placement: Placement,
 }
 
@@ -72,7 +72,7 @@ pub struct LookUp {
 /// | 288 | 16 | bias: constant, slope, normal offset in texels; factor 1 |
 /// | 304 | 4 | first word of the table of blocks |
 /// | 308 | 4 | number of coarser levels that follow |
-/// | 312 | 4 | 1 if pages may be absent, 2 if their weights follow the table besides, else 0 |
+/// | 312 | 4 | 1 if pages may be absent, 2 if their weights also follow the table, else 0 |
 /// | 316 | 4 | first word of code |
 /// | 320 | 4 | filter width, texels |
 /// | 324 | 4 | texels by which the sun's cone widens per voxel of depth; 0 without penumbrae |
@@ -93,9 +93,10 @@ pub struct Parameters {
     pub table_offset: u32,
     /// Number of coarser levels that can answer where pages are absent. 0 unless the file is streamed.
     pub coarser_levels: u32,
-    /// Whether pages may be absent, so that look-ups have to ask. `false` unless the file is streamed.
+    /// Whether pages may be absent, so that look-ups have to check. `false` unless the file is streamed.
     pub may_lack_pages: bool,
-    /// Whether a weight per page follows the table of blocks. `false` unless a streamed file fades its levels.
+    /// Whether a weight per page follows the table of blocks. `false` unless a streamed file fades its
+    /// levels.
     pub pages_fade: bool,
     /// Index of the first word of code among the words.
     pub code_offset: u32,
@@ -103,10 +104,11 @@ pub struct Parameters {
     pub filter_width: u32,
     /// Texels by which the sun's cone widens per voxel of depth; 0 without penumbrae.
     pub sun_cone: f32,
-    /// Largest radius of a penumbra, texels; 0 without penumbrae. In the oblique frame this is its short radius.
+    /// Largest radius of a penumbra, texels; 0 without penumbrae. In the oblique frame this is its short
+    /// radius.
     pub max_radius_texels: f32,
-    /// Rows of the map from the unit circle across the light to the ellipse that is its outline in grid x and y, see
-    /// [`LightGrid::circle_across_light`].
+    /// Rows of the map from the unit circle across the light to the ellipse that is its outline in grid x and
+    /// y, see [`LightGrid::circle_across_light`].
     pub penumbra: [[f32; 2]; 2],
 }
 
@@ -128,8 +130,8 @@ impl Parameters {
     /// Creates the parameters of a look-up in a file. Positions in the shader are relative to `anchor_world`.
     ///
     /// # Errors
-    /// Returns [`Error::Range`](crate::Error::Range) if the bias or the penumbrae are out of range, or the grid is too
-    /// large for look-ups on a GPU.
+    /// Returns [`Error::Range`](crate::Error::Range) if the bias or the penumbrae are out of range, or the
+    /// grid is too large for look-ups on a GPU.
     pub fn new(file: &ShadowFile, look_up: &LookUp, anchor_world: [f64; 3]) -> Result<Self> {
         let words = WordPlaces {
             block_level: file.tree.root_level(),
@@ -140,8 +142,8 @@ impl Parameters {
         Self::of_grid(&file.grid, file.settings.bias, words, look_up, anchor_world)
     }
 
-    /// Creates the parameters of a look-up in words that are at these places, with the file's bias unless `look_up` has
-    /// one.
+    /// Creates the parameters of a look-up in words at these places. The bias is the file's unless `look_up`
+    /// has one.
     pub(crate) fn of_grid(
         grid: &LightGrid,
         bias: Bias,
@@ -176,8 +178,8 @@ impl Parameters {
         Ok(parameters)
     }
 
-    /// Sets the world position that positions in the shader are relative to. `grid` is that of the file, placed as the
-    /// app has it ([`LightGrid::placed`]).
+    /// Sets the world position that positions in the shader are relative to. `grid` is the file's grid with
+    /// the app's placement ([`LightGrid::placed`]).
     ///
     /// # Errors
     /// Returns [`RangeError`] only if the grid itself is too large.

@@ -1,9 +1,9 @@
-//! The look-up texture, version 3: a file's words and its parameter block in rows of texels. `spec/look-up-texture.md`
-//! describes it.
+//! The look-up texture, version 3: a file's words and its parameter block in rows of texels.
+//! `spec/look-up-texture.md` describes it.
 //!
-//! A texel is one little-endian word. With the format `R32Uint` it is the word itself, with `Rgba8Unorm` its bytes from
-//! the lowest (R) to the highest (A). Word w is in column `w % width` and row `w / width`, and the width is a power of
-//! two. The first [`HEADER_WORDS`] words are the header. The file's words follow.
+//! A texel is one little-endian word. With the format `R32Uint` it is the word itself, with `Rgba8Unorm` its
+//! bytes from the lowest (R) to the highest (A). Word w is in column `w % width` and row `w / width`, and the
+//! width is a power of two. The first [`HEADER_WORDS`] words are the header. The file's words follow.
 //!
 //! | words | meaning |
 //! |---|---|
@@ -40,9 +40,10 @@ const MIN_WIDTH: u32 = HEADER_WORDS as u32;
 
 /// A file as a texture, with the parameters of look-ups in its header.
 ///
-/// Positions in the shader are relative to [`LookUpTexture::anchor_world`], the middle of the file's grid, so nothing
-/// has to be uploaded per frame. If the filter or the bias changes, only the header's bytes change; those of another
-/// placement are [`FileForGpu::texture_header`](super::FileForGpu::texture_header)'s.
+/// Positions in the shader are relative to [`LookUpTexture::anchor_world`], the middle of the file's grid, so
+/// nothing has to be uploaded per frame. If the filter or the bias changes, only the header's bytes change.
+/// For another placement, [`FileForGpu::texture_header`](super::FileForGpu::texture_header) returns the
+/// header.
 #[derive(Clone, Debug)]
 pub struct LookUpTexture {
     width: u32,
@@ -53,8 +54,9 @@ pub struct LookUpTexture {
 }
 
 impl LookUpTexture {
-    /// Creates a texture of at most `max_side` texels along each side. It is as square as a power-of-two width allows.
-    /// Devices support at least 4096 texels, most of them 8192 or 16384. Cost: one copy of the file's words.
+    /// Creates a texture of at most `max_side` texels along each side. It is as square as a power-of-two
+    /// width allows. Devices support at least 4096 texels, most of them 8192 or 16384. Cost: one copy of the
+    /// file's words.
     ///
     /// # Errors
     /// Returns [`Error::Range`](crate::Error::Range) if the file needs more texels, and the errors of
@@ -98,16 +100,16 @@ impl LookUpTexture {
         &self.bytes[..4 * HEADER_WORDS]
     }
 
-    /// Returns the header's bytes with other parameters, which must be of the same file, anchor and placement. An engine that shows
-    /// one file in several ways keeps one texture and a header for each.
+    /// Returns the header's bytes with other parameters, which must be of the same file, anchor and
+    /// placement. An engine that shows one file in several ways keeps one texture and a header for each way.
     pub fn header_with(&self, parameters: Parameters) -> Vec<u8> {
         let mut header = self.header().to_vec();
         header[4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&parameters.to_bytes());
         header
     }
 
-    /// Returns the world position that positions in the shader are relative to. Each coordinate is representable as
-    /// `f32`, so that engines can subtract it exactly.
+    /// Returns the world position that positions in the shader are relative to. Each coordinate is
+    /// representable as `f32`, so that engines can subtract it exactly.
     pub fn anchor_world(&self) -> [f32; 3] {
         self.anchor_world
     }
@@ -117,8 +119,8 @@ impl LookUpTexture {
         &self.parameters
     }
 
-    /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor, the roots
-    /// and the offsets are kept.
+    /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor,
+    /// the roots and the offsets are kept.
     pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
         let mut changed = self.parameters;
         change(&mut changed);
@@ -137,7 +139,8 @@ pub(crate) fn middle(grid: &LightGrid) -> [f32; 3] {
     grid.to_world(grid.size.map(|n| 0.5 * f64::from(n))).map(|c| c as f32)
 }
 
-/// Adds the header of a texture, or of one of its levels. `words` is the number of words after the first header.
+/// Adds the header of a texture, or of one of its levels. `words` is the number of words after the first
+/// header.
 pub(crate) fn put_header(
     out: &mut Vec<u8>,
     parameters: &Parameters,
@@ -155,8 +158,8 @@ pub(crate) fn put_header(
     out[start + 4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&parameters.to_bytes());
 }
 
-/// Returns width and height of the texture with the least area, and among equals the widest, whose width is a power of
-/// two. `None` if a side would be longer than `max_side`.
+/// Returns width and height of the texture with the least area, and among equals the widest, whose width is a
+/// power of two. `None` if a side would be longer than `max_side`.
 fn size(texels: u64, max_side: u32) -> Option<(u32, u32)> {
     let mut width = u64::from(MIN_WIDTH);
     while width * width < texels {

@@ -2,8 +2,8 @@
 
 use crate::layout::depths::DepthTree;
 
-/// The 32-bit words of a file's voxels, in two consecutive parts: the blocks at which look-ups begin, two words each;
-/// code, two half-words per word.
+/// The 32-bit words of a file's voxels, in two consecutive parts: the blocks at which look-ups begin, two
+/// words each; code, two half-words per word.
 #[derive(Clone, Copy, Debug)]
 pub struct Words<'f> {
     parts: [&'f [u32]; 2],

@@ -1,18 +1,18 @@
-//! How a grid lies in the world.
+//! The orientation of a grid in the world.
 
 use super::Sun;
 use super::vec3::{cross, dot, normalize};
 
-/// How a grid lies in the world. In either frame a sun ray is one column of voxels.
+/// The orientation of a grid in the world. In either frame a sun ray is one column of voxels.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(rename_all = "lowercase"))]
 pub enum Frame {
     /// Perpendicular to the light. Voxels are cubes, with z away from the sun and x horizontal.
     #[default]
     Light,
-    /// Upright: a shear turns the light to the vertical. x and y are horizontal, and z is depth below the top of the
-    /// grid. A voxel is a horizontal square with edges along the light, and its height equals the square's side. Roofs
-    /// and floors have constant depth, and walls along x or y are rows of texels.
+    /// Upright: a shear turns the light to the vertical. x and y are horizontal, and z is depth below the top
+    /// of the grid. A voxel is a horizontal square with edges along the light, and its height equals the
+    /// square's side. Roofs and floors have constant depth, and walls along x or y are rows of texels.
     Oblique {
         /// Angle from the world's +X to the grid's x axis, in radians, positive towards +Z.
         yaw_radians: f64,
@@ -22,9 +22,9 @@ pub enum Frame {
 impl Frame {
     /// Returns the rows of the linear map from world to grid for voxels of size 1.
     ///
-    /// In the light's frame they are unit vectors at right angles: x, y across the light, z away from the sun. In the
-    /// oblique frame they are not: z is straight down, and x and y have a part along the height, by which the light
-    /// shifts what is higher.
+    /// In the light's frame they are unit vectors at right angles: x, y across the light, z away from the
+    /// sun. In the oblique frame they are not: z is straight down, and x and y also depend on the height,
+    /// because the light shifts higher points sideways.
     pub fn axes(self, sun: &Sun) -> [[f64; 3]; 3] {
         match self {
             Self::Light => light_axes(sun),

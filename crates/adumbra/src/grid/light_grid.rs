@@ -1,9 +1,9 @@
 //! The grid of a bake and its mapping to and from world space.
 //!
-//! In grid space, x and y count texels across the light, and z counts voxels along the light, away from the sun. Voxel
-//! (i, j, k) spans [i, i+1) × [j, j+1) × [k, k+1). All points of a sun ray have the same x and y, in either [`Frame`].
-//! Source of the light-aligned space: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014.
-//! The oblique frame is not in the paper.
+//! In grid space, x and y count texels across the light, and z counts voxels along the light, away from the
+//! sun. Voxel (i, j, k) spans [i, i+1) × [j, j+1) × [k, k+1). All points of a sun ray have the same x and y,
+//! in either [`Frame`]. Source of the light-aligned space: Sintorn, Kämpe, Olsson, Assarsson, *Compact
+//! Precomputed Voxelized Shadows*, 2014. The oblique frame is not in the paper.
 
 use super::vec3::dot;
 use super::{Bounds, Frame, Sun};
@@ -13,19 +13,20 @@ use super::{Bounds, Frame, Sun};
 pub struct LightGrid {
     /// The sun that the grid is aligned with.
     pub sun: Sun,
-    /// How the grid lies in the world.
+    /// Orientation of the grid in the world.
     pub frame: Frame,
-    /// Edge length of a voxel, in world units: in the oblique frame that of its horizontal edges, and its height.
+    /// Edge length of a voxel, in world units: in the oblique frame that of its horizontal edges, and its
+    /// height.
     pub voxel_size: f64,
-    /// Grid position of the corner (0, 0, 0), in voxels from the world's origin: `axes · p / voxel_size` of that
-    /// corner.
+    /// Grid position of the corner (0, 0, 0), in voxels from the world's origin: `axes · p / voxel_size` of
+    /// that corner.
     pub corner: [f64; 3],
     /// Rows of the linear map from world to grid; see [`Frame::axes`].
     pub axes: [[f64; 3]; 3],
     /// Edges of a voxel in the world, in units of `voxel_size`; see [`Frame::edges`].
     pub edges: [[f64; 3]; 3],
-    /// Number of voxels along x, y and z. z may exceed the resolution if the scene is longer along the light than
-    /// across it.
+    /// Number of voxels along x, y and z. z may exceed the resolution if the scene is longer along the light
+    /// than across it.
     pub size: [u32; 3],
 }
 
@@ -36,8 +37,8 @@ impl LightGrid {
         Self { sun, frame, voxel_size, corner, axes, edges: frame.edges(&sun, &axes), size }
     }
 
-    /// Returns the smallest grid of voxels of `voxel_size` world units that covers `extent`, with a margin of one voxel
-    /// before its nearest and behind its farthest point along the light.
+    /// Returns the smallest grid of voxels of `voxel_size` world units that covers `extent`, with a margin of
+    /// one voxel before its nearest and behind its farthest point along the light.
     pub fn covering(sun: Sun, extent: &LightExtent, voxel_size: f64) -> Self {
         let margin = |axis: usize| if axis == 2 { 1.0 } else { 0.0 };
         let corner: [f64; 3] = std::array::from_fn(|a| extent.min[a] / voxel_size - margin(a));
@@ -48,8 +49,9 @@ impl LightGrid {
         Self::new(sun, extent.frame, voxel_size, corner, size)
     }
 
-    /// Returns the smallest grid that contains this one and begins and ends at multiples of `step` voxels from the
-    /// world's origin. Such grids of one sun, frame and voxel size share their voxels, whatever they cover.
+    /// Returns the smallest grid that contains this one and begins and ends at multiples of `step` voxels
+    /// from the world's origin. Such grids of one sun, frame and voxel size share their voxels, whatever they
+    /// cover.
     #[must_use]
     pub fn snapped_to(self, step: u32) -> Self {
         let step = f64::from(step);
@@ -96,9 +98,10 @@ impl LightGrid {
         self.edges.map(|edge| dot(edge, normal_world))
     }
 
-    /// Returns the rows of the map from the unit circle across the light to the ellipse, in grid x and y, whose points
-    /// are on the same sun rays. It is the identity in the light's frame. In the oblique frame the ellipse is longer
-    /// along the sun's compass direction. Not of a placed grid, where Y may not be up.
+    /// Returns the rows of the map from the unit circle across the light to the ellipse, in grid x and y,
+    /// whose points are on the same sun rays. It is the identity in the light's frame. In the oblique frame
+    /// the ellipse is longer along the sun's compass direction. Do not call it on a placed grid, where Y may
+    /// not be up.
     pub fn circle_across_light(&self) -> [[f64; 2]; 2] {
         let [sx, sy, sz] = self.sun.towards();
         let flat = (sx * sx + sz * sz).sqrt();
@@ -117,7 +120,8 @@ impl LightGrid {
         dot(edge, edge).sqrt() * self.voxel_size
     }
 
-    /// Returns by how many texels the radius of the cone of a sun with this full angle grows per voxel of depth.
+    /// Returns by how many texels the radius of the cone of a sun with this full angle grows per voxel of
+    /// depth.
     pub fn cone_texels_per_voxel(&self, sun_degrees: f64) -> f64 {
         libm::tan((0.5 * sun_degrees).to_radians()) * self.voxel_along_light() / self.voxel_size
     }
@@ -126,7 +130,7 @@ impl LightGrid {
 /// Extent of a set of points along the axes of a grid, in world units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightExtent {
-    /// How the axes lie in the world.
+    /// Orientation of the axes in the world.
     pub frame: Frame,
     /// The axes, see [`Frame::axes`].
     pub axes: [[f64; 3]; 3],
@@ -198,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn grid_is_a_right_handed_frame_that_maps_there_and_back() {
+    fn grid_axes_are_right_handed_and_points_round_trip() {
         for (azimuth, elevation) in [(0.0, 90.0), (31.0, 89.999_999), (200.0, 3.0), (310.0, 40.0)] {
             let sun = Sun::from_angles(azimuth, elevation).unwrap();
             for frame in FRAMES {
@@ -234,7 +238,7 @@ mod tests {
     }
 
     #[test]
-    fn circle_across_the_light_is_seen_as_the_ellipse_in_the_grid() {
+    fn circle_across_light_maps_to_ellipse_in_grid() {
         for (azimuth, elevation) in [(0.0, 90.0), (31.0, 20.0), (200.0, 60.0)] {
             let sun = Sun::from_angles(azimuth, elevation).unwrap();
             // Two unit vectors that are perpendicular to the light and to each other.
@@ -247,7 +251,7 @@ mod tests {
                     let (sine, cosine) = degrees.to_radians().sin_cos();
                     let on_circle: [f64; 3] = std::array::from_fn(|i| cosine * across[i] + sine * along[i]);
                     let [x, y, _] = grid.direction_to_grid(on_circle);
-                    // Where the ellipse comes from.
+                    // The point of the ellipse, mapped back to the unit circle.
                     let from = [(d * x - b * y) / (a * d - b * c), (a * y - c * x) / (a * d - b * c)];
                     let radius = from[0].hypot(from[1]);
                     assert!((radius - 1.0).abs() < 1e-9, "{frame:?}, {azimuth}, {degrees}: {radius}");

@@ -1,7 +1,7 @@
 //! The sun of a bake, and the placement of its grid in the world.
 //!
-//! All values are computed with additions, products, quotients and square roots of `f64`, and with `libm`'s sine and
-//! cosine, so that results are bit-identical on all machines.
+//! All values are computed with additions, products, quotients and square roots of `f64`, and with `libm`'s
+//! sine and cosine, so that results are bit-identical on all machines.
 
 mod bounds;
 mod frame;

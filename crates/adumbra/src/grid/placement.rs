@@ -1,20 +1,22 @@
-//! Where an app has a file's world: moved, turned, and scaled by one number.
+//! The placement of a file's world in an app's world: translation, rotation and uniform scale.
 //!
-//! A grid maps a world to voxels, so a placed file is the same voxels with another grid. Nothing else of a look-up
-//! changes: bias, filters and penumbrae are in texels.
+//! A grid maps a world to voxels, so a placed file has the same voxels with another grid. Nothing else of a
+//! look-up changes: bias, filters and penumbrae are in texels.
 
 use super::vec3::{cross, dot, normalize};
 use super::{LightGrid, Sun};
 use crate::error::{RangeError, RangeField};
 
-/// Largest relative difference between the scales of two axes, and largest cosine between two axes: that of products of
-/// matrices of 32-bit numbers. Points are exact all the same; bias and slopes are off by as much.
+/// Largest relative difference between the scales of two axes, and largest cosine between two axes. Products
+/// of matrices of 32-bit numbers have such errors. Points are exact nevertheless; bias and slopes have an
+/// error of this size.
 const TOLERANCE: f64 = 1e-5;
 
-/// Where an app has a file's world: moved, turned, and scaled by one number. By default it is where it was baked.
+/// The placement of a file's world in an app's world: translation, rotation and uniform scale. By default the
+/// file's world is where it was baked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placement {
-    /// The vectors that the file's X, Y and Z become, and the place of its origin.
+    /// The images of the file's X, Y and Z axes, and the position of its origin.
     columns: [[f64; 3]; 4],
     scale: f64,
 }
@@ -30,12 +32,12 @@ impl Placement {
     pub const BAKED: Self =
         Self { columns: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]], scale: 1.0 };
 
-    /// Creates the placement of a matrix from the file's world to the app's, column by column: what X, Y and Z become, and
-    /// the place of the origin. The fourth number of a column is not used.
+    /// Creates a placement from a matrix from the file's world to the app's, column by column: the images of
+    /// the X, Y and Z axes, and the position of the origin. The fourth number of a column is not used.
     ///
     /// # Errors
-    /// Returns [`RangeError`] if the matrix is not finite, has no size, mirrors, stretches one axis more than another, or
-    /// shears.
+    /// Returns [`RangeError`] if the matrix is not finite, has no size, mirrors, stretches one axis more than
+    /// another, or shears.
     pub fn from_matrix(world_from_file: [[f64; 4]; 4]) -> Result<Self, RangeError> {
         let columns = world_from_file.map(|[x, y, z, _]| [x, y, z]);
         let [x, y, z, _] = columns;
@@ -68,7 +70,7 @@ impl Placement {
         Ok(Self { columns, scale: (lengths[0] + lengths[1] + lengths[2]) / 3.0 })
     }
 
-    /// Returns what a length of 1 in the file's world is in the app's.
+    /// Returns the length in the app's world of a length of 1 in the file's.
     pub fn scale(&self) -> f64 {
         self.scale
     }
@@ -86,19 +88,20 @@ impl Placement {
         self.turned_back().map(|row| dot(row, apart) / self.scale)
     }
 
-    /// Converts a plane of the app's world, `n · p + d = 0`, to the file's. Its normal becomes as many times longer as the
-    /// app's world is larger.
+    /// Converts a plane of the app's world, `n · p + d = 0`, to the file's. The length of its normal is
+    /// multiplied by [`Placement::scale`].
     pub(crate) fn plane_to_file(&self, [nx, ny, nz, d]: [f64; 4]) -> [f64; 4] {
         let [x, y, z, o] = self.columns.map(|column| dot([nx, ny, nz], column));
         [x, y, z, d + o]
     }
 
-    /// Converts a direction of the app's world to the file's: that of a sun, for one. Its length stays, but for 1e-5 at most.
+    /// Converts a direction of the app's world to the file's, such as a sun's. Its length changes by 1e-5 at
+    /// most.
     pub fn direction_to_file(&self, d_world: [f64; 3]) -> [f64; 3] {
         self.turned_back().map(|row| dot(row, d_world))
     }
 
-    /// Converts a direction of the file's world to the app's. Its length stays, but for 1e-5 at most.
+    /// Converts a direction of the file's world to the app's. Its length changes by 1e-5 at most.
     pub fn direction_to_world(&self, d_file: [f64; 3]) -> [f64; 3] {
         let [x, y, z, _] = self.columns;
         std::array::from_fn(|a| (x[a] * d_file[0] + y[a] * d_file[1] + z[a] * d_file[2]) / self.scale)
@@ -113,9 +116,10 @@ impl Placement {
 }
 
 impl LightGrid {
-    /// Returns the grid in the world of an app that has placed the file. The sun may then be below the app's horizon.
-    /// [`LightGrid::frame`] is still that of the file's world, and so [`LightGrid::circle_across_light`] is to be asked of the
-    /// file's own grid. A grid that is placed already is placed again from where it is.
+    /// Returns the grid in the world of an app that has placed the file. The sun may then be below the app's
+    /// horizon. [`LightGrid::frame`] still refers to the file's world, so call
+    /// [`LightGrid::circle_across_light`] on the file's own grid. Placing a placed grid combines the two
+    /// placements.
     #[must_use]
     pub fn placed(&self, placement: &Placement) -> Self {
         if *placement == Placement::BAKED {
@@ -144,7 +148,7 @@ mod tests {
     use super::*;
     use crate::grid::Frame;
 
-    /// A turn about the diagonal by 120 degrees, which X, Y and Z become Y, Z and X by.
+    /// A rotation about the diagonal by 120 degrees, which maps X, Y and Z to Y, Z and X.
     fn matrix(scale: f64, place: [f64; 3]) -> [[f64; 4]; 4] {
         let [x, y, z] = place;
         [[0.0, scale, 0.0, 0.0], [0.0, 0.0, scale, 0.0], [scale, 0.0, 0.0, 0.0], [x, y, z, 1.0]]
@@ -186,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_grid_cannot_follow_is_refused_by_name() {
+    fn rejects_uneven_scale_shear_and_mirroring_with_reason() {
         let with = |change: fn(&mut [[f64; 4]; 4])| {
             let mut matrix = matrix(2.0, [1.0, 2.0, 3.0]);
             change(&mut matrix);

@@ -1,11 +1,12 @@
-//! Regions: the squares into which a world is cut that is too wide for one file. `spec/adumbra-regions.md` has the rules.
+//! Regions: squares that divide a world that is too wide for one file. `spec/adumbra-regions.md` has the
+//! rules.
 
 use super::LightGrid;
 use super::vec3::dot;
 use crate::error::{RangeError, RangeField};
 
-/// A square of the columns of a world. All regions of a world have the same side, and region (0, 0) begins at the world's
-/// origin. The file of a region has positions relative to the region's own origin, its middle.
+/// A square of the columns of a world. All regions of a world have the same side, and region (0, 0) begins at
+/// the world's origin. The file of a region has positions relative to the region's own origin, its middle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize), serde(deny_unknown_fields))]
 pub struct Region {
@@ -32,8 +33,8 @@ impl Region {
         Err(RangeError::new(RangeField::RegionTexels, texels, "a power of two from 1024 to 131072"))
     }
 
-    /// Returns the region of a point. Of the grid of the world, which may be placed anywhere, axes and voxel size count.
-    /// A point that is not finite is in some region.
+    /// Returns the region of a point. Only the axes and the voxel size of `grid` are used, so it may be any
+    /// grid of the world. A point that is not finite is in some region.
     pub fn containing(grid: &LightGrid, texels: u32, p_world: [f64; 3]) -> Self {
         let side = grid.voxel_size * f64::from(texels);
         let [x, y] = [0, 1].map(|a| (dot(grid.axes[a], p_world) / side).floor() as i32);
@@ -45,22 +46,23 @@ impl Region {
         [self.x, self.y].map(|n| f64::from(n) * f64::from(self.texels))
     }
 
-    /// Returns the world position of the region's origin: the middle of its columns, where z is 0. Of the grid, its edges
-    /// and its voxel size count, which must be that of the finest level.
+    /// Returns the world position of the region's origin: the middle of its columns, where z is 0. Only the
+    /// edges and the voxel size of `grid` are used. The voxel size must be that of the finest level.
     pub fn origin(&self, grid: &LightGrid) -> [f64; 3] {
         let half = 0.5 * f64::from(self.texels);
         let [x, y] = self.first_texel().map(|first| (first + half) * grid.voxel_size);
-        // Without the sign of zeros.
+        // Adding 0.0 turns −0.0 into 0.0.
         std::array::from_fn(|a| grid.edges[0][a] * x + grid.edges[1][a] * y + 0.0)
     }
 
-    /// Returns a grid of the world as the region's file has it: relative to the region's origin. `step` is how many texels of
-    /// the finest level are one of the grid's, a power of two that divides half of the region's side.
+    /// Converts a grid of the world to the grid of the region's file, which is relative to the region's
+    /// origin. `step` is the number of finest-level texels per texel of the grid, a power of two that divides
+    /// half of the region's side.
     pub fn relative(&self, grid: LightGrid, step: u32) -> LightGrid {
         self.moved(grid, step, -1.0)
     }
 
-    /// Returns a grid of the region's file as it lies in the world. It undoes [`Region::relative`].
+    /// Converts a grid of the region's file to the world. It is the inverse of [`Region::relative`].
     pub fn in_world(&self, grid: LightGrid, step: u32) -> LightGrid {
         self.moved(grid, step, 1.0)
     }

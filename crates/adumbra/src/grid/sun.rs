@@ -14,7 +14,8 @@ impl Sun {
     /// Creates a sun in the direction `towards`, which may have any length.
     ///
     /// # Errors
-    /// Returns [`Error::SunDirection`] if the vector is zero or not finite, and [`Error::SunBelowHorizon`] if y <= 0.
+    /// Returns [`Error::SunDirection`] if the vector is zero or not finite, and [`Error::SunBelowHorizon`] if
+    /// y <= 0.
     pub fn from_direction(towards: [f64; 3]) -> Result<Self> {
         let largest = towards.iter().fold(0.0_f64, |m, c| m.max(c.abs()));
         if !towards.iter().all(|c| c.is_finite()) || largest == 0.0 {
@@ -29,18 +30,18 @@ impl Sun {
         Ok(Self { towards: unit })
     }
 
-    /// Creates the sun of a file with exactly these bits. [`Sun::from_direction`] would normalize the vector again and
-    /// change the last bits.
+    /// Creates the sun of a file with exactly these bits. [`Sun::from_direction`] would normalize the vector
+    /// again and change the last bits.
     pub(crate) fn from_stored(towards: [f64; 3]) -> Self {
         Self { towards }
     }
 
-    /// Creates a sun from compass angles: `azimuth_degrees` is clockwise from -Z as seen from above (90° is +X), and
-    /// `elevation_degrees` is above the horizon.
+    /// Creates a sun from compass angles: `azimuth_degrees` is clockwise from -Z as seen from above (90° is
+    /// +X), and `elevation_degrees` is above the horizon.
     ///
     /// # Errors
-    /// Returns [`Error::Range`] if an angle is not finite or the elevation is above 90°, and [`Error::SunBelowHorizon`]
-    /// if the elevation is 0° or less.
+    /// Returns [`Error::Range`] if an angle is not finite or the elevation is above 90°, and
+    /// [`Error::SunBelowHorizon`] if the elevation is 0° or less.
     pub fn from_angles(azimuth_degrees: f64, elevation_degrees: f64) -> Result<Self> {
         if !azimuth_degrees.is_finite() || !elevation_degrees.is_finite() || elevation_degrees > 90.0 {
             return Err(RangeError::new(
@@ -87,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn sun_refuses_what_gives_no_light_from_above() {
+    fn rejects_invalid_and_below_horizon_directions() {
         for direction in [[0.0; 3], [f64::NAN, 1.0, 0.0], [f64::INFINITY, 1.0, 0.0]] {
             assert!(
                 matches!(Sun::from_direction(direction), Err(Error::SunDirection { .. })),

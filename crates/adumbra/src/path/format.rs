@@ -10,7 +10,7 @@ pub(super) const HEADER_BYTES: usize = 128;
 const STEP_BYTES: usize = 32;
 /// Size of an entry of a key in bytes.
 const KEY_BYTES: usize = 32;
-/// Keys begin at multiples of so many bytes.
+/// Keys begin at multiples of this many bytes.
 const ALIGNMENT: u64 = 8;
 /// Most steps of a path: a minute of a year each.
 const MAX_STEPS: u32 = 527_040;
@@ -21,7 +21,7 @@ const UNIT_TOLERANCE: f64 = 1e-9;
 /// Flag: the place is given.
 const HAS_PLACE: u32 = 1;
 
-/// What comes before the keys.
+/// The header and the tables, which come before the keys.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Front {
     pub(super) steps: Vec<SunStep>,
@@ -102,7 +102,7 @@ impl Front {
     }
 }
 
-/// A header, and how long the tables after it are.
+/// A header, and the length of the tables after it.
 pub(super) struct Counted {
     pub(super) front_bytes: u64,
     steps: usize,

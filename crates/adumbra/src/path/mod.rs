@@ -1,8 +1,9 @@
 //! The path of a sun: a file with a few *key* suns, and answers for any moment between them.
 //!
-//! A path file holds where the sun is, step by step, and a complete shadow file for each key. For a moment between two keys
-//! a ray is marched through the depths of one; where that cannot know, the other one is asked. The keys are
-//! placed so that this is about as exact as a file of that very moment. `spec/sun-path.md` has the file and the rules.
+//! A path file holds the sun's position, step by step, and a complete shadow file for each key. For a moment
+//! between two keys a ray is marched through the depths of one key. Where that march cannot decide, the other
+//! key is used. The keys are placed so that the result is about as exact as a file of that very moment.
+//! `spec/sun-path.md` has the file and the rules.
 
 mod format;
 mod sampler;
@@ -22,10 +23,10 @@ use crate::grid::vec3::{dot, normalize};
 use crate::path::format::{Front, HEADER_BYTES};
 use crate::stream::{FileSource, ShadowSource, SourceError};
 
-/// How many times nearer the key with the lower sun must be to be the first.
+/// The key with the lower sun comes first if its sun is more than this many times nearer.
 const MUCH_NEARER: f64 = 4.0;
 
-/// Where the sun is at a moment.
+/// The sun's position at a moment.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunStep {
     /// The moment: seconds since 1970-01-01 00:00 UTC, or since any moment for suns that were listed.
@@ -44,7 +45,8 @@ pub(crate) struct KeyPlace {
     pub(crate) words: u64,
 }
 
-/// An open path file: the suns of a day, and what answers for any moment of it. Keys are read when they are asked for.
+/// An open path file: the suns of a day, and the keys that answer for any moment of it. Keys are read on
+/// demand.
 ///
 /// ```no_run
 /// use adumbra::{Filter, PathSampler, SunPath};
@@ -72,7 +74,8 @@ impl SunPath {
     /// Opens a file on a disk, and reads and checks all but the keys.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if it is not valid.
+    /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if it is
+    /// not valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         Self::open(Arc::new(FileSource::open(path)?), path)
@@ -92,13 +95,15 @@ impl SunPath {
         Ok(Self { front, source, name })
     }
 
-    /// Writes a path file: steps, and the bytes of each key's shadow file with its time. The times of both ascend.
-    /// `place_degrees` is latitude and longitude, north and east positive. Returns the length of the file.
+    /// Writes a path file: steps, and the bytes of each key's shadow file with its time. The times of both
+    /// ascend. `place_degrees` is latitude and longitude, north and east positive. Returns the length of the
+    /// file.
     ///
-    /// Cost: each key is decoded, one at a time, to say in the file how much memory it takes.
+    /// Cost: each key is decoded, one at a time, to record in the file how much memory it takes.
     ///
     /// # Errors
-    /// Returns an error if a key is no valid file, the times are out of order, a direction is no unit vector, or writing fails.
+    /// Returns an error if a key is not a valid file, the times are out of order, a direction is not a unit
+    /// vector, or writing fails.
     pub fn write(
         out: &mut dyn Write,
         steps: Vec<SunStep>,
@@ -125,12 +130,12 @@ impl SunPath {
         Ok(front.file_bytes)
     }
 
-    /// Returns where the sun is, step by step.
+    /// Returns the sun's position, step by step.
     pub fn steps(&self) -> &[SunStep] {
         &self.front.steps
     }
 
-    /// Returns latitude and longitude in degrees, north and east positive, if the path is that of a place.
+    /// Returns latitude and longitude in degrees, north and east positive, if the path has a place.
     pub fn place_degrees(&self) -> Option<[f64; 2]> {
         self.front.place_degrees
     }
@@ -150,8 +155,8 @@ impl SunPath {
         self.front.keys.iter().map(|key| key.seconds).collect()
     }
 
-    /// Returns the unit vector towards the sun at a moment: between two steps on the shortest arc. `None` before the
-    /// first step, after the last, and while the sun is at or below the horizon.
+    /// Returns the unit vector towards the sun at a moment: between two steps on the shortest arc. `None`
+    /// before the first step, after the last, and while the sun is at or below the horizon.
     pub fn sun_at(&self, seconds: f64) -> Option<[f64; 3]> {
         let steps = &self.front.steps;
         let after = steps.partition_point(|step| step.seconds < seconds);
@@ -165,9 +170,10 @@ impl SunPath {
         (towards[1] > 0.0).then_some(towards)
     }
 
-    /// Returns the keys that answer at a moment. The one with the higher sun is first, unless the other is more than four
-    /// times nearer: a march towards a higher sun leaves shadows close to the edges that cast them. Before the first key, after
-    /// the last and at a key it is one key twice. `None` where [`SunPath::sun_at`] has no sun.
+    /// Returns the keys that answer at a moment. The key with the higher sun is first, unless the other is
+    /// more than four times nearer: a march towards a higher sun leaves shadows close to the edges that cast
+    /// them. Before the first key, after the last and exactly at a key, both are the same key. `None` where
+    /// [`SunPath::sun_at`] has no sun.
     pub fn keys_at(&self, seconds: f64) -> Option<[usize; 2]> {
         self.sun_at(seconds)?;
         let keys = &self.front.keys;
@@ -202,11 +208,11 @@ impl SunPath {
         Ok(file)
     }
 
-    /// Returns the memory that a key takes once it is read, and while it is.
+    /// Returns the memory that a key takes once it is read, and while it is read.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the source fails, and [`Error::Format`] if header, directory or tables of the key's file are
-    /// not valid.
+    /// Returns [`Error::Io`] if the source fails, and [`Error::Format`] if header, directory or tables of the
+    /// key's file are not valid.
     ///
     /// # Panics
     /// Panics if there is no such key.
@@ -251,7 +257,7 @@ impl ShadowSource for Part {
     }
 }
 
-/// Returns the direction at a share of the shortest arc between two unit vectors.
+/// Interpolates between two unit vectors along the shortest arc.
 fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
     let angle = libm::acos(dot(a, b).clamp(-1.0, 1.0));
     let sine = libm::sin(angle);

@@ -11,13 +11,16 @@ use crate::query::{
 };
 use crate::settings::{Bias, FileSettings};
 
-/// Looks up points for a sun between two that files were baked for.
+/// Looks up points for a sun between two suns that files were baked for.
 ///
-/// A ray is marched through the nearer file's depths. Where it has been in a shadow, in which something may be hidden from
-/// that file, the other file is asked. Where neither knows, the ray meets nothing, unless it is hidden from both for as long as
-/// the first file's [`dark_after_voxels`](crate::FileSettings::dark_after_voxels) says. A filter is the mean of 3 × 3 such rays, half the filter apart, on the receiver's plane.
+/// A ray is marched through the nearer file's depths. If it has been in a shadow, which may hide something
+/// from that file, the other file is used. If neither file can decide, the ray counts as lit, unless it is
+/// hidden from both for at least the first file's
+/// [`dark_after_voxels`](crate::FileSettings::dark_after_voxels). A filter is the mean of 3 × 3 such rays,
+/// half the filter apart, on the receiver's plane.
 ///
-/// Cost: a march takes the time of three to eight unfiltered look-ups, and one in 30 to one in 10 points needs two.
+/// Cost: a march takes the time of three to eight unfiltered look-ups. One in 30 to one in 10 points needs
+/// two marches.
 #[derive(Clone, Debug)]
 pub struct PathSampler {
     keys: [Key; 2],
@@ -35,9 +38,9 @@ struct Key {
 }
 
 impl PathSampler {
-    /// Returns look-ups for a sun, given as a unit vector, from two files, the one with the nearer sun first. It may be
-    /// one file twice. `None` if the sun is behind the plane of a file's own, or so far from it that a column's way aside is
-    /// more than 256 texels per voxel.
+    /// Returns look-ups for a sun, given as a unit vector, from two files, the one with the nearer sun first.
+    /// Both may be the same file. `None` if the sun is behind the plane of a file's own sun, or so far from
+    /// that sun that a ray moves sideways by more than 256 texels per voxel of depth.
     pub fn new(files: [&ShadowFile; 2], towards_sun: [f64; 3], filter: Filter) -> Option<Self> {
         let key = |file: &ShadowFile| {
             let slope = MarchSlope::new(&file.grid, towards_sun)?;
@@ -48,8 +51,9 @@ impl PathSampler {
         Some(Self { keys, bias, filter, dark_after_voxels, quick: false })
     }
 
-    /// Returns look-ups that march only where both files' own answers differ. They read fewer words, and are wrong where a
-    /// shadow passes over a point between the two suns: the keys have to be about half as far apart for the same error.
+    /// Returns look-ups that march only where both files' own answers differ. They read fewer words, and are
+    /// wrong where a shadow passes over a point between the two suns. For the same error, the keys have to be
+    /// about half as far apart.
     #[must_use]
     pub fn quick(self) -> Self {
         Self { quick: true, ..self }
@@ -64,15 +68,15 @@ impl PathSampler {
         Ok(Self { bias, ..self })
     }
 
-    /// Returns look-ups in the world of an app that has placed the files. The sun stays that of [`PathSampler::new`], in the
-    /// files' world, which [`Placement::direction_to_file`] gives.
+    /// Returns look-ups in the world of an app that has placed the files. The sun is still the one given to
+    /// [`PathSampler::new`], in the files' world; [`Placement::direction_to_file`] converts to it.
     #[must_use]
     pub fn placed(self, placement: &Placement) -> Self {
         Self { keys: self.keys.map(|key| Key { grid: key.grid.placed(placement), ..key }), ..self }
     }
 
-    /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the point is on a
-    /// surface.
+    /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the
+    /// point is on a surface.
     pub fn look_up(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
         if self.quick
             && let Some(lit) = self.agreed(p_world, normal)
@@ -85,7 +89,7 @@ impl PathSampler {
         lit as f32 / count as f32
     }
 
-    /// Returns the visibility if both files have the same, and it is 0 or 1.
+    /// Returns the visibility if both files agree on it, and it is 0 or 1.
     fn agreed(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<f32> {
         let width = self.filter.width();
         let lit = self.keys.each_ref().map(|key| {
@@ -96,14 +100,14 @@ impl PathSampler {
         (is_sure && lit[0] == lit[1]).then(|| if lit[0] == 0 { 0.0 } else { 1.0 })
     }
 
-    /// Whether a ray, given where it begins in either grid, meets nothing.
+    /// Whether a ray meets nothing. `starts` has its start in each grid.
     fn is_lit(&self, starts: [[i64; 3]; 2]) -> bool {
         let marched = |key: usize| march(self.keys[key].tree.words(), self.keys[key].slope, starts[key]);
         marched(0).is_lit(|| marched(1), self.dark_after_voxels)
     }
 
-    /// Returns for how many voxels from its start on the ray of a world point is hidden from both files. `None` if one of
-    /// them knows whether it meets something.
+    /// Returns for how many voxels from its start the ray of a world point is hidden from both files. `None`
+    /// if a file can decide whether the ray meets something.
     pub fn hidden_voxels(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<u32> {
         let hidden = self.keys.each_ref().map(|key| {
             let start = key.slope.start(&key.grid, &self.bias, p_world, normal);
@@ -117,7 +121,7 @@ impl PathSampler {
 }
 
 impl Key {
-    /// Returns where the rays of a filter begin.
+    /// Returns the starts of a filter's rays.
     fn starts(
         &self,
         bias: &Bias,

@@ -18,7 +18,7 @@ fn written(steps: Vec<SunStep>, keys: &[(f64, Vec<u8>)]) -> io::Result<Vec<u8>> 
     Ok(bytes)
 }
 
-/// Shadow files of another length each.
+/// Shadow files of different lengths.
 fn files() -> Vec<(f64, Vec<u8>)> {
     let named = [(300.0, "slopes"), (2400.0, "levels_coded"), (4800.0, "sphere")];
     named.map(|(seconds, name)| (seconds, vector(name))).to_vec()
@@ -34,7 +34,7 @@ fn open(bytes: Vec<u8>) -> Result<SunPath> {
 }
 
 #[test]
-fn paths_come_back_as_they_were() {
+fn paths_round_trip() {
     let bytes = written(steps(), &files()).unwrap();
     let path = open(bytes.clone()).unwrap();
     assert_eq!(path.steps(), steps());
@@ -53,7 +53,7 @@ fn paths_come_back_as_they_were() {
 }
 
 #[test]
-fn suns_between_steps_are_on_the_arc_and_none_is_below_the_horizon() {
+fn sun_between_steps_is_on_arc_and_never_below_horizon() {
     let path = open(written(steps(), &files()).unwrap()).unwrap();
     for degrees in [0.5, 1.0, 45.25, 159.0, 160.0] {
         let [x, y, z] = path.sun_at(60.0 * degrees).unwrap();
@@ -70,7 +70,7 @@ fn suns_between_steps_are_on_the_arc_and_none_is_below_the_horizon() {
 }
 
 #[test]
-fn the_key_with_the_higher_sun_is_asked_first_unless_the_other_is_much_nearer() {
+fn higher_key_comes_first_unless_other_is_much_nearer() {
     // The sun rises from key to key.
     let path = open(written(steps(), &files()).unwrap()).unwrap();
     for (seconds, keys) in [
@@ -93,7 +93,7 @@ fn the_key_with_the_higher_sun_is_asked_first_unless_the_other_is_much_nearer() 
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn rejects_invalid_paths_with_reason() {
     let unordered = [(5.0, vector("slopes")), (4.0, vector("slopes"))];
     let long = vec![SunStep { seconds: 0.0, towards_sun: [0.0, 2.0, 0.0] }];
     for (steps, keys, what) in [
@@ -139,7 +139,7 @@ fn what_is_wrong_is_named() {
 }
 
 #[test]
-fn far_suns_have_no_sampler() {
+fn rejects_suns_too_far_from_the_files_own() {
     let sun = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     let grid = LightGrid::new(sun, Frame::Oblique { yaw_radians: 0.0 }, 1.0, [0.0; 3], [16; 3]);
     let slope = |towards| crate::query::MarchSlope::new(&grid, towards);

@@ -4,8 +4,8 @@ use crate::error::{Error, RangeError, RangeField, Result};
 use crate::query::{Cursor, PointVisibility, Sampler};
 
 impl Sampler {
-    /// Writes the visibilities of successive points to `out`, with one normal per point or none at all. They equal those
-    /// of [`Sampler::visibility`], but cost less if successive points are close to each other.
+    /// Writes the visibilities of successive points to `out`, with one normal per point or none at all. They
+    /// equal those of [`Sampler::visibility`], but cost less if successive points are close to each other.
     ///
     /// # Errors
     /// Returns [`Error::Range`] unless `out`, and `normals` if there are any, are as long as `points_world`.

@@ -1,8 +1,8 @@
 //! The taps of a filter, one block of 8 × 8 columns at a time, from the depths at which columns switch.
 //!
-//! A tap is lit where the receiver's plane crosses its column before the column's depth. A block whose nearest depth is
-//! behind all of its taps is lit, and one whose farthest depth is before them is shadowed. Only in between are columns
-//! compared, a row of eight at once.
+//! A tap is lit where the receiver's plane crosses its column before the column's depth. A block whose
+//! nearest depth is behind all of its taps is lit, and one whose farthest depth is before them is shadowed.
+//! Only in between are columns compared, a row of eight at once.
 
 use crate::layout::depths::TreeWords;
 use crate::query::fixed::{FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, MAX_FIXED_SIDE};
@@ -22,7 +22,7 @@ struct Block {
     /// Bounds of the columns' depths.
     nearest: i32,
     farthest: i32,
-    /// What to read `depths` from, unless that was done.
+    /// The leaf from which to read `depths`; `None` once they are read.
     leaf: Option<[u32; 2]>,
     /// The columns' depths by row.
     depths: [[i32; 8]; 8],
@@ -38,8 +38,8 @@ impl<'d> Columns<'d> {
         Some(Self { tree, size: tree.size.map(|side| side as i32), kept: [nowhere; 4] })
     }
 
-    /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the grid and
-    /// points before it are lit. Behind its last layer, the last layer is sampled.
+    /// Returns the number of lit taps of `filter` × `filter` texels around a receiver. Texels outside the
+    /// grid and points before it are lit. Behind its last layer, the last layer is sampled.
     pub(super) fn lit_taps(&mut self, filter: u32, r: &FixedReceiver) -> u32 {
         let reach = (filter / 2) as i32;
         let p = r.p_fixed.map(|c| c as i32);
@@ -65,9 +65,11 @@ impl<'d> Columns<'d> {
         lit
     }
 
-    /// Returns the number of lit taps among columns of one block, all inside the grid. The ranges are inclusive.
+    /// Returns the number of lit taps among columns of one block, all inside the grid. The ranges are
+    /// inclusive.
     fn block(&mut self, p: [i32; 3], gradient: [i32; 2], x: [i32; 2], y: [i32; 2]) -> u32 {
-        // Sums of taps fit 32 bits, see the table of crate::query::fixed. Those of other columns of the block may not.
+        // For the taps, sums fit 32 bits, see the table of crate::query::fixed. For other columns of the
+        // block, they may not.
         let from_center = |texel: i32, p: i32| ((texel << FIXED_BITS) + FIXED_ONE / 2).wrapping_sub(p);
         let along = |a: usize, texel: i32| gradient[a].wrapping_mul(from_center(texel, p[a]));
         let first = along(0, x[0]).wrapping_add(along(1, y[0]));

@@ -1,13 +1,14 @@
 //! Successive look-ups of neighbouring points.
 //!
-//! A filter touches the same few blocks of texels again and again, so the depths of the columns of the most recent blocks
-//! are cached. The cache slot is chosen by the parity of the block, because a filter of up to 9 texels touches at most
-//! two along each axis.
+//! A filter touches the same few blocks of texels again and again, so the depths of the columns of the most
+//! recent blocks are cached. The cache slot is chosen by the parity of the block, because a filter of up to 9
+//! texels touches at most two along each axis.
 
 use crate::query::columns::Columns;
 use crate::query::{FixedReceiver, Sampler, receiver};
 
-/// Look-ups that are cheaper if successive points are close to each other. They return what [`Sampler`] returns.
+/// Look-ups that are cheaper if successive points are close to each other. They return what [`Sampler`]
+/// returns.
 pub struct Cursor<'s> {
     sampler: &'s Sampler,
     columns: Option<Columns<'s>>,

@@ -1,5 +1,5 @@
-//! Receivers in fixed point. From here on a look-up uses only integers, so that the CPU, the GPU and any other reader
-//! agree on every tap. The rule is in `spec/adumbra-file.md`, "Look-up bias and filters".
+//! Receivers in fixed point. From here on a look-up uses only integers, so that the CPU, the GPU and any
+//! other reader agree on every tap. The rule is in `spec/adumbra-file.md`, "Look-up bias and filters".
 //!
 //! | number | fraction bits | minimum | maximum |
 //! |---|---|---|---|
@@ -10,9 +10,9 @@
 //! | sum s of both axes | 20 | −2,139,095,040 | 2,139,095,040: within 2^31 |
 //! | s >> 8, the plane's depth offset | 12 | −2040 voxels | 2040 voxels: less than half the margin |
 //!
-//! Worked value: g = (128, 0) is a slope of 1/2, and p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). The centre of the
-//! tap x = 6 is at 26624. So s = 128 · (−4096) = −524,288, and the depth is 82944 − 2048 = 80896 = 19.75, which is in
-//! layer 19.
+//! Worked value: g = (128, 0) is a slope of 1/2, and p = (30720, 18432, 82944) is (7.5, 4.5, 20.25). The
+//! centre of the tap x = 6 is at 26624. So s = 128 · (−4096) = −524,288, and the depth is 82944 − 2048 =
+//! 80896 = 19.75, which is in layer 19.
 
 use crate::query::Receiver;
 use crate::settings::MAX_PLANE_SLOPE;
@@ -25,10 +25,11 @@ pub const FIXED_ONE: i32 = 1 << FIXED_BITS;
 pub const GRADIENT_BITS: u32 = 8;
 /// A slope of 1 in units of a fixed-point gradient.
 pub const GRADIENT_ONE: i32 = 1 << GRADIENT_BITS;
-/// Positions are clamped to this many voxels beyond the grid. All taps of a point that far away are outside the grid,
-/// however steep the plane.
+/// Positions are clamped to this many voxels beyond the grid. All taps of a point that far away are outside
+/// the grid, however steep the plane.
 pub const MARGIN_VOXELS: i32 = 4096;
-/// Largest number of voxels along a side of a grid for which positions, and the depths computed from them, fit 32 bits.
+/// Largest number of voxels along a side of a grid for which positions, and the depths computed from them,
+/// fit 32 bits.
 pub const MAX_FIXED_SIDE: u32 = (1 << 19) - (1 << 13);
 
 /// Largest absolute value of a fixed-point gradient.
@@ -47,8 +48,8 @@ pub struct FixedReceiver {
 impl FixedReceiver {
     /// Converts a receiver to fixed point. Positions are rounded down, gradients to the nearest value.
     ///
-    /// A point far outside a grid of `size` voxels is clamped to [`MARGIN_VOXELS`] beyond it. A point that is not
-    /// finite is placed before the grid, where everything is lit.
+    /// A point far outside a grid of `size` voxels is clamped to [`MARGIN_VOXELS`] beyond it. A point that is
+    /// not finite is placed before the grid, where everything is lit.
     pub fn new(r: &Receiver, size: [u32; 3]) -> Self {
         let finite = r.p_grid.iter().all(|c| c.is_finite());
         let p_fixed = std::array::from_fn(|a| {
@@ -69,14 +70,14 @@ impl FixedReceiver {
         [0, 1].map(|a| self.p_fixed[a] >> FIXED_BITS)
     }
 
-    /// Returns the layer in which the receiver's plane crosses the centre of a texel: negative before the grid, and not
-    /// limited behind it.
+    /// Returns the layer in which the receiver's plane crosses the centre of a texel: negative before the
+    /// grid, and not limited behind it.
     pub fn layer(&self, texel: [i64; 2]) -> i64 {
         self.depth(texel) >> (FIXED_BITS + GRADIENT_BITS)
     }
 
-    /// Returns the depth of the receiver's plane at the centre of a texel, in 2^-20 voxels. The layer index is in the
-    /// bits above [`FIXED_BITS`] + [`GRADIENT_BITS`]. It is negative before the grid.
+    /// Returns the depth of the receiver's plane at the centre of a texel, in 2^-20 voxels. The layer index
+    /// is in the bits above [`FIXED_BITS`] + [`GRADIENT_BITS`]. It is negative before the grid.
     pub fn depth(&self, [x, y]: [i64; 2]) -> i64 {
         let half = i64::from(FIXED_ONE / 2);
         let along = |a: usize, texel: i64| {

@@ -1,12 +1,14 @@
-//! The march: what the depths of one sun's file say about another sun.
+//! The march: visibility towards one sun, from the depths of another sun's file.
 //!
-//! A file holds, for each column of a key sun's light space, the depth at which it becomes shadowed. The ray from a point
-//! towards another sun is nearly parallel to the columns, so it crosses few of them. It is followed until it passes through
-//! the depths from behind, which is a hit, or leaves the grid. What lies in the shadow of something else, as the key sun
-//! sees it, is not in the file: a ray that has been in shadow and out again may have met it.
+//! A file holds, for each column of a key sun's light space, the depth at which it becomes shadowed. The ray
+//! from a point towards another sun is nearly parallel to the columns, so it crosses few of them. The march
+//! follows the ray until it passes through the depths from behind, which is a hit, or leaves the grid. The
+//! file lacks surfaces that are in the shadow of others, as seen from the key sun: a ray that has been in
+//! shadow and out again may have met one.
 //!
-//! Near relatives: maximum mipmaps for rays over height fields (Tevs, Ihrke, Seidel, *Maximum Mipmaps for Fast, Accurate, and
-//! Scalable Dynamic Height Field Rendering*, 2008). Here the height field is a light space's, and the ray goes to another light.
+//! Near relatives: maximum mipmaps for rays over height fields (Tevs, Ihrke, Seidel, *Maximum Mipmaps for
+//! Fast, Accurate, and Scalable Dynamic Height Field Rendering*, 2008). Here the height field is a light
+//! space's, and the ray goes to another light.
 //!
 //! | number | fraction bits | range |
 //! |---|---|---|
@@ -15,8 +17,8 @@
 //! | rise t: how many voxels nearer to the sun | 12 | 0 to the depth of the point |
 //! | v · t, shifted back by 16 bits | 12 | within the grid and one block beside it |
 //!
-//! Worked value: p = (10.5, 4.5, 20), v = (1/4, 0). After a rise of t = 6 (24576) the ray is at x = 10.5 + 1.5 = 12, on a
-//! border of columns. (16384 · 24576) >> 16 = 6144 = 1.5.
+//! Worked value: p = (10.5, 4.5, 20), v = (1/4, 0). After a rise of t = 6 (24576) the ray is at x = 10.5 +
+//! 1.5 = 12, on a border of columns. (16384 · 24576) >> 16 = 6144 = 1.5.
 
 use crate::grid::LightGrid;
 use crate::layout::depths::code::{ColumnNode, Node};
@@ -29,10 +31,11 @@ use crate::settings::{Bias, MAX_PLANE_SLOPE};
 pub const SLOPE_BITS: u32 = 16;
 /// Largest absolute value of a slope: 256 texels per voxel.
 pub const MAX_MARCH_SLOPE: i32 = (256 << SLOPE_BITS) - 1;
-/// A ray that comes out of a column's shadow within so many voxels of its surface has passed through the surface's edge.
+/// A ray that leaves a column's shadow within this many voxels of its surface has passed through the
+/// surface's edge.
 pub const EDGE_VOXELS: u32 = 2;
 
-/// What a file knows about a ray.
+/// The result of a march through a file's depths.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Marched {
     /// The ray passes through a surface.
@@ -41,14 +44,16 @@ pub enum Marched {
     Clear,
     /// The ray meets nothing that the file shows, but has been in shadow, where something may be hidden.
     Unknown {
-        /// The rise up to which the ray has been in shadow from its start on, in 2^-12 voxels. 0 if it begins in light.
+        /// The rise up to which the ray has been in shadow from its start on, in 2^-12 voxels. 0 if it begins
+        /// in light.
         hidden_rise: u32,
     },
 }
 
 impl Marched {
-    /// Returns whether a ray meets nothing, from what two files know about it, the one that is asked first and the other one.
-    /// A ray that is hidden from both for `dark_after_voxels` from its start on is taken to meet something; 0 = never.
+    /// Returns whether a ray meets nothing. `self` is the result from the first file, `other` that from the
+    /// second. A ray that is hidden from both for `dark_after_voxels` from its start counts as blocked; 0 =
+    /// never.
     pub fn is_lit(self, other: impl FnOnce() -> Self, dark_after_voxels: u32) -> bool {
         let Self::Unknown { hidden_rise } = self else { return self == Self::Clear };
         match other() {
@@ -70,8 +75,8 @@ pub struct MarchSlope {
 }
 
 impl MarchSlope {
-    /// Returns the direction to a sun, given as a unit vector. `None` if it is too far from the file's own: behind its
-    /// plane, or more than 256 texels of a column's way aside per voxel.
+    /// Returns the direction to a sun, given as a unit vector. `None` if the sun is too far from the file's
+    /// own: behind its plane, or more than 256 texels sideways per voxel of depth.
     pub fn new(grid: &LightGrid, towards_sun: [f64; 3]) -> Option<Self> {
         let [x, y, z] = grid.direction_to_grid(towards_sun);
         if z >= 0.0 {
@@ -82,8 +87,8 @@ impl MarchSlope {
         fixed.iter().all(|c| c.abs() <= limit).then(|| Self { v_fixed: fixed.map(|c| c as i32) })
     }
 
-    /// Returns where the ray of a world point begins: its grid position, moved by the bias along the ray and the normal,
-    /// in fixed point. Points far outside the grid are moved to its margin.
+    /// Returns the start of the ray of a world point: its grid position, moved by the bias along the ray and
+    /// the normal, in fixed point. Points far outside the grid are moved to its margin.
     pub fn start(
         &self,
         grid: &LightGrid,
@@ -123,8 +128,8 @@ impl MarchSlope {
         ((v.abs() * i64::from(rise)) >> SLOPE_BITS) * v.signum()
     }
 
-    /// Returns the rise from a position to the border of the block of 2^level columns a side that contains it. Where
-    /// that is farther than 16 texels, it is up to one 16th of a voxel less.
+    /// Returns the rise from a position to the border of the block of 2^level columns a side that contains
+    /// it. Where that is farther than 16 texels, it is up to one 16th of a voxel less.
     fn rise_to_border(&self, p: [i64; 2], level: u32) -> i64 {
         let side = 1_i64 << (FIXED_BITS + level);
         let along = |a: usize| {
@@ -141,8 +146,8 @@ impl MarchSlope {
     }
 }
 
-/// Finds the blocks along a ray. The descent to a block begins in the last block's parent where the ray is still in it, as it
-/// mostly is.
+/// Finds the blocks along a ray. The descent to a block begins at the last block's parent if the ray is still
+/// inside it, which is the usual case.
 struct Descent {
     parent: Node,
     /// The position of the parent among the blocks of its level.
@@ -162,17 +167,18 @@ impl Descent {
     }
 }
 
-/// Follows the ray from a start through a quadtree, all of whose pages are resident. Cost: one step in the quadtree per block
-/// that the ray passes, as a rule three to eight, and a path from the root where it leaves a node.
+/// Follows the ray from a start through a quadtree, all of whose pages are resident. Cost: one step in the
+/// quadtree per block that the ray passes, usually three to eight, and a path from the root where it leaves a
+/// node.
 pub fn march(tree: TreeWords<'_>, slope: MarchSlope, start: [i64; 3]) -> Marched {
     let last_depth = (i64::from(tree.size[2]) << FIXED_BITS) - 1;
     let depth = start[2].min(last_depth);
     let mut has_been_dark = false;
-    // The rise at which the ray was in light first.
+    // The rise at which the ray first was in light.
     let mut lit_from = i64::MAX;
-    // The surface of the column that the ray was in before, if it was in its shadow.
+    // The surface of the previous column, if the ray was in its shadow.
     let mut behind: Option<i64> = None;
-    // The block that the ray is in, and bounds of its depths. It passes several columns of a leaf.
+    // The block that the ray is in, and bounds of its depths. In a leaf, the ray passes several columns.
     let (mut block, mut level) = ([u32::MAX; 2], 0);
     let (mut place, mut bounds) = (ColumnNode::Uniform(NEVER), [NEVER; 2]);
     let mut descent = Descent::START;

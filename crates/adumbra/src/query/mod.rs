@@ -1,8 +1,8 @@
 //! Visibility of points: the CPU counterpart of the look-up shader.
 //!
-//! A look-up takes a world point through these steps: world point → bias → grid → K × K texels. Each texel is answered
-//! by the voxel that the receiver's plane crosses there. Computations up to the bias use `f64`, those after it integers,
-//! see [`FixedReceiver`].
+//! A look-up takes a world point through these steps: world point → bias → grid → K × K texels. Each texel is
+//! answered by the voxel that the receiver's plane crosses there. Computations up to the bias use `f64`,
+//! those after it integers, see [`FixedReceiver`].
 //!
 //! The rules are in `spec/adumbra-file.md`, "Look-up bias and filters".
 
@@ -28,12 +28,13 @@ use crate::settings::{Bias, MAX_PLANE_SLOPE};
 
 /// A source of visibility at points.
 pub trait PointVisibility: Sync {
-    /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the point is
-    /// on a surface.
+    /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the
+    /// point is on a surface.
     fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32;
 
-    /// Returns the visibilities of successive points, with one normal per point or none at all. The results equal those
-    /// of [`PointVisibility::visibility`], but cost less if successive points are close to each other.
+    /// Returns the visibilities of successive points, with one normal per point or none at all. The results
+    /// equal those of [`PointVisibility::visibility`], but cost less if successive points are close to each
+    /// other.
     fn visibilities(&self, points_world: &[[f64; 3]], normals: Option<&[[f64; 3]]>) -> Vec<f32> {
         let points = points_world.iter().enumerate();
         points.map(|(i, &p)| self.visibility(p, normals.map(|n| n[i]))).collect()
@@ -55,7 +56,8 @@ impl<V: PointVisibility + ?Sized> PointVisibility for Box<V> {
 pub struct Receiver {
     /// Grid coordinates after the bias, in voxels.
     pub p_grid: [f64; 3],
-    /// Slope of the receiver's plane: dz/dx and dz/dy, in voxels along the light per texel. Zero if no normal is known.
+    /// Slope of the receiver's plane: dz/dx and dz/dy, in voxels along the light per texel. Zero if no normal
+    /// is known.
     pub gradient: [f64; 2],
 }
 
@@ -66,9 +68,10 @@ pub fn finite(normal: Option<[f64; 3]>) -> Option<[f64; 3]> {
 
 /// Moves a world point by `bias` and converts it to grid space, with the slope of its plane.
 ///
-/// The constant and slope terms move the point along the light, so it stays on its own sun ray. The bias clamps the
-/// slope to [`MAX_SLOPE`](crate::settings::MAX_SLOPE). The plane is the surface's own, whichever side faces the sun,
-/// with a slope of up to [`MAX_PLANE_SLOPE`]. A normal with a component that is not finite is ignored.
+/// The constant and slope terms move the point along the light, so it stays on its own sun ray. The bias
+/// clamps the slope to [`MAX_SLOPE`](crate::settings::MAX_SLOPE). The plane is the surface's own, whichever
+/// side faces the sun, with a slope of up to [`MAX_PLANE_SLOPE`]. A normal with a component that is not
+/// finite is ignored.
 pub fn receiver(grid: &LightGrid, bias: &Bias, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Receiver {
     let mut p_grid = grid.to_grid(p_world);
     let mut gradient = [0.0; 2];

@@ -39,8 +39,8 @@ impl Sampler {
         Ok(Self { bias, ..self })
     }
 
-    /// Returns look-ups in the world of an app that has placed the file: points and normals are the app's. The bias is in
-    /// texels and stays as it is. Look-ups that are placed already are placed again from where they are.
+    /// Returns look-ups in the world of an app that has placed the file: points and normals are the app's.
+    /// The bias is in texels and stays as it is. Placing placed look-ups combines the two placements.
     #[must_use]
     pub fn placed(self, placement: &Placement) -> Self {
         Self { grid: self.grid.placed(placement), ..self }
@@ -56,11 +56,11 @@ impl Sampler {
         self.bias
     }
 
-    /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the point is
-    /// on a surface.
+    /// Returns the visibility of a world point, 1 = lit. `normal` is the surface's unit normal there, if the
+    /// point is on a surface.
     ///
-    /// A point that is not finite is lit. Cost: one path of the quadtree per block of 8 × 8 texels, which is at most
-    /// 1, 4, 4, 4, 9 paths for the filters in [`Filter::ALL`].
+    /// A point that is not finite is lit. Cost: one path of the quadtree per block of 8 × 8 texels, which is
+    /// at most 1, 4, 4, 4, 9 paths for the filters in [`Filter::ALL`].
     pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
         self.receiver_visibility(&receiver(&self.grid, &self.bias, p_world, normal))
     }
@@ -71,15 +71,16 @@ impl Sampler {
         self.share(self.lit_taps(&FixedReceiver::new(r, self.tree.size())))
     }
 
-    /// Returns how many of the filter's taps are lit, for a receiver in fixed point. A shader returns the same count.
+    /// Returns how many of the filter's taps are lit, for a receiver in fixed point. A shader returns the
+    /// same count.
     #[doc(hidden)]
     pub fn lit_taps(&self, r: &FixedReceiver) -> u32 {
         lit_taps(self.tree.words(), self.filter, r)
     }
 
     /// Returns the level of the block in which the look-up of the filter's middle texel ends, see
-    /// [`DepthTree::end_level`]. `None` outside the grid's texels and before the grid, where nothing is looked up. A
-    /// shader returns the same level.
+    /// [`DepthTree::end_level`]. `None` outside the grid's texels and before the grid, where nothing is
+    /// looked up. A shader returns the same level.
     #[doc(hidden)]
     pub fn end_level(&self, r: &FixedReceiver) -> Option<u32> {
         voxel_at(self.tree.words(), r, r.texel()).map(|[i, j, _]| self.tree.end_level(i, j))
@@ -126,8 +127,8 @@ fn taps_one_by_one(tree: TreeWords<'_>, filter: Filter, r: &FixedReceiver) -> u3
     taps.map(|tap| u32::from(voxel_at(tree, r, tap).is_none_or(|[i, j, k]| k < tree.value(i, j)))).sum()
 }
 
-/// Returns the voxel that answers a tap, or `None` outside the grid's texels and before the grid. Behind the last layer,
-/// the last layer answers.
+/// Returns the voxel that answers a tap, or `None` outside the grid's texels and before the grid. Behind the
+/// last layer, the last layer answers.
 fn voxel_at(tree: TreeWords<'_>, r: &FixedReceiver, [x, y]: [i64; 2]) -> Option<[u32; 3]> {
     let [nx, ny, nz] = tree.size.map(i64::from);
     let layer = r.depth([x, y]) >> (FIXED_BITS + GRADIENT_BITS);

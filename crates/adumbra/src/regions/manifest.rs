@@ -1,5 +1,5 @@
-//! The manifest as JSON. What engines need for a look-up is written out: axes and origins. It must fit the sun, the frame
-//! and the voxel size, from which it follows.
+//! The manifest as JSON. It has the axes and origins, which engines need for a look-up. They must agree with
+//! the sun, the frame and the voxel size, from which they follow.
 
 use std::path::{Component, Path};
 
@@ -11,7 +11,7 @@ use crate::file::placement::check_grid;
 use crate::grid::{Frame, Region};
 
 const FORMAT: &str = "adumbra regions 1";
-/// How far numbers that follow from others may be off, relative to their size or to 1.
+/// Tolerance for numbers that follow from others, relative to their size or to 1.
 const TOLERANCE: f64 = 1e-9;
 
 #[derive(Serialize, Deserialize)]
@@ -91,7 +91,7 @@ impl Regions {
         Ok(read)
     }
 
-    /// Checks what does not depend on the text.
+    /// Checks everything that does not depend on the JSON text.
     pub(super) fn check(&self) -> Result<(), String> {
         let Self { grid, texels, files } = self;
         check_grid(grid).map_err(|fault| fault.to_string())?;
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn manifests_come_back_as_they_were() {
+    fn manifests_round_trip() {
         let world = world();
         let text = world.to_json();
         assert_eq!(Regions::from_json(text.as_bytes()).unwrap(), world);
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn wrong_manifests_say_what_is_wrong() {
+    fn rejects_invalid_manifests_with_reason() {
         let text = world().to_json();
         for (from, to, what) in [
             ("regions 1", "regions 2", "its format"),
@@ -156,7 +156,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_is_too_long_is_no_manifest() {
+    fn rejects_manifest_above_size_limit() {
         let folder = adumbra_testing::Folder::new();
         let path = folder.write("world.json", world().to_json().as_bytes());
         assert_eq!(Regions::read(&path).unwrap(), world());

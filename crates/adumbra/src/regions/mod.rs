@@ -1,5 +1,5 @@
-//! Worlds that are too wide for one file: a lattice of regions with a file each, and a manifest that names them.
-//! `spec/adumbra-regions.md` specifies the manifest for readers in other languages.
+//! Worlds that are too wide for one file: a lattice of regions with a file each, and a manifest that names
+//! them. `spec/adumbra-regions.md` specifies the manifest for readers in other languages.
 
 mod manifest;
 mod sampler;
@@ -19,7 +19,7 @@ use crate::query::Filter;
 /// Most bytes of a manifest. A region takes a hundred.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// A manifest: where the regions of a world are, and in which files.
+/// A manifest: the regions of a world, and the path of each region's file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Regions {
     /// A grid of one voxel at the world's origin, with the axes and the voxel size of all regions.
@@ -30,8 +30,8 @@ pub struct Regions {
 }
 
 impl Regions {
-    /// Creates the manifest of a world. Each region has the path of its file from the manifest's folder, with slashes; no
-    /// region may be given twice, and all must have the same side.
+    /// Creates the manifest of a world. Each region has the path of its file from the manifest's folder, with
+    /// slashes; no region may be given twice, and all must have the same side.
     ///
     /// # Errors
     /// Returns what is wrong as a clause.
@@ -61,8 +61,8 @@ impl Regions {
     /// Reads the manifest at `path`.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the file cannot be read, and [`Error::Manifest`] if it is not a manifest, or has more than
-    /// 64 MiB.
+    /// Returns [`Error::Io`] if the file cannot be read, and [`Error::Manifest`] if it is not a manifest, or
+    /// has more than 64 MiB.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let mut bytes = Vec::new();
@@ -81,7 +81,7 @@ impl Regions {
         self.grid.sun
     }
 
-    /// Returns how the grid lies in the world.
+    /// Returns the orientation of the grid in the world.
     pub fn frame(&self) -> Frame {
         self.grid.frame
     }
@@ -101,7 +101,8 @@ impl Regions {
         self.files.iter().map(|(region, file)| (*region, file.as_str()))
     }
 
-    /// Returns the region that answers a point, and the path of its file. Where there is none, everything is lit.
+    /// Returns the region of a point, and the path of its file. `None` where there is no region; everything
+    /// is lit there.
     pub fn at(&self, p_world: [f64; 3]) -> Option<(Region, &str)> {
         let region = Region::containing(&self.grid, self.texels, p_world);
         self.files.get(&region).map(|file| (region, file.as_str()))
@@ -112,8 +113,8 @@ impl Regions {
         region.origin(&self.grid)
     }
 
-    /// Returns the memory that the files of all regions take together. `manifest` is the path that the manifest was read
-    /// from.
+    /// Returns the memory that the files of all regions take together. `manifest` is the path that the
+    /// manifest was read from.
     ///
     /// # Errors
     /// Returns the errors of [`ShadowFile::memory`].
@@ -124,12 +125,14 @@ impl Regions {
         self.files.values().map(memory).try_fold(FileMemory::default(), |all, file| Ok(all.then(file?)))
     }
 
-    /// Reads the files of all regions, and returns look-ups in them. `manifest` is the path that the manifest was read from.
+    /// Reads the files of all regions, and returns look-ups in them. `manifest` is the path that the manifest
+    /// was read from.
     ///
-    /// Cost: the memory of all files. An engine opens those near its camera instead.
+    /// Cost: the memory of all files. An engine opens only the files near its camera instead.
     ///
     /// # Errors
-    /// Returns the errors of [`ShadowFile::read`], and [`Error::Manifest`] for a file that is not that of its region.
+    /// Returns the errors of [`ShadowFile::read`], and [`Error::Manifest`] for a file that belongs to another
+    /// region.
     pub fn sampler(&self, manifest: impl AsRef<Path>, filter: Filter) -> Result<RegionSampler> {
         RegionSampler::new(self, manifest.as_ref(), filter)
     }
@@ -137,7 +140,8 @@ impl Regions {
     /// Reads the file of a region. `manifest` is the path that the manifest was read from.
     ///
     /// # Errors
-    /// Returns the errors of [`ShadowFile::read`], and [`Error::Manifest`] for a file that is not that of its region.
+    /// Returns the errors of [`ShadowFile::read`], and [`Error::Manifest`] for a file that belongs to another
+    /// region.
     pub fn file(&self, manifest: impl AsRef<Path>, region: Region) -> Result<ShadowFile> {
         let manifest = manifest.as_ref();
         let refuse = |what: String| Error::Manifest { path: manifest.to_owned(), what };

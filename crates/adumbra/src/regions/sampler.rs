@@ -9,9 +9,9 @@ use crate::grid::{LightGrid, Region};
 use crate::query::{Filter, PointVisibility, Sampler};
 use crate::settings::{Bias, FileSettings};
 
-/// Looks up the visibility of points of a world in the files of its regions. The answers are those of one file of the
-/// whole world, except where a file may answer either way: filters read beyond the sides of a region, and its file goes on
-/// there.
+/// Looks up the visibility of points of a world in the files of its regions. The answers are those of one
+/// file of the whole world, except where a file may answer either way. Filters read beyond the sides of a
+/// region, because its file extends beyond them.
 pub struct RegionSampler {
     regions: Regions,
     samplers: HashMap<Region, Sampler>,
@@ -67,7 +67,8 @@ impl RegionSampler {
         &self.grid
     }
 
-    /// Returns the settings that all files share. Triangles are not counted. `None` if the world has no regions.
+    /// Returns the settings that all files share. Triangles are not counted. `None` if the world has no
+    /// regions.
     pub fn settings(&self) -> Option<&FileSettings> {
         self.settings.as_ref()
     }
@@ -88,7 +89,7 @@ impl PointVisibility for RegionSampler {
 
     fn visibilities(&self, points_world: &[[f64; 3]], normals: Option<&[[f64; 3]]>) -> Vec<f32> {
         let mut out = vec![1.0; points_world.len()];
-        // Points that follow each other in one region are looked up together.
+        // Successive points in one region are looked up together.
         let placed: Vec<_> = points_world.iter().map(|&p| self.place(p)).collect();
         let mut at = 0;
         for run in placed.chunk_by(|a, b| a.map(|(region, ..)| region) == b.map(|(region, ..)| region)) {

@@ -1,4 +1,5 @@
-//! Which bundles views need: those where the next coarser level would be too coarse, the most urgent first.
+//! Chooses the bundles that views need: those where the next coarser level would be too coarse, the most
+//! urgent first.
 
 use crate::grid::LightGrid;
 use crate::grid::vec3::dot;
@@ -8,7 +9,7 @@ use crate::stream::view::GridBox;
 
 /// Texels around a bundle that filters and biases may reach, and voxels before its nearest depth.
 const MARGIN: f64 = 16.0;
-/// What is out of sight counts as so many times as far away.
+/// Bundles out of sight count as if they were this many times farther away.
 const OUT_OF_SIGHT: f64 = 4.0;
 /// Texels along a side of a bundle.
 const BUNDLE_TEXELS: f64 = (BUNDLE_SIDE << PAGE_LEVEL) as f64;
@@ -23,8 +24,8 @@ pub(super) struct Candidates<'a> {
 }
 
 impl Candidates<'_> {
-    /// Calls `found` with each bundle that a view needs, by place, and its need. `nearest` is the nearest depth of a
-    /// bundle, or `None` if it has no bytes.
+    /// Calls `found` with each bundle that a view needs, by place, and its need. `nearest` is the nearest
+    /// depth of a bundle, or `None` if it has no bytes.
     pub(super) fn each(
         &self,
         view: &View,

@@ -21,14 +21,14 @@ pub(super) struct Stored {
     pub(super) offset: usize,
 }
 
-/// What the bundles of a level are decoded with.
+/// The data with which the bundles of a level are decoded.
 #[derive(Debug)]
 pub(super) struct LevelContext {
     pub(super) level: u32,
     pub(super) common: CommonSection,
     pub(super) page_dims: [u32; 2],
     pub(super) block_level: u32,
-    /// What threads have validated of the common section.
+    /// Validated shapes of the common section, for threads to reuse.
     idle: Mutex<Vec<Proved>>,
 }
 
@@ -90,7 +90,7 @@ impl LevelContext {
         };
         let is_valid = inside.iter().try_for_each(|&(place, page)| validator.page(place, page));
         is_valid.map_err(|fault| FormatError::Depths { level: self.level, fault })?;
-        // After a fault, shapes above it would have been counted and not proved.
+        // Keep this state only after a success: a fault leaves shapes that were counted but not validated.
         idle().push(validator.into_proved());
         let load = |(place, page): &([u32; 2], &Page<'_>)| LoadedPage {
             place: *place,

@@ -1,5 +1,5 @@
-//! Answers from a file of any size with a budget of bytes: pages are read where a camera needs them, and a coarser level
-//! answers where they are not there. `spec/streaming.md` has the rules.
+//! Answers from a file of any size with a budget of bytes: pages are read where a camera needs them, and a
+//! coarser level answers where they are missing. `spec/streaming.md` has the rules.
 //!
 //! ```text
 //!  ShadowSource ──bytes──► Request::decode ──► Resident ──► PoolWrite ──► a buffer on the GPU
@@ -7,8 +7,9 @@
 //!                                                              └────────► Vec<u32>, PoolSampler
 //! ```
 //!
-//! [`Resident`] decides what is read, holds the page tables, and does nothing slow, so it can live where frames are made.
-//! [`Streamer`] adds threads that read and decode. An engine with threads or futures of its own runs [`Request`]s itself.
+//! [`Resident`] decides which bytes to read, holds the page tables, and does nothing slow, so it can run in
+//! the frame loop. [`Streamer`] adds threads that read and decode. An engine that has its own threads or
+//! futures runs [`Request`]s itself.
 //!
 //! ```no_run
 //! use adumbra::Filter;

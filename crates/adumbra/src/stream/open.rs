@@ -1,4 +1,4 @@
-//! An open file: which of its bundles are chosen, and which are asked for next.
+//! An open file: its chosen bundles, and the next requests.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -18,9 +18,9 @@ use crate::stream::{StreamError, View};
 
 /// Bytes of a request for several bundles.
 const MAX_REQUEST_BYTES: u64 = 1 << 18;
-/// Words that may wait to be written before no more are asked for.
+/// Nothing more is requested while more words than this wait to be written.
 const MAX_QUEUED_WORDS: usize = 1 << 20;
-/// Bundles that may wait for room before no more are asked for.
+/// Nothing more is requested while more bundles than this wait for room.
 const MAX_WAITING: usize = 32;
 
 /// An open file.
@@ -60,7 +60,7 @@ impl Level {
 }
 
 impl Open {
-    /// Places everything in a pool, and makes the coarsest level resident.
+    /// Lays everything out in a pool, and makes the coarsest level resident.
     pub(super) fn new(file: OpenedFile, options: &StreamOptions, words: u32) -> Result<Self, StreamError> {
         let OpenedFile { contents, coarsest, bundles: mut loaded } = file;
         let layout = PoolLayout::new(&contents, options, words)
@@ -90,7 +90,7 @@ impl Open {
             let pool = &mut residents.pool;
             pool.put_common(places, coarsest.common.words());
             for bundle in &mut loaded {
-                // Half a granule per page was counted; a page may take a whole one.
+                // Half a granule of padding per page was counted, but a page may need more.
                 if pool.place(&layout, places, bundle).is_none() {
                     let needed = 4 * (u64::from(words) + 1);
                     return Err(StreamError::Budget { needed, budget: options.budget_bytes });
@@ -98,7 +98,7 @@ impl Open {
             }
             level.context = Some(coarsest);
         }
-        // A tenth is left to what lies between pages. The coarsest level, which stays, has its share.
+        // A tenth is left for the gaps between pages. The coarsest level, which stays, keeps its share.
         let of_coarsest = contents.tables.last().map_or(0, |table| words_of(table));
         let room_words = (u64::from(layout.page_words()) * 9 / 10).saturating_sub(of_coarsest);
         Ok(Self {
@@ -184,7 +184,7 @@ impl Open {
         None
     }
 
-    /// Returns a request for a bundle and those of its neighbours in the file that are missing too.
+    /// Returns a request for a bundle, and for its neighbours in the file that are missing too.
     fn request_along(
         &self,
         level: &Level,

@@ -12,7 +12,7 @@ use crate::stream::retry::StreamError;
 /// Bytes of the first request.
 const FRONT_BYTES: u64 = 1 << 16;
 
-/// What has been read of the beginning.
+/// The part of the beginning that has been read.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Beginning {
     front: Vec<u8>,
@@ -20,12 +20,12 @@ pub(super) struct Beginning {
     needed: Option<u64>,
 }
 
-/// What opening a file has given so far.
+/// The state of opening a file.
 #[derive(Debug)]
 pub(super) enum Opened {
     /// More bytes are needed.
     More(Beginning),
-    /// All of the beginning.
+    /// The whole beginning has been read.
     Whole(Box<OpenedFile>),
 }
 
@@ -44,7 +44,7 @@ impl Beginning {
         self.front.len() as u64..self.needed.unwrap_or(FRONT_BYTES)
     }
 
-    /// Goes on with the bytes of [`Beginning::range`].
+    /// Continues with the bytes of [`Beginning::range`].
     pub(super) fn answer(mut self, bytes: &[u8]) -> Result<Opened, StreamError> {
         self.front.extend_from_slice(bytes);
         let (have, needed) = (self.front.len() as u64, beginning_bytes(&self.front)?);

@@ -1,15 +1,15 @@
-//! The pool: an array of words with the tables, the common sections and the resident pages of a file. It says what is to
-//! be written where; whoever holds the words writes it.
+//! The pool: an array of words with the tables, the common sections and the resident pages of a file. It
+//! returns the writes to these words; the owner of the words performs them.
 //!
 //! | part | words |
 //! |---|---|
-//! | reserved | what the host puts before the rest |
+//! | reserved | words for the host's own use, before all others |
 //! | tables | two words per block, and a weight per page if levels fade, of each level in use, the finest first |
 //! | common sections | of each level in use, the finest first |
 //! | pages | each at a multiple of 64 words |
 //!
-//! Worked value: a level's common section begins at word 1000. A page whose root is 0x80000010 is put at word 4096. At
-//! block level 9, its block is 2 · (4096 − 1000) + 0x10 = 6208 and the root's base.
+//! Worked value: a level's common section begins at word 1000. A page whose root is 0x80000010 is put at
+//! word 4096. At block level 9, its block is 2 · (4096 − 1000) + 0x10 = 6208 and the root's base.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -25,12 +25,12 @@ use crate::layout::depths::{ABSENT, TreeWords};
 use crate::stream::StreamOptions;
 use crate::stream::decode::{LoadedBundle, LoadedPage};
 
-/// Pages begin at multiples of so many words: 256 bytes.
+/// Pages begin at multiples of this many words: 256 bytes.
 pub(super) const GRANULE_WORDS: u32 = 64;
-/// The weight of a page that answers alone. With less, the next coarser level has the rest.
+/// The weight of a page that answers alone. At a smaller weight, the next coarser level has the remainder.
 pub(crate) const WHOLE: u32 = 256;
-/// The most words of a write: 64 KiB, so that what is left of one after a part was taken is copied in no time. It is even,
-/// for both words of a block are taken together.
+/// The most words of a write: 64 KiB, so that copying the remainder of a partly taken write is cheap. It is
+/// even, because both words of a block are taken together.
 const MAX_WRITE_WORDS: usize = 1 << 14;
 
 /// Words that are to be written to the pool.
@@ -53,7 +53,7 @@ pub(super) struct LevelPlaces {
     pub(super) fades: bool,
 }
 
-/// Where everything is.
+/// The places of all parts of the pool.
 #[derive(Debug)]
 pub(super) struct PoolLayout {
     /// Levels in use, the finest first.
@@ -65,10 +65,11 @@ pub(super) struct PoolLayout {
 }
 
 impl PoolLayout {
-    /// Places the levels that a pool of so many words can hold. If levels fade, all but the coarsest have weights.
+    /// Lays out the levels that a pool of `words` words can hold. If levels fade, all but the coarsest have
+    /// weights.
     ///
     /// # Errors
-    /// Returns the number of words that are needed, if that is not even the coarsest.
+    /// Returns the number of words that are needed, if not even the coarsest level fits.
     pub(super) fn new(contents: &Contents, options: &StreamOptions, words: u32) -> Result<Self, u64> {
         let StreamOptions { reserved_words, .. } = *options;
         let coarsest = contents.grids.len() - 1;
@@ -131,7 +132,8 @@ fn page_count(size: [u32; 3]) -> u64 {
     page_dims(size).map(u64::from).iter().product()
 }
 
-/// Returns about how many words of the pool a bundle takes: each page half a granule more than it has.
+/// Returns about how many words of the pool a bundle takes: its words, and half a granule of padding per
+/// page.
 pub(super) fn page_words(raw_bytes: u32) -> u64 {
     if raw_bytes == 0 {
         return 0;
@@ -154,8 +156,8 @@ impl LevelPlaces {
         }
     }
 
-    /// Returns the weight of the words of a pool with which this level answers a filter over columns low…high of the grid:
-    /// the least of their pages.
+    /// Returns the weight of this level's answer for a filter over columns low…high of the grid: the smallest
+    /// weight of their pages. `words` are those of the pool.
     pub(super) fn weight(&self, words: &[u32], low: [u32; 2], high: [u32; 2]) -> u32 {
         if !self.fades {
             return WHOLE;
@@ -190,7 +192,7 @@ impl LevelPlaces {
     }
 }
 
-/// The words that pages have of a pool, and what is still to be written.
+/// The words of a pool that pages occupy, and the queue of writes.
 #[derive(Debug)]
 pub(super) struct Pool {
     /// In granules.
@@ -198,7 +200,7 @@ pub(super) struct Pool {
     free_granules: u32,
     queue: VecDeque<PoolWrite>,
     queued_words: usize,
-    /// Weights, which go before what is in the queue.
+    /// Weights, which are written before the queue.
     weights: VecDeque<PoolWrite>,
     /// Number of writes that have been put into the queue, and taken from it.
     put_writes: u64,
@@ -283,7 +285,8 @@ impl Pool {
         }
     }
 
-    /// Makes a bundle resident, and takes its pages' words. Returns `None`, with nothing changed, if there is no room.
+    /// Makes a bundle resident, and takes its pages' words. Returns `None`, with nothing changed, if there is
+    /// no room.
     pub(super) fn place(
         &mut self,
         layout: &PoolLayout,
@@ -314,7 +317,7 @@ impl Pool {
         Some(PlacedPages(placed))
     }
 
-    /// Gives a bundle up.
+    /// Removes a bundle, and frees its words.
     pub(super) fn remove(&mut self, places: &LevelPlaces, pages: &PlacedPages) {
         for (place, _) in &pages.0 {
             places.put_blocks(*place, |_| [ABSENT, 0], &mut |write| self.put(write));
@@ -356,22 +359,22 @@ impl Pool {
         self.queued_words
     }
 
-    /// Returns the number of writes, weights apart, that have been asked for.
+    /// Returns the number of writes, without weights, that have been put into the queue.
     pub(super) fn put_writes(&self) -> u64 {
         self.put_writes
     }
 
-    /// Returns the number of writes, weights apart, that have been taken.
+    /// Returns the number of writes, without weights, that have been taken.
     pub(super) fn taken_writes(&self) -> u64 {
         self.taken_writes
     }
 
-    /// Returns the number of words that no page has.
+    /// Returns the number of words that no page occupies.
     pub(super) fn free_words(&self) -> u32 {
         GRANULE_WORDS * self.free_granules
     }
 
-    /// Takes what is to be written next, at most so many words. Both words of a block are taken together.
+    /// Takes the next writes, of at most `max_words` words. Both words of a block are taken together.
     pub(super) fn take(&mut self, max_words: usize) -> Vec<PoolWrite> {
         let mut taken = Vec::new();
         let mut left = max_words & !1;

@@ -1,5 +1,5 @@
-//! What is asked of a source, and what its bytes are made into. Nothing here needs the state of a stream, so it can be
-//! done on any thread.
+//! Requests to a source, and the decoding of its bytes. Nothing here needs the state of a stream, so it can
+//! run on any thread.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -11,15 +11,15 @@ use crate::stream::opening::{Beginning, Opened};
 use crate::stream::retry::{BundleId, Part, StreamError};
 use crate::stream::{ShadowSource, SourceError};
 
-/// A range of a file's bytes that is wanted. [`Resident::next_request`](super::Resident::next_request) makes it,
-/// [`Request::answer`] answers it, and [`Resident::deliver`](super::Resident::deliver) takes the answer.
+/// A range of a file's bytes that is needed. [`Resident::next_request`](super::Resident::next_request) makes
+/// it, [`Request::answer`] answers it, and [`Resident::deliver`](super::Resident::deliver) takes the answer.
 #[derive(Debug)]
 pub struct Request {
     pub(super) range: Range<u64>,
     pub(super) job: Job,
 }
 
-/// What becomes of the bytes.
+/// The use of the requested bytes.
 #[derive(Debug)]
 pub(super) enum Job {
     Beginning(Beginning),
@@ -27,7 +27,7 @@ pub(super) enum Job {
     Bundles { context: Arc<LevelContext>, bundles: Vec<Stored> },
 }
 
-/// What came of a [`Request`].
+/// The result of a [`Request`].
 #[derive(Debug)]
 pub struct Answer {
     /// Bytes that were received.
@@ -43,8 +43,8 @@ pub(super) enum Loaded {
 }
 
 impl Request {
-    /// Returns the bytes that are wanted. Only the first request, which is for the first 65,536 bytes, may reach beyond
-    /// the end of the file.
+    /// Returns the range of bytes to read. Only the first request, which is for the first 65,536 bytes, may
+    /// reach beyond the end of the file.
     pub fn range(&self) -> Range<u64> {
         self.range.clone()
     }
@@ -73,7 +73,7 @@ impl Request {
                     Err(error) => {
                         let mut error = Some(error);
                         let text = error.as_ref().map(ToString::to_string).unwrap_or_default();
-                        // The first has the error itself, the others its text.
+                        // The first bundle gets the error itself, the others its text.
                         let each = |b: &Stored| {
                             let error =
                                 error.take().unwrap_or_else(|| SourceError::Failed(text.clone().into()));
@@ -88,7 +88,7 @@ impl Request {
         Answer { bytes, loaded }
     }
 
-    /// Returns the parts that are asked for.
+    /// Returns the parts of the file that the request is for.
     pub(super) fn parts(&self) -> Vec<Part> {
         match &self.job {
             Job::Beginning(_) => vec![Part::Beginning],

@@ -1,4 +1,4 @@
-//! A stream without threads: requests, answers, faults, and what is to be written.
+//! A stream without threads: requests, answers, faults and writes.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -19,17 +19,17 @@ use crate::stream::{PoolSampler, PoolWrite, StreamError, StreamFault, View};
 
 /// Requests that may be under way at a time.
 const MAX_REQUESTS: usize = 6;
-/// A file that is read where views need it. It asks for bytes, takes what became of them, and says what is to be written to
-/// a pool of words. It neither reads nor decodes, so nothing here waits.
+/// A file that is read where views need it. It returns requests for bytes, takes their answers, and returns
+/// writes to a pool of words. It neither reads nor decodes, so it never blocks.
 #[derive(Debug)]
 pub struct Resident {
     options: StreamOptions,
     state: State,
-    /// Parts that have been asked for and not been answered.
+    /// Parts that have been requested and not been answered.
     under_way: HashSet<Part>,
     requests_under_way: usize,
     retries: Retries,
-    /// Set once asking is of no use any more.
+    /// Set once further requests are useless.
     is_over: bool,
     faults: Vec<StreamFault>,
     counts: StreamCounts,
@@ -43,7 +43,7 @@ enum State {
 }
 
 impl Resident {
-    /// Begins with a file of which nothing is known.
+    /// Creates a stream of a file that has not been read yet.
     pub fn new(options: StreamOptions) -> Self {
         Self {
             options,
@@ -58,8 +58,8 @@ impl Resident {
         }
     }
 
-    /// Whether the beginning of the file has been read, so that every point has an answer once what
-    /// [`Resident::take_writes`] returns has been written.
+    /// Whether the beginning of the file has been read. Every point then has an answer, once the writes that
+    /// [`Resident::take_writes`] returns are done.
     pub fn is_open(&self) -> bool {
         matches!(self.state, State::Open(_))
     }
@@ -86,8 +86,8 @@ impl Resident {
         self.open().map(|open| &open.contents.header.settings)
     }
 
-    /// Returns the grids of the levels in use, each with its level in the file, the finest first. The list is empty until
-    /// the file is open.
+    /// Returns the grids of the levels in use, each with its level in the file, the finest first. The list is
+    /// empty until the file is open.
     pub fn grids(&self) -> Vec<(u32, LightGrid)> {
         let levels = self.open().map(|open| &open.layout.levels[..]).unwrap_or_default();
         levels.iter().map(|places| (places.level, places.grid)).collect()
@@ -98,8 +98,8 @@ impl Resident {
         self.open().map(|open| open.layout.pages_at)
     }
 
-    /// Takes what the views see now, chooses what is to be resident, and lets levels fade by a frame. `now` is the time
-    /// since any moment.
+    /// Takes the current views, chooses the bundles that should be resident, and lets levels fade by a frame.
+    /// `now` is the time since any fixed moment.
     ///
     /// Cost: some microseconds per bundle near a view.
     pub fn update(&mut self, views: &[View], now: Duration) {
@@ -113,7 +113,7 @@ impl Resident {
         }
     }
 
-    /// Returns the next range of bytes that is wanted, if there is any now. Call it until it returns `None`.
+    /// Returns the next request, if any is due. Call it until it returns `None`.
     pub fn next_request(&mut self) -> Option<Request> {
         if self.is_over || self.requests_under_way >= MAX_REQUESTS {
             return None;
@@ -130,7 +130,7 @@ impl Resident {
         Some(request)
     }
 
-    /// Takes what came of a request.
+    /// Takes the answer to a request.
     pub fn deliver(&mut self, Answer { bytes, loaded }: Answer) {
         self.requests_under_way -= 1;
         self.counts.requests += 1;
@@ -151,7 +151,7 @@ impl Resident {
                         self.state = state;
                     }
                     Err(error) => {
-                        // Bytes of another file may have been taken for those of this one.
+                        // The bytes read so far may be those of another file.
                         self.state = State::Opening(Beginning::default());
                         self.fail(Part::Beginning, error);
                     }
@@ -192,31 +192,31 @@ impl Resident {
     fn fail(&mut self, part: Part, error: StreamError) {
         let is_final = error.is_final();
         let retry_in = (!is_final).then(|| self.retries.fail(part, self.now));
-        // Parts of a changed file that were asked for together fail together: one fault says so.
+        // Parts of a changed file that were requested together fail together. Report one fault.
         if !(self.is_over && is_final) {
             self.faults.push(StreamFault { part: part.to_string(), error, retry_in });
         }
         self.is_over |= is_final;
     }
 
-    /// Has everything that failed be asked for at once.
+    /// Lets everything that failed be requested again immediately.
     pub fn retry(&mut self) {
         self.retries.forget();
         self.is_over = false;
     }
 
-    /// Whether a part that was asked for is missing because of a fault.
+    /// Whether a requested part is missing because of a fault.
     pub fn has_failed(&self) -> bool {
         self.is_over || !self.retries.is_empty()
     }
 
-    /// Takes the faults since the last call. Wherever one is, a coarser level goes on answering.
+    /// Takes the faults since the last call. Where a part is missing, a coarser level still answers.
     pub fn take_faults(&mut self) -> Vec<StreamFault> {
         std::mem::take(&mut self.faults)
     }
 
-    /// Takes what is to be written to the pool next, at most so many bytes, in this order. Words that are written are the
-    /// pool's before the next picture is drawn.
+    /// Takes the next writes to the pool, of at most `max_bytes` bytes. Perform them in this order, and
+    /// before the next frame is drawn.
     pub fn take_writes(&mut self, max_bytes: usize) -> Vec<PoolWrite> {
         match &mut self.state {
             State::Opening(_) => Vec::new(),
@@ -224,7 +224,7 @@ impl Resident {
         }
     }
 
-    /// Returns what has been done, and what is left to do.
+    /// Returns the work that has been done, and the work that is left.
     pub fn counts(&self) -> StreamCounts {
         let Some(open) = self.open() else { return self.counts };
         let missing = open.chosen.iter().filter(|id| !open.residents.is_resident(**id));
@@ -240,13 +240,14 @@ impl Resident {
         }
     }
 
-    /// Whether all that views need and that fits the budget is resident, has been taken for writing, and is not fading.
+    /// Whether all bundles that views need and that fit the budget are resident, taken for writing, and not
+    /// fading.
     pub fn is_settled(&self) -> bool {
         self.open().is_some_and(|open| open.residents.are_settled())
     }
 
-    /// Returns the parameters of look-ups in each level in use, the finest first. In a level the radius of penumbrae is as
-    /// long in the world as in the finest.
+    /// Returns the parameters of look-ups in each level in use, the finest first. Penumbrae have the same
+    /// radius in the world in each level.
     ///
     /// # Errors
     /// Returns the errors of [`Parameters::new`].
@@ -271,9 +272,9 @@ impl Resident {
         levels.iter().enumerate().map(of_level).collect()
     }
 
-    /// Returns the first bytes of a look-up texture whose texels from the 128th on are the words of the pool: 128 words for
-    /// each level in use, the finest first. So [`StreamOptions::reserved_words`] are 128 for each coarser level; 896 are
-    /// enough for any file. Empty until the file is open.
+    /// Returns the first bytes of a look-up texture whose texels from the 128th on are the words of the pool:
+    /// 128 words for each level in use, the finest first. So [`StreamOptions::reserved_words`] are 128 for
+    /// each coarser level; 896 are enough for any file. Empty until the file is open.
     ///
     /// # Errors
     /// Returns the errors of [`Parameters::new`].

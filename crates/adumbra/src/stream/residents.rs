@@ -1,4 +1,4 @@
-//! Which bundles are in the pool: how they come, how they go, and how much of them shows meanwhile.
+//! The bundles in the pool: how they arrive and leave, and their weights meanwhile.
 //!
 //! ```text
 //!  add ──► waiting ──room──► arriving ──written──► weight rises to WHOLE
@@ -20,7 +20,7 @@ pub(super) struct Residents {
     pub(super) pool: Pool,
     layout: Arc<PoolLayout>,
     bundles: HashMap<BundleId, ResidentBundle>,
-    /// Chosen bundles for which others make room.
+    /// Chosen bundles that wait until others make room.
     waiting: VecDeque<(BundleId, LoadedBundle)>,
     /// Resident bundles whose weight changes.
     fading: BTreeSet<BundleId>,
@@ -40,9 +40,9 @@ struct ResidentBundle {
     /// The last choice that it was part of.
     last_choice: u64,
     weight: u32,
-    /// Whether it makes room for another.
+    /// Whether the bundle is leaving to make room for another.
     is_leaving: bool,
-    /// The words of the pool have all of it once so many writes have been taken.
+    /// The pool's words hold the whole bundle once this many writes have been taken.
     written_at: u64,
 }
 
@@ -61,7 +61,7 @@ impl Residents {
         }
     }
 
-    /// Takes what is chosen from now on.
+    /// Sets the chosen bundles.
     pub(super) fn choose(&mut self, chosen: HashSet<BundleId>) {
         self.choice += 1;
         self.refused.clear();
@@ -100,7 +100,7 @@ impl Residents {
             && !self.waiting.iter().any(|(waiting, _)| *waiting == id)
     }
 
-    /// Whether nothing comes, goes or fades, and all has been taken for writing.
+    /// Whether no bundle arrives, leaves or fades, and all writes have been taken.
     pub(super) fn are_settled(&self) -> bool {
         self.pool.queued_words() == 0
             && self.waiting.is_empty()
@@ -108,7 +108,8 @@ impl Residents {
             && self.chosen.iter().all(|id| self.is_resident(*id) || self.refused.contains(id))
     }
 
-    /// Makes a bundle resident as soon as there is room. What was chosen least recently makes room for what is chosen.
+    /// Makes a bundle resident as soon as there is room. For a chosen bundle, those chosen least recently
+    /// make room.
     pub(super) fn add(&mut self, id: BundleId, bundle: LoadedBundle) {
         if !self.is_resident(id) {
             self.waiting.push_back((id, bundle));
@@ -116,7 +117,7 @@ impl Residents {
         }
     }
 
-    /// Lets all weights change by one frame's step.
+    /// Changes all fading weights by one frame's step.
     pub(super) fn fade(&mut self) {
         let fading: Vec<BundleId> = self.fading.iter().copied().collect();
         for id in fading {
@@ -171,7 +172,8 @@ impl Residents {
         }
     }
 
-    /// Has the bundles go that were chosen least recently, until a bundle may find room. Returns whether any goes.
+    /// Lets the bundles that were chosen least recently leave, until `bundle` may find room. Returns whether
+    /// any leaves.
     fn make_room(&mut self, bundle: &LoadedBundle) -> bool {
         let mut leaving: u32 = self.bundles.values().filter(|b| b.is_leaving).map(|b| b.pages.words()).sum();
         let needed = PlacedPages::words_of(bundle);

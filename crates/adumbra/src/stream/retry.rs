@@ -1,4 +1,4 @@
-//! Faults, and when what failed is asked for again.
+//! Faults, and when failed parts are requested again.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -7,7 +7,7 @@ use std::time::Duration;
 use crate::error::FormatError;
 use crate::stream::SourceError;
 
-/// Why a part of a file is not there.
+/// The reason why a part of a file is missing.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum StreamError {
@@ -30,20 +30,20 @@ pub enum StreamError {
 }
 
 impl StreamError {
-    /// Whether asking again is of no use.
+    /// Whether another request is useless.
     pub(super) fn is_final(&self) -> bool {
         matches!(self, Self::Source(SourceError::Changed) | Self::Budget { .. })
     }
 }
 
-/// A part of a file that could not be had. A coarser level answers in its place.
+/// A part of a file that could not be loaded. A coarser level answers in its place.
 #[derive(Debug)]
 pub struct StreamFault {
     /// The part: "beginning", "common section of level 0", "bundle 7 of level 0".
     pub part: String,
-    /// Why.
+    /// The reason.
     pub error: StreamError,
-    /// When it is asked for again; `None`: never.
+    /// Time until the part is requested again; `None`: never.
     pub retry_in: Option<Duration>,
 }
 
@@ -88,7 +88,7 @@ impl fmt::Display for Part {
     }
 }
 
-/// What failed, and when it is asked for again.
+/// The failed parts, and when they are requested again.
 #[derive(Debug, Default)]
 pub(super) struct Retries {
     failed: HashMap<Part, Failed>,
@@ -101,7 +101,7 @@ struct Failed {
 }
 
 impl Retries {
-    /// Notes that a part failed. Returns how long it is left alone: 1 s, 2 s, 4 s … at most 60 s.
+    /// Records that a part failed. Returns the delay before the next request: 1 s, 2 s, 4 s … at most 60 s.
     pub(super) fn fail(&mut self, part: Part, now: Duration) -> Duration {
         const LONGEST_S: u64 = 60;
         let failed = self.failed.entry(part).or_insert(Failed { times: 0, not_before: now });
@@ -111,24 +111,24 @@ impl Retries {
         wait
     }
 
-    /// Notes that a part is there.
+    /// Records that a part was loaded.
     pub(super) fn succeed(&mut self, part: Part) {
         if !self.failed.is_empty() {
             self.failed.remove(&part);
         }
     }
 
-    /// Whether a part may be asked for.
+    /// Whether a part may be requested now.
     pub(super) fn allow(&self, part: Part, now: Duration) -> bool {
         self.failed.get(&part).is_none_or(|failed| failed.not_before <= now)
     }
 
-    /// Whether all parts that were asked for are there, or have not been answered yet.
+    /// Whether no requested part has failed.
     pub(super) fn is_empty(&self) -> bool {
         self.failed.is_empty()
     }
 
-    /// Has all that failed be asked for at once.
+    /// Lets all failed parts be requested again immediately.
     pub(super) fn forget(&mut self) {
         self.failed.clear();
     }

@@ -16,15 +16,15 @@ pub struct LevelAnswer {
     pub level: u32,
 }
 
-/// Looks up the visibility of points in the words of a pool, in the finest level that has the pages; while these come or
-/// go, mixed with the next coarser one. A shader gives the
-/// same answers from the same words.
+/// Looks up the visibility of points in the words of a pool, in the finest level that has the pages. While
+/// pages fade, their answer is mixed with that of the next coarser level. A shader gives the same answers
+/// from the same words.
 #[derive(Clone, Debug)]
 pub struct PoolSampler {
     layout: Arc<PoolLayout>,
     bias: Bias,
     filter: Filter,
-    /// Those of the levels, placed as the app has the file.
+    /// The grids of the levels, with the app's placement of the file.
     grids: Arc<[LightGrid]>,
 }
 
@@ -43,15 +43,16 @@ impl PoolSampler {
         Ok(Self { bias, ..self })
     }
 
-    /// Returns look-ups in the world of an app that has placed the file, as [`Sampler::placed`](crate::Sampler::placed).
+    /// Returns look-ups in the world of an app that has placed the file, as
+    /// [`Sampler::placed`](crate::Sampler::placed).
     #[must_use]
     pub fn placed(self, placement: &Placement) -> Self {
         Self { grids: self.grids.iter().map(|grid| grid.placed(placement)).collect(), ..self }
     }
 
-    /// Returns the visibility of a world point. `normal` is the surface's unit normal there, if the point is on a surface.
-    /// `words` are those of the pool, with all that
-    /// [`Resident::take_writes`](super::Resident::take_writes) has returned written to it.
+    /// Returns the visibility of a world point. `normal` is the surface's unit normal there, if the point is
+    /// on a surface. `words` are those of the pool, after all writes that
+    /// [`Resident::take_writes`](super::Resident::take_writes) has returned.
     pub fn look_up(&self, words: &[u32], p_world: [f64; 3], normal: Option<[f64; 3]>) -> LevelAnswer {
         let width = self.filter.width();
         let (mut visibility, mut left, mut level) = (0.0, 1.0, None);

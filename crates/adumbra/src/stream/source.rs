@@ -1,4 +1,4 @@
-//! Where the bytes of a file come from.
+//! Sources of a file's bytes.
 
 use std::fs::{File, Metadata};
 use std::io::{Read, Seek, SeekFrom};
@@ -9,15 +9,18 @@ use std::time::SystemTime;
 
 use crate::error::{IoError, Result};
 
-/// Yields ranges of a file's bytes: of a file on a disk, of memory, or of a server by whatever client a program has.
+/// Yields ranges of a file's bytes: from a file on a disk, from memory, or from a server through the
+/// program's own client.
 ///
-/// A source of a server asks for a range (`Range: bytes=0-65535`), and returns [`SourceError::Changed`] if the server's
-/// `ETag` is not that of the first answer, or if it answers 412.
+/// A source on a server requests a range (`Range: bytes=0-65535`), and returns [`SourceError::Changed`] if
+/// the server's `ETag` is not that of the first answer, or if the server answers 412.
 pub trait ShadowSource: Send + Sync {
-    /// Returns the bytes of a range, and fewer only where the file ends. It is called on threads that may wait.
+    /// Returns the bytes of a range, and fewer only where the file ends. It is called on threads that may
+    /// block.
     ///
     /// # Errors
-    /// Returns why the bytes cannot be had. They are asked for again later, except after [`SourceError::Changed`].
+    /// Returns why the bytes cannot be read. They are requested again later, except after
+    /// [`SourceError::Changed`].
     fn read(&self, range: Range<u64>) -> Result<Vec<u8>, SourceError>;
 }
 
@@ -58,7 +61,7 @@ pub struct FileSource {
     state: FileState,
 }
 
-/// What changes if a file is written to.
+/// Metadata that changes when a file is written.
 #[derive(Debug, PartialEq, Eq)]
 struct FileState {
     bytes: u64,
@@ -72,7 +75,7 @@ impl FileState {
 }
 
 impl FileSource {
-    /// Opens a file. Nothing is read yet. A file that is replaced by another of its name goes on being read.
+    /// Opens a file. Nothing is read yet. If another file takes its name, the opened file is still read.
     ///
     /// # Errors
     /// Returns [`Error::Io`](crate::Error::Io) if the operating system does not open it.

@@ -1,4 +1,4 @@
-//! A stream with threads of its own.
+//! A stream that has its own threads.
 
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -25,7 +25,7 @@ pub struct Streamer {
 }
 
 impl Streamer {
-    /// Begins to read a file. Nothing is waited for: until [`Streamer::is_open`] there are no answers.
+    /// Begins to read a file, without waiting. There are no answers until [`Streamer::is_open`].
     pub fn new(source: impl ShadowSource + 'static, options: StreamOptions) -> Self {
         let source: Arc<dyn ShadowSource> = Arc::new(source);
         let (requests, taken) = channel::<Request>();
@@ -33,7 +33,7 @@ impl Streamer {
         let taken = Arc::new(Mutex::new(taken));
         for _ in 0..THREADS {
             let (source, taken, given) = (Arc::clone(&source), Arc::clone(&taken), given.clone());
-            // They end when the streamer goes, which closes the channels.
+            // The threads end when the streamer is dropped, which closes the channels.
             thread::spawn(move || {
                 loop {
                     let request = taken.lock().unwrap_or_else(|e| e.into_inner()).recv();
@@ -51,8 +51,8 @@ impl Streamer {
         streamer
     }
 
-    /// Takes what the views see now, and what the threads have done since the last call. Call it once per frame; it does
-    /// not wait.
+    /// Takes the current views, and the threads' answers since the last call. Call it once per frame; it does
+    /// not block.
     pub fn update(&mut self, views: &[View]) {
         while let Ok(answer) = self.answers.try_recv() {
             self.resident.deliver(answer);
@@ -70,8 +70,9 @@ impl Streamer {
         }
     }
 
-    /// Waits until all that the views need and that fits the budget is resident and has been written to
-    /// [`Streamer::words`], or until `limit` has passed. Returns whether it is. What was written goes to `written` too.
+    /// Waits until all bundles that the views need and that fit the budget are resident and written to
+    /// [`Streamer::words`], or until `limit` has passed. Returns whether they are. Passes each write to
+    /// `written` too.
     pub fn settle(&mut self, views: &[View], limit: Duration, mut written: impl FnMut(&PoolWrite)) -> bool {
         let end = Instant::now() + limit;
         loop {
@@ -95,13 +96,13 @@ impl Streamer {
         self.resident.is_open()
     }
 
-    /// Returns what is resident, for all that is not done here.
+    /// Returns the [`Resident`], for everything that this type does not wrap.
     pub fn resident(&self) -> &Resident {
         &self.resident
     }
 
-    /// Takes what is to be written to the pool on the GPU, at most so many bytes, in this order, and writes it to
-    /// [`Streamer::words`].
+    /// Takes the next writes to the pool on the GPU, of at most `max_bytes` bytes, in this order, and applies
+    /// them to [`Streamer::words`].
     pub fn take_writes(&mut self, max_bytes: usize) -> Vec<PoolWrite> {
         let writes = self.resident.take_writes(max_bytes);
         if !writes.is_empty() && self.words.is_empty() {
@@ -113,7 +114,8 @@ impl Streamer {
         writes
     }
 
-    /// Returns the words of the pool. They are empty until the first [`Streamer::take_writes`] after the file is open.
+    /// Returns the words of the pool. They are empty until the first [`Streamer::take_writes`] after the file
+    /// is open.
     pub fn words(&self) -> &[u32] {
         &self.words
     }
@@ -136,13 +138,13 @@ impl Streamer {
         self.resident.take_faults()
     }
 
-    /// Has everything that failed be asked for at once.
+    /// Lets everything that failed be requested again immediately.
     pub fn retry(&mut self) {
         self.resident.retry();
         self.ask();
     }
 
-    /// Returns what has been done, and what is left to do.
+    /// Returns the work that has been done, and the work that is left.
     pub fn counts(&self) -> StreamCounts {
         self.resident.counts()
     }

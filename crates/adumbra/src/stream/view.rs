@@ -1,15 +1,15 @@
-//! What a camera sees, as far as pages are concerned.
+//! The view of a camera, for the choice of pages.
 
 use crate::grid::vec3::{cross, dot};
 use crate::grid::{LightGrid, Placement};
 
-/// What a camera sees: where it is, planes that bound its picture, and how large a pixel is.
+/// The view of a camera: its position, the planes that bound its picture, and the size of a pixel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// Position in the world.
     pub position_world: [f64; 3],
-    /// Planes around what is seen: a point p is seen if `n · p + d >= 0` for each plane `[n.x, n.y, n.z, d]`. Without
-    /// planes everything is. Normals have any length.
+    /// Planes around the visible part of the world: a point p is visible if `n · p + d >= 0` for each plane
+    /// `[n.x, n.y, n.z, d]`. Without planes, all points are visible. Normals have any length.
     pub planes: Vec<[f64; 4]>,
     /// Size of a pixel at the camera, world units: 0 in a perspective.
     pub pixel_world: f64,
@@ -18,8 +18,8 @@ pub struct View {
 }
 
 impl View {
-    /// A perspective camera: its position and two directions of any length in the world, the full angle from the lower
-    /// to the upper edge of the picture, and the picture's width and height in pixels.
+    /// A perspective camera: its position and two directions of any length in the world, the full angle from
+    /// the lower to the upper edge of the picture, and the picture's width and height in pixels.
     pub fn perspective(
         position_world: [f64; 3],
         forward: [f64; 3],
@@ -44,7 +44,7 @@ impl View {
         Self { position_world, planes, pixel_world: 0.0, pixel_per_distance: 2.0 * half_y / height }
     }
 
-    /// A camera of parallel lines of sight: as [`View::perspective`], with the height of the picture in world units.
+    /// An orthographic camera: as [`View::perspective`], with the height of the picture in world units.
     pub fn parallel(
         position_world: [f64; 3],
         forward: [f64; 3],
@@ -73,8 +73,8 @@ impl View {
         Self { position_world: [0.0; 3], planes: Vec::new(), pixel_world: 0.0, pixel_per_distance: 0.0 }
     }
 
-    /// Returns what a camera of an app sees of a file that the app has placed. A file that is placed several times is seen by
-    /// as many views.
+    /// Returns a camera's view of a file that the app has placed. A file that is placed several times needs
+    /// one view per placement.
     #[must_use]
     pub fn of_placed(&self, placement: &Placement) -> Self {
         Self {
@@ -90,7 +90,7 @@ impl View {
         self.pixel_world + self.pixel_per_distance * distance_world
     }
 
-    /// Returns the distance at which a pixel has a size; infinite if it has that size nowhere.
+    /// Returns the distance at which a pixel has this size; infinite if it has this size nowhere.
     pub(super) fn distance_of(&self, pixel_world: f64) -> f64 {
         let left = pixel_world - self.pixel_world;
         if left <= 0.0 { 0.0 } else { left / self.pixel_per_distance }
@@ -137,9 +137,9 @@ impl<'g> GridBox<'g> {
         Self { grid, low, high, middle, half_edges }
     }
 
-    /// Returns the distance of a point; 0 inside. It begins at the point of the box with the nearest grid position, which is
-    /// the nearest one where edges are perpendicular, and moves along one edge after the other. The distance is never
-    /// smaller than it is, and by a few percent larger at most.
+    /// Returns the distance of a point; 0 inside. It begins at the point of the box with the nearest grid
+    /// position, which is the nearest one where edges are perpendicular, and moves along one edge after the
+    /// other. The result is never too small, and at most a few percent too large.
     pub(super) fn distance(&self, p_world: [f64; 3]) -> f64 {
         const SWEEPS: usize = 12;
         let p_grid = self.grid.to_grid(p_world);
@@ -176,7 +176,7 @@ mod tests {
     use crate::grid::{Frame, Sun};
 
     #[test]
-    fn a_pixel_is_as_large_as_its_share_of_the_picture() {
+    fn pixel_size_is_picture_size_over_pixel_count() {
         let view = View::perspective([1.0, 2.0, 3.0], [0.0, 0.0, -2.0], [0.0, 1.0, 0.0], 90.0, [200, 100]);
         assert!((view.pixel_at(50.0) - 1.0).abs() < 1e-12);
         assert!((view.distance_of(1.0) - 50.0).abs() < 1e-9);
@@ -188,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn boxes_beside_and_behind_a_camera_are_not_seen() {
+    fn boxes_beside_and_behind_the_camera_are_culled() {
         let sun = Sun::from_angles(120.0, 30.0).unwrap();
         let grid = LightGrid::new(sun, Frame::Oblique { yaw_radians: 0.3 }, 0.5, [0.0; 3], [64; 3]);
         let around = |p_world| {
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn a_placed_view_sees_of_a_file_what_the_camera_sees_where_it_is_placed() {
+    fn view_of_placed_file_matches_camera_on_placed_grid() {
         let turn =
             [[0.0, 0.0, -3.0, 0.0], [0.0, 3.0, 0.0, 0.0], [3.0, 0.0, 0.0, 0.0], [50.0, -2.0, 7.0, 1.0]];
         let placement = Placement::from_matrix(turn).unwrap();
@@ -244,7 +244,7 @@ mod tests {
     }
 
     #[test]
-    fn distance_is_that_of_the_nearest_of_many_points() {
+    fn distance_to_box_matches_nearest_sampled_point() {
         let sun = Sun::from_angles(200.0, 25.0).unwrap();
         for frame in [Frame::Light, Frame::Oblique { yaw_radians: -0.8 }] {
             let grid = LightGrid::new(sun, frame, 0.25, [-100.0; 3], [400; 3]);

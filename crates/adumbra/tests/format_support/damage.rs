@@ -11,8 +11,9 @@ const FILE_BYTES: usize = 136;
 /// Words that have a special meaning somewhere in a file.
 const VALUES: [u32; 10] = [0, 1, 0x0041, 0x5555, 0x8000, 0x8003, 0xAAAA, 0xFFFF, 0x8000_0000, u32::MAX];
 
-/// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the file as
-/// it is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are repaired.
+/// Returns the bytes that a fuzzer's input represents. If the first byte is odd (as in `A`), the input is the
+/// file as it is. If it is even (as in `@`), the file begins with `A` instead, and its checksums are
+/// repaired.
 pub(crate) fn interpret(input: &[u8]) -> Vec<u8> {
     let mut bytes = input.to_vec();
     if let Some(first) = bytes.first_mut()
@@ -24,14 +25,14 @@ pub(crate) fn interpret(input: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are repaired, in some a
-/// bundle or the common section is resized.
+/// Returns `valid` with one to four faults that follow from `seed`. In most cases the checksums are repaired,
+/// in some a bundle or the common section is resized.
 pub(crate) fn mutate(valid: &[u8], seed: u64) -> Vec<u8> {
     Mutator { state: seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1 }.mutate(valid)
 }
 
-/// Returns offset and length of a section of a level, 0 = table, 1 = common section, 2 = bundles. `None` if it is not
-/// in the file.
+/// Returns offset and length of a section of a level, 0 = table, 1 = common section, 2 = bundles. `None` if
+/// it is not in the file.
 fn section(bytes: &[u8], level: usize, section: usize) -> Option<[usize; 2]> {
     let at = HEADER + GRID * level + 160 + 24 * section;
     let entry = bytes.get(at..at + 16)?;
@@ -138,8 +139,8 @@ impl Mutator {
         }
     }
 
-    /// Inserts or removes a word of the finest level's first page with words, and lays the file out again, so that only
-    /// the page is wrong. In a coded file it is a byte of the first bundle with bytes.
+    /// Inserts or removes a word of the finest level's first page with words, and lays the file out again, so
+    /// that only the page is wrong. In a coded file it is a byte of the first bundle with bytes.
     fn resized(&mut self, bytes: &[u8]) -> Vec<u8> {
         let mut out = bytes.to_vec();
         let (Some([table, length]), Some([mut at, _])) = (section(bytes, 0, 0), section(bytes, 0, 2)) else {

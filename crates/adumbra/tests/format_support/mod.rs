@@ -1,5 +1,5 @@
-//! Shared code of the quick test and the fuzz target. It damages a file, repairs the checksums, and checks that the
-//! reader either refuses the file or returns a quadtree in which every voxel can be looked up.
+//! Shared code of the quick test and the fuzz target. It damages a file, repairs the checksums, and checks
+//! that the reader either refuses the file or returns a quadtree in which every voxel can be looked up.
 
 mod damage;
 
@@ -8,8 +8,8 @@ use adumbra::layout::depths::code::ColumnNode;
 use adumbra::{Encoding, FormatError, ShadowFile};
 pub(crate) use damage::{interpret, mutate};
 
-/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes if it is raw, that both
-/// ways of writing it give the same file, and that its voxels can be looked up.
+/// Reads `bytes`. If the file is accepted, checks that it is written as exactly the same bytes if it is raw,
+/// that both ways of writing it give the same file, and that its voxels can be looked up.
 ///
 /// # Panics
 /// If the library is wrong.
@@ -23,7 +23,7 @@ pub(crate) fn exercise(bytes: &[u8]) -> Result<ShadowFile, FormatError> {
             } else {
                 assert_eq!(ShadowFile::from_bytes(&raw).as_ref(), Ok(file));
             }
-            // A coder is free to leave equal shapes apart, but then they are not coded again.
+            // A coder may leave equal shapes unmerged. Such a file is not coded again.
             match file.to_bytes(Encoding::Coded) {
                 Ok(coded) => assert_eq!(ShadowFile::from_bytes(&coded).as_ref(), Ok(file)),
                 Err(error) => assert_eq!(error.kind(), "Uncodable"),
@@ -70,8 +70,8 @@ pub(crate) fn sweep(file: &ShadowFile, most: u64) -> u64 {
     lit
 }
 
-/// Returns whether a voxel is lit. Checks that its column's depth, the depths and bounds of its block, and the leaf
-/// masks of its leaf agree.
+/// Returns whether a voxel is lit. Checks that its column's depth, the depths and bounds of its block, and
+/// the leaf masks of its leaf agree.
 fn is_lit_in_every_way(file: &ShadowFile, [i, j, k]: [u32; 3]) -> bool {
     let tree = &file.tree;
     let column = (j & 7) * 8 + (i & 7);

@@ -1,5 +1,5 @@
-//! A slow reader of the point look-up, K = 1, written from `spec/adumbra-file.md` alone. It works on the file's bytes
-//! and shares no code with the library. It checks nothing, so it must only be given valid files.
+//! A slow reader of the point look-up, K = 1, written from `spec/adumbra-file.md` alone. It works on the
+//! file's bytes and shares no code with the library. It checks nothing, so it must only be given valid files.
 
 use adumbra_testing::{f64_at, u32_at, u64_at};
 
@@ -25,8 +25,8 @@ pub(crate) fn visibility(file: &[u8], world: [f64; 3]) -> u8 {
     voxel(file, 0, [grid[0].floor() as u32, grid[1].floor() as u32, z.floor() as u32])
 }
 
-/// Returns the place of the `d`-th point of the Hilbert curve through a square of `side` points, by the rule of the
-/// specification, with everything inside.
+/// Returns the place of the `d`-th point of the Hilbert curve through a square of `side` points, by the rule
+/// of the specification, with everything inside.
 fn hilbert(d: u64, side: i64) -> [i64; 2] {
     let (mut d, mut corner, mut u, mut v) = (d, [0_i64; 2], [side, 0], [0, side]);
     let mut count = (side * side) as u64;

@@ -1,4 +1,4 @@
-//! The answers are those of the file wherever its pages are, and those of a coarser level wherever they are not.
+//! Answers equal the file's where its pages are resident, and a coarser level's where they are not.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -19,7 +19,7 @@ use adumbra_testing::{named_vectors, placements, vectors};
 use crate::kit::{LIMIT, camera, city, compare, faults_of, large_city, points, stream};
 
 #[test]
-fn a_resident_file_answers_bit_for_bit() {
+fn resident_file_matches_look_ups_bit_for_bit() {
     for (name, bytes) in named_vectors("valid", 15) {
         let file = ShadowFile::from_bytes(&bytes).unwrap();
         let mut streamer = stream(BytesSource(bytes), 16 << 20);
@@ -33,7 +33,7 @@ fn a_resident_file_answers_bit_for_bit() {
 }
 
 #[test]
-fn a_stream_at_rest_answers_from_the_coarsest_level_that_is_fine_enough() {
+fn settled_stream_answers_from_coarsest_sufficient_level() {
     let bytes = std::fs::read(vectors("valid/levels_depths.adumbra")).unwrap();
     let file = ShadowFile::from_bytes(&bytes).unwrap();
     let points = points(&file, 1000, 14);
@@ -43,20 +43,20 @@ fn a_stream_at_rest_answers_from_the_coarsest_level_that_is_fine_enough() {
         let view = View { pixel_world, ..View::everything() };
         assert!(streamer.settle(&[view], LIMIT, |_| ()), "{pixel_world}: {:?}", streamer.counts());
         let counts = compare(&streamer, &file, &points, Filter::Box5);
-        // Beside the grid the finest level answers.
+        // Outside the grid the finest level answers.
         let coarser = counts[level + 1..].iter().sum::<u32>();
         assert!(counts[level] > 500 && coarser == 0, "{pixel_world}: {counts:?}");
     }
 }
 
 #[test]
-fn a_resident_city_has_the_words_of_its_file() {
+fn resident_city_has_tables_as_fine_as_its_file() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let mut streamer = stream(BytesSource(city()), 64 << 20);
     assert!(streamer.settle(&[View::everything()], LIMIT, |_| ()));
     assert_eq!(compare(&streamer, &file, &points(&file, 20_000, 2), Filter::Box5)[0], 20_000);
     let counts = streamer.counts();
-    // The first request may reach into bundles that are asked for later.
+    // The first request may reach into bundles that are requested later.
     assert!(counts.bytes <= city().len() as u64 + (1 << 16), "{counts:?}");
     // The tables are as fine as the file's, so a look-up reads as many words.
     let levels = streamer.parameters(&LookUp::default(), file.grid.origin()).unwrap();
@@ -74,7 +74,7 @@ fn a_resident_city_has_the_words_of_its_file() {
 }
 
 #[test]
-fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
+fn texture_headers_differ_from_the_files_only_in_word_places() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let options = StreamOptions { reserved_words: 896, ..StreamOptions::default() };
     let mut streamer = Streamer::new(BytesSource(city()), options);
@@ -85,7 +85,8 @@ fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
     assert_eq!(headers.len(), 3 * 512);
     let word = |bytes: &[u8], i: usize| u32::from_le_bytes([0, 1, 2, 3].map(|b| bytes[4 * i + b]));
     let differs: Vec<usize> = (0..128).filter(|&i| word(&headers, i) != word(whole.header(), i)).collect();
-    // Words after the header, coarser levels, and in the parameters the table, the levels, whether pages lack, the code.
+    // These words differ: the number of words after the header, the number of coarser levels, and in the
+    // parameters the places of table and code, the coarser levels, and whether pages may be absent.
     assert_eq!(differs, [3, 7, 16 + 76, 16 + 77, 16 + 78, 16 + 79]);
     let coarser: Vec<u32> = (0..3).map(|level| word(&headers, 128 * level + 7)).collect();
     assert_eq!(coarser, [2, 1, 0]);
@@ -93,7 +94,7 @@ fn headers_of_a_texture_are_those_of_the_file_but_for_the_places_of_words() {
 }
 
 #[test]
-fn a_placed_stream_answers_as_the_placed_file_does() {
+fn placed_stream_matches_placed_file() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let options = StreamOptions { reserved_words: 896, budget_bytes: 64 << 20, ..StreamOptions::default() };
     let mut streamer = Streamer::new(BytesSource(city()), options);
@@ -139,14 +140,14 @@ fn first_answers_take_two_requests_and_little_of_the_file() {
 
 #[test]
 #[ignore = "slow: bakes a large city"]
-fn a_camera_gets_what_it_sees_and_no_more() {
+fn camera_loads_visible_detail_and_little_else() {
     let file = ShadowFile::from_bytes(large_city()).unwrap();
     let view = camera(&file, [0.5, 0.5], 1.7, [1.0, 0.0, 0.2]);
     let mut streamer = stream(BytesSource(large_city()), 64 << 20);
     assert!(streamer.settle(std::slice::from_ref(&view), LIMIT, |_| ()));
     let counts = streamer.counts();
     assert!(counts.bytes < counts.file_bytes / 2, "{counts:?}");
-    // Of the points that it sees, none is answered by a level whose texels are larger than its pixels, unless it is the
+    // No visible point is answered by a level with texels larger than the camera's pixels, unless it is the
     // finest.
     let sampler = streamer.sampler(Filter::Box5).unwrap();
     let (mut seen, mut finest) = (0, 0);
@@ -164,7 +165,7 @@ fn a_camera_gets_what_it_sees_and_no_more() {
         let texel = file.level(answer.level).unwrap().grid.voxel_size;
         let pixel = view.pixel_per_distance * distance;
         finest += u32::from(answer.level == 0);
-        // Before the nearest depth of a bundle everything is lit, whatever the level.
+        // Before the nearest depth of a bundle everything is lit, at any level.
         assert!(answer.level == 0 || texel <= pixel || answer.visibility == 1.0, "{p:?} {answer:?} {pixel}");
     }
     assert!(seen > 1000 && finest > 100, "{finest} of {seen}");
@@ -186,7 +187,7 @@ fn small_budgets_answer_from_coarser_levels() {
 }
 
 #[test]
-fn a_budget_below_the_coarsest_level_is_refused() {
+fn rejects_budget_below_the_coarsest_level() {
     let mut streamer = stream(BytesSource(city()), 4096);
     let faults = faults_of(&mut streamer, &[View::everything()]);
     assert!(
@@ -198,7 +199,7 @@ fn a_budget_below_the_coarsest_level_is_refused() {
 /// A source that has a fault after some reads.
 struct Unreliable {
     bytes: Mutex<Vec<u8>>,
-    /// Reads that are left until the fault.
+    /// Reads before the fault.
     left: AtomicU64,
     fault: Fault,
 }
@@ -239,7 +240,7 @@ impl ShadowSource for Unreliable {
 }
 
 #[test]
-fn faults_leave_the_coarser_level_and_are_named_and_a_retry_works() {
+fn faults_are_reported_coarser_level_answers_and_retry_works() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let points = points(&file, 5000, 5);
     let view = [View::everything()];
@@ -257,7 +258,7 @@ fn faults_leave_the_coarser_level_and_are_named_and_a_retry_works() {
             let named = faults.iter().all(|f| f.part.contains("level") && f.to_string().contains(&f.part));
             assert!(!faults.is_empty() && named, "{fault:?}: {faults:?}");
             assert_eq!(faults.iter().any(|f| f.retry_in.is_none()), fault == Fault::Changed, "{faults:?}");
-            // A retry gets the rest.
+            // A retry loads the missing parts.
             source.left.store(u64::MAX, Ordering::SeqCst);
             streamer.retry();
             assert!(streamer.settle(&view, LIMIT, |_| ()), "{fault:?}: {:?}", streamer.counts());
@@ -267,7 +268,7 @@ fn faults_leave_the_coarser_level_and_are_named_and_a_retry_works() {
 }
 
 #[test]
-fn what_failed_is_not_asked_for_in_vain() {
+fn failed_parts_are_requested_again_only_after_a_delay() {
     let source = BytesSource(city().to_vec());
     let view = [View::everything()];
     for is_changed in [false, true] {
@@ -277,7 +278,7 @@ fn what_failed_is_not_asked_for_in_vain() {
             let request = resident.next_request().unwrap();
             resident.deliver(request.run(&source));
         }
-        // All that is asked for at second 0 fails, requests that are under way together too.
+        // All requests at second 0 fail, including those that are under way at the same time.
         resident.update(&view, Duration::ZERO);
         let mut count = 0;
         loop {
@@ -312,7 +313,7 @@ fn what_failed_is_not_asked_for_in_vain() {
 }
 
 #[test]
-fn beginnings_that_are_damaged_are_named() {
+fn damaged_beginning_is_reported_and_retry_works() {
     for (fault, good) in [(Fault::Drop, 0), (Fault::FlippedBit, 0), (Fault::Short, 0)] {
         let bytes = Mutex::new(city().to_vec());
         let source = Arc::new(Unreliable { bytes, left: AtomicU64::new(good), fault });
@@ -327,7 +328,7 @@ fn beginnings_that_are_damaged_are_named() {
 }
 
 #[test]
-fn a_file_that_is_written_to_is_noticed() {
+fn overwritten_file_is_reported_as_changed() {
     let folder = std::env::temp_dir().join(format!("adumbra-stream-{}", std::process::id()));
     std::fs::create_dir_all(&folder).unwrap();
     let path = folder.join("city.adumbra");
@@ -344,7 +345,7 @@ fn a_file_that_is_written_to_is_noticed() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// Jumps about with budgets of memory.
+/// Moves the camera to random places, with several budgets.
 fn jump(city: &'static [u8], budgets: &[u64]) {
     let file = ShadowFile::from_bytes(city).unwrap();
     let points = points(&file, 200, 8);
@@ -357,7 +358,7 @@ fn jump(city: &'static [u8], budgets: &[u64]) {
             let at = [random.unit(), random.unit()];
             let forward = [random.unit() - 0.5, 0.3 * (random.unit() - 0.7), random.unit() - 0.5];
             let views = [camera(&file, at, 1.0 + 60.0 * random.unit(), forward)];
-            // Most jumps come before all is there.
+            // Most jumps come before everything is resident.
             if jump % 10 == 9 {
                 assert!(streamer.settle(&views, LIMIT, |_| ()), "{budget}: {:?}", streamer.counts());
             } else {
@@ -371,7 +372,7 @@ fn jump(city: &'static [u8], budgets: &[u64]) {
                 assert_pages_apart(&streamer);
             }
         }
-        // Nothing is needed any more, but what is resident stays; it has only what its bundles take.
+        // Without views, resident bundles stay. The pool is in use only if bundles are resident.
         assert!(streamer.settle(&[], LIMIT, |_| ()));
         let counts = streamer.counts();
         assert!(
@@ -382,7 +383,7 @@ fn jump(city: &'static [u8], budgets: &[u64]) {
 }
 
 #[test]
-fn jumps_of_the_camera_leak_nothing() {
+fn camera_jumps_leak_no_pool_words() {
     let mut whole = stream(BytesSource(city()), 64 << 20);
     assert!(whole.settle(&[], LIMIT, |_| ()));
     let least = whole.counts().resident_bytes;
@@ -393,7 +394,7 @@ fn jumps_of_the_camera_leak_nothing() {
 
 #[test]
 #[ignore = "slow: bakes a large city"]
-fn jumps_of_the_camera_in_a_large_city_leak_nothing() {
+fn camera_jumps_in_a_large_city_leak_no_pool_words() {
     jump(large_city(), &[1 << 20, 2 << 20, 5 << 20, 64 << 20]);
 }
 

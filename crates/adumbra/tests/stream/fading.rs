@@ -1,4 +1,5 @@
-//! Levels that fade: answers change by and by while pages come and go, and are those of a stream without fading at rest.
+//! Fading levels: answers change gradually while pages come and go. At rest they equal those of a stream
+//! without fading.
 
 use adumbra::stream::{BytesSource, StreamOptions, Streamer, View};
 use adumbra::{Filter, ShadowFile};
@@ -13,7 +14,7 @@ fn fading(city: &'static [u8], budget_bytes: u64, fade_frames: u32) -> Streamer 
     Streamer::new(BytesSource(city), options)
 }
 
-/// Makes a frame, and returns the visibility of points after it.
+/// Updates the stream by a frame, and returns the visibility of points after it.
 fn frame(streamer: &mut Streamer, views: &[View], points: &[Point]) -> Vec<f32> {
     std::thread::sleep(std::time::Duration::from_millis(1));
     streamer.update(views);
@@ -22,8 +23,8 @@ fn frame(streamer: &mut Streamer, views: &[View], points: &[Point]) -> Vec<f32> 
     points.iter().map(|&(p, normal)| sampler.look_up(streamer.words(), p, normal).visibility).collect()
 }
 
-/// Returns the largest change of a point's visibility from one frame to the next, while a camera goes along a street and
-/// jumps back.
+/// Returns the largest change of a point's visibility from one frame to the next, while a camera goes along a
+/// street and jumps back.
 fn largest_change(city: &'static [u8], budget_bytes: u64, fade_frames: u32) -> f32 {
     let file = ShadowFile::from_bytes(city).unwrap();
     let points = points(&file, 1000, 11);
@@ -43,12 +44,12 @@ fn largest_change(city: &'static [u8], budget_bytes: u64, fade_frames: u32) -> f
     largest
 }
 
-/// Compares the changes that fade with those that come at once.
+/// Compares fading changes with immediate ones.
 fn fades(city: &'static [u8], budget: u64) {
     let levels = ShadowFile::from_bytes(city).unwrap().level_count();
     let at_once = largest_change(city, budget, 0);
     assert!(at_once > 0.5, "a camera that makes nothing jump proves nothing: {at_once}");
-    // All levels above the coarsest may fade together, each by a step.
+    // All levels above the coarsest may fade at the same time, each by one step.
     let most = (levels - 1) as f32 / FRAMES as f32;
     let by_and_by = largest_change(city, budget, FRAMES);
     assert!(by_and_by > 0.0 && by_and_by <= most + 1e-6, "{budget}: {by_and_by}");
@@ -66,7 +67,7 @@ fn visibility_fades_where_pages_come_and_go() {
 }
 
 #[test]
-fn a_stream_that_has_faded_answers_bit_for_bit() {
+fn faded_stream_matches_file_bit_for_bit() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let points = points(&file, 5000, 12);
     let mut streamer = fading(city(), 64 << 20, FRAMES);
@@ -76,10 +77,10 @@ fn a_stream_that_has_faded_answers_bit_for_bit() {
 
 #[test]
 #[ignore = "slow: bakes a large city"]
-fn a_stream_of_a_small_budget_that_has_faded_answers_bit_for_bit() {
+fn faded_stream_with_small_budget_matches_levels_bit_for_bit() {
     let file = ShadowFile::from_bytes(large_city()).unwrap();
     let points = points(&file, 5000, 12);
-    // With little room, bundles go by and by, and others wait for theirs.
+    // With little room, bundles fade out gradually, and others wait for room.
     let mut random = Random::new(13, 0);
     for budget in [1 << 20, 2 << 20] {
         let mut streamer = fading(large_city(), budget, 4);

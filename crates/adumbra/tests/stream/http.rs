@@ -77,11 +77,11 @@ fn answer(stream: &mut TcpStream, served: &Mutex<Served>) {
         range.len(),
     );
     let sent = if served.manner == Manner::Drops { range.len() / 2 } else { range.len() };
-    // A client that has gone does not matter.
+    // Ignore a client that has disconnected.
     let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&served.bytes[range][..sent]));
 }
 
-/// The client of a program: what it has to check, and nothing more.
+/// A minimal client, with only the checks that every program needs.
 struct Client {
     server: SocketAddr,
     etag: Mutex<Option<String>>,
@@ -150,7 +150,7 @@ fn first_answers_come_after_two_requests() {
 }
 
 #[test]
-fn a_server_that_fails_leaves_what_is_there() {
+fn failing_server_leaves_resident_levels_usable() {
     for manner in [Manner::NoRanges, Manner::Drops, Manner::WrongRange] {
         for opens in [false, true] {
             let (server, served) = serve(city().to_vec());
@@ -174,7 +174,7 @@ fn a_server_that_fails_leaves_what_is_there() {
 }
 
 #[test]
-fn a_file_that_is_replaced_is_noticed() {
+fn replaced_file_is_reported_as_changed() {
     let (server, served) = serve(city().to_vec());
     let mut streamer = stream(server);
     assert!(streamer.settle(&[], LIMIT, |_| ()));

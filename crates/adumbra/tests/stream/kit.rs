@@ -6,10 +6,9 @@ use std::time::Duration;
 
 use adumbra::stream::{ShadowSource, StreamFault, StreamOptions, Streamer, View};
 use adumbra::{Encoding, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::bake_file;
 
 /// Longer than any wait on a busy machine.
 pub(crate) const LIMIT: Duration = Duration::from_secs(600);
@@ -17,7 +16,7 @@ pub(crate) const LIMIT: Duration = Duration::from_secs(600);
 fn coded_city(resolution: u64, levels: u32, frame: FrameChoice) -> Vec<u8> {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
     let options = BakeOptions { levels, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
-    let file = bake_file(&generate(GeneratedKind::City, 7), &options).unwrap();
+    let file = Bake::with_options(&generate(GeneratedKind::City, 7), &options).in_memory().unwrap();
     let mut bytes = Cursor::new(Vec::new());
     file.write_to(&mut bytes, Encoding::Coded).unwrap();
     bytes.into_inner()
@@ -26,7 +25,7 @@ fn coded_city(resolution: u64, levels: u32, frame: FrameChoice) -> Vec<u8> {
 /// A city of 4 bundles in its finest level, and two coarser levels.
 pub(crate) fn city() -> &'static [u8] {
     static CITY: OnceLock<Vec<u8>> = OnceLock::new();
-    // Its frame is named, as the baker's trial of both takes as long as a small bake.
+    // Set the frame: trying both takes the baker as long as a small bake.
     CITY.get_or_init(|| coded_city(4096, 3, FrameChoice::Light))
 }
 
@@ -51,7 +50,7 @@ pub(crate) fn points(file: &ShadowFile, count: usize, seed: u64) -> Vec<Point> {
         .collect()
 }
 
-/// Checks that each answer of a stream is that of the level that it says it is from. Returns how many answers each
+/// Checks that each answer of a stream equals that of the level that it names. Returns how many answers each
 /// level gave.
 pub(crate) fn compare(streamer: &Streamer, file: &ShadowFile, points: &[Point], filter: Filter) -> Vec<u32> {
     let levels: Vec<_> = (0..file.level_count()).map(|n| file.level(n).unwrap().sampler(filter)).collect();
@@ -70,7 +69,7 @@ pub(crate) fn stream(source: impl ShadowSource + 'static, budget_bytes: u64) -> 
     Streamer::new(source, StreamOptions { budget_bytes, ..StreamOptions::default() })
 }
 
-/// Waits until a stream that cannot settle has met a fault, and returns what it has met.
+/// Waits until a stream that cannot settle has faults, and returns them.
 pub(crate) fn faults_of(streamer: &mut Streamer, views: &[View]) -> Vec<StreamFault> {
     loop {
         assert!(!streamer.settle(views, Duration::from_millis(20), |_| ()), "there is no fault");

@@ -1,12 +1,13 @@
-//! What the examples share: a generated city with its shadow file, a walk through it, and pictures without a window.
+//! Shared by the examples: a generated city with its shadow file, a walk through it, and pictures without a
+//! window.
 #![allow(dead_code, reason = "each example uses a part of this")]
 
 use std::f32::consts::PI;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 
-use adumbra::{Encoding, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra::Sun;
+use adumbra_bake::Bake;
 use adumbra_scene::{GeneratedKind, generate, write_glb};
 use bevy::app::ScheduleRunnerPlugin;
 use bevy::asset::RenderAssetUsages;
@@ -27,7 +28,8 @@ const FRAMES: u32 = 6;
 
 /// Returns an app with the default plugins and `AdumbraPlugin`, and makes the city if it is not there.
 ///
-/// With `--screenshot FILE` it draws without a window, writes a picture after a few seconds of its time, and ends.
+/// With `--screenshot FILE` it draws without a window, writes a picture after a few seconds of its time, and
+/// ends.
 pub fn app() -> App {
     let assets = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/assets");
     make_city(&assets);
@@ -77,10 +79,7 @@ fn make_city(assets: &Path) {
     let city = generate(GeneratedKind::City, 1);
     write_glb(&city, &scene_file).expect("the city is written");
     let sun = Sun::from_direction(TOWARDS_SUN).expect("a sun above the horizon");
-    let baked =
-        bake(&city, &BakeOptions::new(sun, Size::Resolution(8192)), Watch::none()).expect("it is baked");
-    let bytes = baked.file.to_bytes(Encoding::default()).expect("a valid file");
-    fs::write(&file, bytes).expect("the file is written");
+    Bake::new(&city, sun).resolution(8192).save(&file).expect("the city is baked");
 }
 
 /// A camera at a street corner, with some light from the sky.
@@ -123,7 +122,7 @@ struct Picture {
     frames: u32,
 }
 
-/// Points every camera at an image, and writes it once things have settled.
+/// Points every camera at an image, and writes it once everything is loaded.
 fn draw_a_picture(
     mut commands: Commands,
     mut picture: ResMut<Picture>,
@@ -142,7 +141,7 @@ fn draw_a_picture(
         images.add(image)
     });
     let image = image.clone();
-    // Nothing is drawn before everything is there: a frame of a software adapter takes seconds.
+    // Draw nothing until everything is loaded: with a software adapter a frame takes seconds.
     let has_meshes = roots.is_empty() || !meshes.is_empty();
     let is_ready = has_meshes && !lights.is_empty() && lights.iter().any(BakedShadowStatus::is_active);
     for (entity, mut camera, camera_3d) in &mut cameras {

@@ -21,7 +21,7 @@ use crate::moving::SunKeys;
 
 /// A follower, and the meshes in its keys.
 pub(super) struct Following {
-    /// A component has to be shared between threads, and channels cannot be.
+    /// Components must be `Sync`, and the follower's channels are not.
     follower: Mutex<SunFollower>,
     meshes: Arc<Keys>,
 }
@@ -47,7 +47,7 @@ type Lights<'w, 's> = Query<
     With<DirectionalLight>,
 >;
 
-/// Follows lights: begins anew when meshes change, and takes the keys that answer in this frame.
+/// Follows lights: restarts when meshes change, and takes the keys that answer in this frame.
 pub(crate) fn follow_suns(
     mut commands: Commands,
     mut lights: Lights,
@@ -65,7 +65,7 @@ pub(crate) fn follow_suns(
             continue;
         }
         let Some(mut sun_keys) = sun_keys else {
-            // A bake for one sun is of no more use.
+            // A bake for a fixed sun is no longer needed.
             (bake.job, bake.seen) = (None, None);
             commands.entity(light).try_insert(SunKeys::default());
             continue;
@@ -91,7 +91,7 @@ pub(crate) fn follow_suns(
                         Ok(follower) => {
                             let (follower, meshes) = (Mutex::new(follower), Arc::clone(&now.keys));
                             bake.following = Some(Following { follower, meshes });
-                            // What failed before is tried again.
+                            // Clear an earlier failure: the bake is tried again.
                             if matches!(*progress, BakeProgress::Failed(_)) {
                                 *progress = BakeProgress::Waiting;
                             }
@@ -111,12 +111,12 @@ pub(crate) fn follow_suns(
         let follower = follower.get_mut().unwrap_or_else(|e| e.into_inner());
         match follower.follow(time.elapsed_secs_f64(), towards_sun) {
             Followed::Night => sun_keys.set_night(),
-            // The keys of the follower before it answer meanwhile.
+            // The keys of the previous follower answer meanwhile.
             Followed::Waiting => sun_keys.turn(towards_sun),
             Followed::Moment(moment) => {
                 sun_keys.set(moment.keys, moment.towards_sun);
                 let is_known = bake.in_use.as_ref().is_some_and(|known| Arc::ptr_eq(known, meshes));
-                // Until they are shown, what has moved casts through the cascades.
+                // Until the new keys are shown, moved meshes cast through the cascades.
                 if !is_known && sun_keys.is_settled() {
                     bake.in_use = Some(Arc::clone(meshes));
                     info!("the shadow of light {light} follows the sun: its first key is baked");
@@ -128,7 +128,7 @@ pub(crate) fn follow_suns(
             }
         }
         if let Some(error) = follower.take_fault() {
-            // The next bake would fail alike.
+            // The next bake would fail the same way.
             follower.stop();
             fail(light, &mut progress, BakeError::Follow(error.into()));
         }
@@ -137,7 +137,7 @@ pub(crate) fn follow_suns(
 
 /// Starts to bake keys of a scene.
 fn start(scene: Arc<Scene>, settings: BakeSettings) -> Result<SunFollower, BakeError> {
-    // Keys have suns of their own.
+    // A placeholder: each key replaces the sun.
     let any = Sun::from_direction([0.0, 1.0, 0.0]).map_err(|e| BakeError::Sun(e.into()))?;
     let bake = BakeOptions {
         thickness_world: settings.thickness_world.into(),

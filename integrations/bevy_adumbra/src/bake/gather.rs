@@ -22,7 +22,7 @@ use bevy::render::render_resource::TextureFormat;
 use super::progress::BakeError;
 use super::versions::AssetVersions;
 
-/// A mesh in its place.
+/// A mesh with its transform and material.
 #[derive(Clone, Copy)]
 pub(super) struct Placed<'w> {
     mesh: AssetId<BevyMesh>,
@@ -42,7 +42,7 @@ type Item<'w> = (
 
 impl<'w> From<Item<'w>> for Placed<'w> {
     fn from((_, mesh, transform, material, no_caster, range): Item<'w>) -> Self {
-        // Of several levels of detail the finest casts.
+        // Only the finest level of detail casts.
         let is_finest = range.is_none_or(|range| range.start_margin.start <= 0.0);
         let casts = !no_caster && is_finest;
         Self { mesh: mesh.id(), transform, material: material.map(|m| m.id()), casts }
@@ -50,14 +50,14 @@ impl<'w> From<Item<'w>> for Placed<'w> {
 }
 
 impl Placed<'_> {
-    /// Returns a number that differs where what casts differs.
+    /// Returns a hash of everything that affects the mesh's shadow.
     pub(super) fn key(&self, materials: &Assets<StandardMaterial>, versions: &mut AssetVersions) -> u64 {
         let mut hasher = DefaultHasher::new();
         let columns = self.transform.affine().to_cols_array().map(f32::to_bits);
         (self.mesh, columns, self.casts).hash(&mut hasher);
         versions.of(self.mesh).hash(&mut hasher);
         if let Some(id) = self.material {
-            // Followed, though of its changes only those count that a bake sees.
+            // Track the material, but do not hash its version: only the properties below affect a bake.
             versions.of(id);
             let material = materials.get(id);
             material.map(|material| material.specular_transmission > 0.0).hash(&mut hasher);
@@ -88,7 +88,7 @@ pub(crate) struct SceneAssets<'w> {
 }
 
 impl SceneAssets<'_> {
-    /// Whether one of them is being loaded.
+    /// Whether an asset of this mesh is being loaded.
     fn is_loading(&self, placed: &Placed) -> bool {
         let loads = |id: UntypedAssetId| {
             self.server.as_ref().is_none_or(|server| {
@@ -104,21 +104,21 @@ impl SceneAssets<'_> {
     }
 }
 
-/// Copies the meshes with their materials. Returns `None` while some are being loaded. Meshes that do not come are left
-/// out, and materials and images that do not come count as opaque.
+/// Copies the meshes with their materials. Returns `None` while some are being loaded. Meshes that are
+/// neither loaded nor loading are left out; such materials and images count as opaque.
 ///
 /// # Errors
-/// Returns what is wrong with the meshes.
+/// Returns an error if a mesh cannot be read or is not finite, or if no mesh has triangles.
 pub(super) fn gather<'w>(
     placed: impl Iterator<Item = Placed<'w>> + Clone,
     assets: &SceneAssets,
 ) -> Result<Option<Scene>, BakeError> {
-    // Before anything is copied.
+    // Check all meshes before copying any.
     if placed.clone().any(|placed| assets.is_loading(&placed)) {
         return Ok(None);
     }
     let mut scene = Scene::default();
-    // By mesh and material: a mesh of the scene has the material of each of its triangles.
+    // Keyed by mesh and material, because a mesh of the scene stores the material of each triangle.
     let mut known: HashMap<_, Option<u32>> = HashMap::new();
     let mut known_materials: HashMap<_, u32> = HashMap::new();
     let mut left_out = 0;
@@ -168,8 +168,8 @@ pub(super) fn gather<'w>(
     Ok(Some(scene))
 }
 
-/// Copies a mesh, with the texture coordinates that its material has, which is the scene's material `index`. Returns
-/// `None` if it has no triangles.
+/// Copies a mesh with the texture coordinates that its material uses. The material is the scene's material
+/// `index`. Returns `None` if the mesh has no triangles.
 fn copy(
     mesh: &BevyMesh,
     name: String,
@@ -201,7 +201,7 @@ fn copy(
         _ => Vec::new(),
     };
     let indices: Vec<u32> = match mesh.try_indices_option().map_err(no_access)? {
-        // The largest number begins another strip, as on the GPU.
+        // The largest index restarts a strip, as on the GPU.
         Some(Indices::U16(indices)) => {
             indices.iter().map(|&i| if is_strip && i == u16::MAX { u32::MAX } else { i.into() }).collect()
         }
@@ -223,14 +223,14 @@ fn copy(
     Ok(Some(Mesh { name, positions, uvs, colors: Vec::new(), triangles, triangle_materials }))
 }
 
-/// Returns the triangles of strips, of which each second one is turned around.
+/// Returns the triangles of strips. Every second triangle of a strip is flipped.
 fn of_strip(indices: &[u32]) -> Vec<[u32; 3]> {
     let strips = indices.split(|&i| i == u32::MAX);
     let triangles = strips.flat_map(|strip| strip.array_windows().enumerate());
     triangles.map(|(n, &[a, b, c])| if n % 2 == 0 { [a, b, c] } else { [b, a, c] }).collect()
 }
 
-/// Returns what casts of a material, and adds its texture if it has holes.
+/// Returns the properties of a material that affect shadows, and adds its texture if it has holes.
 fn material(
     id: Option<AssetId<StandardMaterial>>,
     assets: &SceneAssets,
@@ -308,7 +308,7 @@ mod tests {
         assert_eq!(of_strip(&strip), [[0, 1, 2], [2, 1, 3], [7, 8, 9]]);
     }
 
-    /// Returns what a bake has of a plane with this material.
+    /// Returns the gathered scene of a plane with this material.
     fn plane_of(material: StandardMaterial) -> Scene {
         let mut world = World::new();
         world.init_resource::<Assets<BevyMesh>>();
@@ -331,7 +331,7 @@ mod tests {
     }
 
     #[test]
-    fn holes_are_where_the_material_has_them() {
+    fn uvs_follow_the_material_transform_and_channel() {
         let most = |material: StandardMaterial| {
             let scene = plane_of(StandardMaterial { alpha_mode: BevyAlphaMode::Mask(0.5), ..material });
             scene.meshes[0].uvs.iter().fold([0.0; 2], |most: [f32; 2], uv| [0, 1].map(|i| most[i].max(uv[i])))
@@ -344,7 +344,7 @@ mod tests {
     }
 
     #[test]
-    fn foliage_that_covers_samples_has_holes() {
+    fn alpha_to_coverage_is_baked_as_a_mask() {
         let alpha_mode = BevyAlphaMode::AlphaToCoverage;
         let scene = plane_of(StandardMaterial { alpha_mode, ..Default::default() });
         assert!(scene.instances[0].casts);
@@ -352,7 +352,7 @@ mod tests {
     }
 
     #[test]
-    fn what_blends_casts_where_alpha_is_at_least_a_half() {
+    fn blended_material_casts_where_alpha_is_at_least_half() {
         let base_color = Color::srgba(1.0, 1.0, 1.0, 0.3);
         let blends = StandardMaterial { alpha_mode: BevyAlphaMode::Blend, base_color, ..Default::default() };
         let material = &plane_of(blends).materials[0];

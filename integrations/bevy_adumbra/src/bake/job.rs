@@ -1,4 +1,4 @@
-//! A bake on threads of its own.
+//! A bake on separate threads.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use adumbra::Sun;
-use adumbra_bake::{BakeCache, BakeOptions, MemoryCache, Size, Watch, bake_again};
+use adumbra_bake::{Bake, BakeCache, BakeOptions, MemoryCache, Size};
 use adumbra_scene::Scene;
 use bevy::math::Vec3;
 
@@ -15,7 +15,7 @@ use super::progress::BakeError;
 use crate::threads::pool;
 use crate::{BakedShadowFile, DeviceLimits};
 
-/// A bake that is under way. It ends soon after this is dropped.
+/// A bake that is under way. Dropping it cancels the bake.
 #[derive(Debug)]
 pub(super) struct Job {
     results: Mutex<Receiver<Result<Finished, BakeError>>>,
@@ -30,19 +30,19 @@ struct State {
     progress: Mutex<(u32, f32)>,
 }
 
-/// A file that is done.
+/// A finished file.
 pub(super) struct Finished {
     pub(super) file: BakedShadowFile,
     pub(super) seconds: f64,
     pub(super) triangles: u64,
-    /// Number of its blocks, and of those that an earlier bake had made.
+    /// Number of root blocks, and how many of them are reused from an earlier bake.
     pub(super) blocks: [usize; 2],
-    /// Whether it has the resolution that was asked for.
+    /// Whether it has the requested resolution.
     pub(super) is_last: bool,
 }
 
 impl Job {
-    /// Starts a bake. `cache` has what earlier bakes of the light have made.
+    /// Starts a bake. `cache` holds the results of earlier bakes of the light.
     pub(super) fn start(
         scene: Scene,
         settings: BakeSettings,
@@ -54,7 +54,7 @@ impl Job {
         let state = Arc::new(State::default());
         let of_thread = Arc::clone(&state);
         let work = move || {
-            // What only the bake before the last one used will hardly be needed again.
+            // Remove entries that the last bake did not use: they are unlikely to be needed again.
             cache.remove_unused();
             let inputs = Inputs { scene, settings, towards_light, limits, cache };
             if let Err(error) = work(&inputs, &of_thread, &sender) {
@@ -72,13 +72,13 @@ impl Job {
         Self { results: Mutex::new(receiver), state }
     }
 
-    /// Returns a bake that is under way for ever, and whose files come from a test.
+    /// Returns a bake that never ends and whose files come from a test.
     #[cfg(test)]
     pub(super) fn of_test(results: Receiver<Result<Finished, BakeError>>) -> Self {
         Self { results: Mutex::new(results), state: Arc::default() }
     }
 
-    /// Returns what was finished since the last call.
+    /// Returns the results since the last call.
     pub(super) fn finished(&self) -> Vec<Result<Finished, BakeError>> {
         self.results.lock().map(|results| results.try_iter().collect()).unwrap_or_default()
     }
@@ -96,7 +96,7 @@ impl Drop for Job {
     }
 }
 
-/// What a bake works on.
+/// The inputs of a bake.
 struct Inputs {
     scene: Scene,
     settings: BakeSettings,
@@ -128,16 +128,20 @@ fn work(
                 *state = (resolution, progress.done as f32 / progress.total.max(1) as f32);
             }
         };
-        let baked = pool.install(|| bake_again(scene, &options, cache, Watch::new(&report, &state.cancel)));
+        let bake = Bake::with_options(scene, &options)
+            .cache(Arc::clone(cache))
+            .on_progress(report)
+            .cancel(&state.cancel);
+        let baked = pool.install(|| bake.in_memory_with_report());
         if state.cancel.load(Ordering::Relaxed) {
             return Ok(());
         }
-        let baked = baked.map_err(|e| BakeError::Bake(e.into()))?;
-        let file = BakedShadowFile::new(baked.file, *limits);
+        let (file, report) = baked.map_err(|e| BakeError::Bake(e.into()))?;
+        let file = BakedShadowFile::new(file, *limits);
         let file = file.map_err(|e| BakeError::File(e.into()))?;
         let is_last = resolution == settings.resolution;
-        let blocks = [baked.report.root_blocks, baked.report.reused_root_blocks];
-        let finished = Finished { file, seconds: baked.report.seconds, triangles, blocks, is_last };
+        let blocks = [report.root_blocks, report.reused_root_blocks];
+        let finished = Finished { file, seconds: report.seconds, triangles, blocks, is_last };
         if results.send(Ok(finished)).is_err() {
             return Ok(());
         }
@@ -150,7 +154,7 @@ mod tests {
     use std::time::Duration;
 
     use adumbra::{Encoding, ShadowFile};
-    use adumbra_bake::bake;
+    use adumbra_bake::Bake;
     use adumbra_scene::{GeneratedKind, generate};
 
     use super::*;
@@ -171,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moved_mesh_costs_the_blocks_that_it_touches() {
+    fn rebakes_only_blocks_that_a_moved_mesh_touches() {
         let mut scene = generate(GeneratedKind::City, 1);
         let settings = BakeSettings { resolution: 2048, first_resolution: 512, ..BakeSettings::default() };
         let light = Vec3::new(0.5, 0.8, 0.35);
@@ -186,7 +190,7 @@ mod tests {
         let [blocks, reused] = again[1].blocks;
         assert!(reused > blocks / 2 && reused < blocks, "{reused} of {blocks}");
         let sun = Sun::from_direction(light.to_array().map(f64::from)).unwrap();
-        let fresh = bake(&scene, &BakeOptions::new(sun, Size::Resolution(2048)), Watch::none()).unwrap();
-        assert!(bytes(again[1].file.file()) == bytes(&fresh.file));
+        let fresh = Bake::new(&scene, sun).resolution(2048).in_memory().unwrap();
+        assert!(bytes(again[1].file.file()) == bytes(&fresh));
     }
 }

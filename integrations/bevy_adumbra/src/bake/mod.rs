@@ -1,13 +1,14 @@
-//! Baking while the app runs: gather, bake on threads of its own, swap.
+//! Baking while the app runs: gather meshes, bake on separate threads, swap files.
 //!
-//! [`RuntimeBake`] on a light asks for it, or [`RuntimeBakeCommands::bake_shadow`]. The meshes below
-//! [`ShadowStatic`](crate::ShadowStatic) are copied once per bake. A coarse file comes first, then the asked one; each takes the place of
-//! the one before in a single frame. When a mesh moves, or the light turns, shadows of that mesh, or all, come from the
-//! cascades again until a new bake is done. It bakes what the change touches, and has the rest in memory: about as many bytes
-//! as the file.
+//! A [`RuntimeBake`] on a light requests a bake, and so does [`RuntimeBakeCommands::bake_shadow`]. The meshes
+//! below [`ShadowStatic`](crate::ShadowStatic) are copied once per bake. A coarse file comes first, then the
+//! file of the requested resolution; each replaces the previous file in a single frame. After a mesh moves,
+//! its shadow comes from the cascades until a new bake is done. After the light turns, all shadows do. The
+//! new bake recomputes only the blocks that the change touches; the other blocks are kept in memory, in about
+//! as many bytes as the file.
 //!
-//! A light that is followed ([`BakedShadow::follow_sun`](crate::BakedShadow::follow_sun)) has keys baked ahead of it in
-//! place of a file.
+//! For a light that is followed ([`BakedShadow::follow_sun`](crate::BakedShadow::follow_sun)), keys are baked
+//! ahead of the light in place of a file.
 
 mod follow;
 mod gather;
@@ -49,12 +50,13 @@ pub(crate) use versions::{AssetVersions, count_changes};
 pub struct BakeSettings {
     /// Texels on the longest side of the world as the sun sees it, a power of two from 8 to 262,144.
     pub resolution: u32,
-    /// Resolution of the file that comes first. None comes first if it is not less than `resolution`. Not that of the
-    /// first key of a light that is followed, which is an eighth of `resolution`.
+    /// Resolution of a coarse file that is baked first. If it is not less than `resolution`, no coarse file
+    /// is baked. It does not apply to a light that is followed: the first key has an eighth of `resolution`.
     pub first_resolution: u32,
     /// How far below an open surface its shadow may begin, world units. More makes smaller files.
     pub thickness_world: f32,
-    /// Worker threads; 0 is one less than the processor has, and one for a light that is followed.
+    /// Worker threads. 0 stands for one less than the processor has; for a light that is followed, for one
+    /// thread.
     pub threads: usize,
     /// How long meshes and light must be still before a bake begins.
     pub settle: Duration,
@@ -72,9 +74,10 @@ impl Default for BakeSettings {
     }
 }
 
-/// Bakes the shadow of this directional light, and again when meshes below a [`ShadowStatic`](crate::ShadowStatic) or the
-/// light change. Once none of them is left, so is no file. Removing it ends a bake that is under way; the last file stays as it is.
-/// Without the [`BakedShadow`] that it made, as when the app has removed that, it bakes no more until
+/// Bakes the shadow of this directional light, and again when meshes below a
+/// [`ShadowStatic`](crate::ShadowStatic) or the light change. When no such mesh is left, the file is removed.
+/// Removing this component cancels a bake that is under way; the last file stays in use. If the app removes
+/// the [`BakedShadow`] that a bake has added, baking stops until
 /// [`bake_shadow`](RuntimeBakeCommands::bake_shadow) is called again.
 #[derive(Component, Debug, Default, Reflect)]
 #[reflect(Component, Default, Debug)]
@@ -82,22 +85,22 @@ impl Default for BakeSettings {
 pub struct RuntimeBake {
     /// The settings. A change of them bakes again.
     pub settings: BakeSettings,
-    // Work under way is no data, so reflection leaves the rest out.
-    /// What the newest bake saw, and the bake itself while it is under way.
+    // Work under way is not data, so reflection ignores the remaining fields.
+    /// The inputs of the newest bake. `job` is the bake itself while it is under way.
     #[reflect(ignore)]
     seen: Option<BakeInputs>,
     #[reflect(ignore)]
     job: Option<Job>,
-    /// What bakes keys ahead of the light, if it is followed.
+    /// The follower that bakes keys ahead of the light, if the light is followed.
     #[reflect(ignore)]
     following: Option<Following>,
-    /// What its bakes have made: after a change, only what it touches is baked.
+    /// Results of earlier bakes: after a change, only the blocks that it touches are baked.
     #[reflect(ignore)]
     cache: Arc<MemoryCache>,
-    /// What there is now if the newest bake saw something else, and since when.
+    /// The current inputs if they differ from those of the newest bake, and the time of their last change.
     #[reflect(ignore)]
     pending: Option<(BakeInputs, Duration)>,
-    /// Whether the app has removed what was baked.
+    /// Whether the app has removed the [`BakedShadow`].
     #[reflect(ignore)]
     is_paused: bool,
     /// The meshes in the file that is in use.
@@ -111,7 +114,8 @@ impl RuntimeBake {
         Self { settings, ..Self::default() }
     }
 
-    /// Whether there were meshes for a bake, or in a file, and none of them is left.
+    /// Whether none of the meshes in the file in use is left. Without a file in use, the meshes of the newest
+    /// bake count.
     fn has_lost_all(&self, now: &Keys) -> bool {
         let are_gone = |keys: &Keys| keys.keys().all(|entity| !now.contains_key(entity));
         let known = self.in_use.as_deref().or(self.seen.as_ref().map(|seen| &*seen.keys));
@@ -119,10 +123,10 @@ impl RuntimeBake {
     }
 }
 
-/// For each mesh in a bake: a number that differs where its geometry, place or material does.
+/// For each mesh in a bake: a hash of its geometry, transform and material.
 type Keys = EntityHashMap<u64>;
 
-/// What a bake depends on.
+/// The inputs of a bake.
 #[derive(Clone, Debug)]
 struct BakeInputs {
     settings: BakeSettings,
@@ -131,7 +135,8 @@ struct BakeInputs {
 }
 
 impl BakeInputs {
-    /// Whether a bake of one is one of the other. A light that is set anew in each frame differs by rounding.
+    /// Whether both give the same bake. Directions are compared with a tolerance, because a light that is set
+    /// in every frame differs by rounding.
     fn is_like(&self, other: &Self) -> bool {
         (Arc::ptr_eq(&self.keys, &other.keys) || self.keys == other.keys)
             && self.settings == other.settings
@@ -146,20 +151,20 @@ const SAME_LIGHT: f32 = 1e-5;
 #[derive(Resource, Default)]
 pub(crate) struct StaticKeys {
     keys: Arc<Keys>,
-    /// Changes of assets that are in the keys.
+    /// The value of [`AssetVersions::changes`] that the keys include.
     changes: u64,
 }
 
 /// Adds [`RuntimeBakeCommands::bake_shadow`] to `Commands`.
 pub trait RuntimeBakeCommands {
-    /// Bakes the shadow of a directional light while the app runs, with a [`RuntimeBake`]. One that is there gets the
-    /// settings.
+    /// Bakes the shadow of a directional light while the app runs, with a [`RuntimeBake`]. An existing one
+    /// gets the new settings.
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings);
 }
 
 impl RuntimeBakeCommands for Commands<'_, '_> {
     fn bake_shadow(&mut self, light: Entity, settings: BakeSettings) {
-        // What a bake that is there has made stays.
+        // Keep the results of an existing bake.
         self.entity(light).queue_silenced(move |mut light: EntityWorldMut| {
             match light.get_mut::<RuntimeBake>() {
                 Some(mut bake) => {
@@ -186,7 +191,7 @@ type Meshes<'w, 's> = Query<
     With<IncludedInBake>,
 >;
 
-/// What may change a bake.
+/// Changes after which the keys may differ.
 type Changes = (
     With<IncludedInBake>,
     Or<(
@@ -199,7 +204,7 @@ type Changes = (
     )>,
 );
 
-/// Keeps [`StaticKeys`]. Cost: nothing while no mesh of a bake changes.
+/// Updates [`StaticKeys`]. Cost: nothing while no mesh of a bake changes.
 pub(crate) fn find_meshes(
     lights: Query<(), With<RuntimeBake>>,
     placed: Meshes,
@@ -218,14 +223,14 @@ pub(crate) fn find_meshes(
     materials: Res<Assets<StandardMaterial>>,
     (mut keys, mut versions): (ResMut<StaticKeys>, ResMut<AssetVersions>),
 ) {
-    // Others lose meshes and materials too.
+    // Ignore entities outside of the bake: they lose components too.
     let others = no_casters.read().chain(no_meshes.read()).chain(no_materials.read()).chain(enabled.read());
     let has_changes = removed.read().count() + others.filter(|e| in_bake.contains(*e)).count() > 0
         || !changed.is_empty()
         || !disabled.is_empty()
         || keys.changes != versions.changes();
     if lights.is_empty() {
-        // The next light sees what there is then.
+        // Clear the keys; they are rebuilt for the next light.
         if !keys.keys.is_empty() {
             keys.keys = Arc::default();
         }
@@ -242,8 +247,8 @@ pub(crate) fn find_meshes(
     }
 }
 
-/// Pauses the bakes of a light whose [`BakedShadow`] the app has removed. At once, so that the app can ask again in the
-/// same frame.
+/// Pauses the bakes of a light whose [`BakedShadow`] the app has removed. It runs as an observer, so that the
+/// app can ask again in the same frame.
 pub(crate) fn pause_bakes(removed: On<Remove, BakedShadow>, mut lights: Query<&mut RuntimeBake>) {
     if let Ok(mut bake) = lights.get_mut(removed.entity) {
         let bake = bake.bypass_change_detection();
@@ -251,7 +256,7 @@ pub(crate) fn pause_bakes(removed: On<Remove, BakedShadow>, mut lights: Query<&m
     }
 }
 
-/// Starts bakes when the world is still, and takes their files.
+/// Starts bakes when the world has stopped changing, and takes their files.
 pub(crate) fn bake_shadows(
     mut commands: Commands,
     mut lights: Query<
@@ -283,7 +288,7 @@ pub(crate) fn bake_shadows(
             keys: Arc::clone(&keys.keys),
         };
         if bake.has_lost_all(&now.keys) {
-            // As between two levels.
+            // This happens between two levels.
             if let Some(shadow) = &mut shadow
                 && bake.in_use.is_some()
             {
@@ -312,7 +317,7 @@ pub(crate) fn bake_shadows(
             }
         }
         let Some(job) = &bake.job else { continue };
-        // Asked first: whatever was finished by then is found below.
+        // Read the progress before the files: if the job is done by now, all its files are received below.
         let under_way = job.progress();
         for finished in job.finished() {
             match finished {
@@ -346,7 +351,7 @@ pub(crate) fn bake_shadows(
     }
 }
 
-/// Whether what there is now has not changed for long enough.
+/// Whether the inputs have been unchanged for long enough.
 fn is_still(
     pending: &mut Option<(BakeInputs, Duration)>,
     now: &BakeInputs,
@@ -370,7 +375,7 @@ fn fail(light: Entity, progress: &mut Mut<BakeProgress>, error: BakeError) {
     progress.set_if_neq(BakeProgress::Failed(error));
 }
 
-/// Marks the meshes that the file in use does not have where they are now. They cast through the cascades.
+/// Marks the meshes whose current shadow is not in the file in use. They cast through the cascades.
 pub(crate) fn mark_changes(
     mut commands: Commands,
     lights: Query<&RuntimeBake>,

@@ -36,21 +36,21 @@ pub enum BakeProgress {
     Following {
         /// Whether another key is being baked.
         is_baking: bool,
-        /// How many times coarser than asked for the keys that answer are: 1 or 8.
+        /// How many times coarser than requested the keys that answer are: 1 or 8.
         coarser: u32,
     },
     /// The bake failed. It begins again when something changes.
     Failed(BakeError),
 }
 
-/// A saved world has it as text.
+/// A saved world stores it as text.
 impl Serialize for BakeProgress {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_str(self)
     }
 }
 
-/// A world that is loaded is baked anew.
+/// Ignores the saved text: a loaded world is baked again.
 impl<'de> Deserialize<'de> for BakeProgress {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         String::deserialize(deserializer).map(|_| Self::default())
@@ -73,7 +73,7 @@ impl fmt::Display for BakeProgress {
 }
 
 /// Why a bake failed. The message says what to do where something can be done.
-// Errors of the crates below know nothing of reflection.
+// Error types of the lower crates do not implement reflection.
 #[derive(Clone, Debug, PartialEq, Reflect, thiserror::Error)]
 #[reflect(opaque)]
 #[reflect(Clone, Debug, PartialEq)]
@@ -93,7 +93,7 @@ pub enum BakeError {
     /// The threads of the bake could not be started.
     #[error("no thread could be started: {0}")]
     Threads(#[source] SharedError<io::Error>),
-    /// The light is no sun: it shines from below.
+    /// The light is not a sun: it shines from below.
     #[error(transparent)]
     Sun(SharedError<adumbra::Error>),
     /// The scene could not be baked.
@@ -112,7 +112,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn progress_is_said() {
+    fn display_describes_progress() {
         let all = [
             (BakeProgress::Baking { resolution: 2048, share: 0.254 }, "25 % of resolution 2048"),
             (BakeProgress::Done { seconds: 1.234, triangles: 12 }, "12 triangles in 1.23 s"),

@@ -4,7 +4,7 @@ use std::sync::mpsc::channel;
 use std::time::Instant;
 
 use adumbra::{Filter, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, generate};
 use bevy::asset::AssetEvent;
 use bevy::ecs::message::Messages;
@@ -55,7 +55,7 @@ impl Stage {
         stage
     }
 
-    /// Starts with a file of what there is.
+    /// Returns a stage whose light has a file of the current scene.
     fn baked() -> Self {
         let mut stage = Self::new();
         stage.finish(true);
@@ -66,11 +66,11 @@ impl Stage {
         self.systems.run(&mut self.world);
     }
 
-    /// Has a bake of what there is now finish a file.
+    /// Finishes a bake of the current scene with a file.
     fn finish(&mut self, is_last: bool) {
         let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
         let options = BakeOptions::new(sun, Size::Resolution(64));
-        let file = bake(&generate(GeneratedKind::Primitives, 1), &options, Watch::none()).unwrap().file;
+        let file = Bake::with_options(&generate(GeneratedKind::Primitives, 1), &options).in_memory().unwrap();
         let file = BakedShadowFile::new(file, DeviceLimits::default()).unwrap();
         let (sender, results) = channel();
         sender.send(Ok(Finished { file, seconds: 0.0, triangles: 0, blocks: [1, 0], is_last })).unwrap();
@@ -93,7 +93,7 @@ impl Stage {
         self.world.get::<BakedShadow>(self.light).map_or(0, |shadow| shadow.files.len())
     }
 
-    /// Whether the newest bake saw something else than there is now.
+    /// Whether the scene differs from what the newest bake saw.
     fn is_pending(&self) -> bool {
         self.world.get::<RuntimeBake>(self.light).unwrap().pending.is_some()
     }
@@ -105,7 +105,7 @@ impl Stage {
 }
 
 #[test]
-fn a_mesh_that_casts_no_more_or_again_is_baked_anew() {
+fn rebakes_when_a_mesh_stops_or_starts_casting() {
     let mut stage = Stage::baked();
     assert!(!stage.is_pending());
     stage.world.entity_mut(stage.mesh).insert(NotShadowCaster);
@@ -119,7 +119,7 @@ fn a_mesh_that_casts_no_more_or_again_is_baked_anew() {
 }
 
 #[test]
-fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
+fn rebakes_when_a_mesh_or_material_changes_in_place() {
     let mut stage = Stage::new();
     let material = stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
     stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(material.clone()));
@@ -140,7 +140,7 @@ fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
     stage.update();
     assert!(stage.is_pending());
     stage.finish(true);
-    // Materials of other meshes are none of the bake's.
+    // Materials of other meshes do not affect the bake.
     let other = stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
     let of_other = AssetEvent::<StandardMaterial>::Modified { id: other.id() };
     stage.world.resource_mut::<Messages<AssetEvent<StandardMaterial>>>().write(of_other);
@@ -149,20 +149,20 @@ fn a_mesh_or_a_material_that_is_changed_in_place_is_baked_anew() {
 }
 
 #[test]
-fn meshes_in_use_are_those_of_the_newest_file_be_it_coarse() {
+fn marks_meshes_against_the_newest_file_even_if_coarse() {
     let mut stage = Stage::baked();
     assert!(!stage.is_marked());
     stage.move_mesh(1.0);
     assert!(stage.is_marked());
     stage.finish(false);
     assert!(!stage.is_marked());
-    // Back to where the file before has it.
+    // Move back to the position in the earlier file.
     stage.move_mesh(0.0);
     assert!(stage.is_marked());
 }
 
 #[test]
-fn once_all_meshes_are_gone_so_are_the_file_and_the_bake() {
+fn drops_file_and_bake_when_all_meshes_are_gone() {
     let mut stage = Stage::new();
     stage.update();
     stage.finish(false);
@@ -179,7 +179,7 @@ fn once_all_meshes_are_gone_so_are_the_file_and_the_bake() {
 }
 
 #[test]
-fn a_light_that_differs_by_rounding_alone_is_not_baked_anew() {
+fn ignores_light_changes_within_rounding() {
     let mut stage = Stage::baked();
     let turn = |stage: &mut Stage, radians: f32| {
         let turned = Transform::from_rotation(Quat::from_rotation_y(radians));
@@ -193,7 +193,7 @@ fn a_light_that_differs_by_rounding_alone_is_not_baked_anew() {
 }
 
 #[test]
-fn a_mesh_that_is_none_any_more_is_baked_anew() {
+fn rebakes_when_an_entity_loses_its_mesh() {
     let mut stage = Stage::new();
     let other = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
     stage.update();
@@ -205,7 +205,7 @@ fn a_mesh_that_is_none_any_more_is_baked_anew() {
 }
 
 #[test]
-fn settings_that_are_given_again_keep_what_was_baked() {
+fn keeps_the_file_when_bake_shadow_is_called_again() {
     let mut stage = Stage::baked();
     let settings = BakeSettings { resolution: 4096, ..BakeSettings::default() };
     let light = stage.light;
@@ -218,11 +218,11 @@ fn settings_that_are_given_again_keep_what_was_baked() {
 }
 
 #[test]
-fn a_mesh_that_is_not_there_is_left_out_and_baked_once_it_comes() {
+fn leaves_out_a_missing_mesh_and_rebakes_when_it_loads() {
     let mut stage = Stage::new();
     let file = BakeSettings { first_resolution: 64, resolution: 64, ..BakeSettings::default() };
     stage.world.get_mut::<RuntimeBake>(stage.light).unwrap().settings = file;
-    // There is a server, and it loads neither of them.
+    // An asset server exists, and it is not loading the mesh.
     let mut app = bevy::app::App::new();
     app.add_plugins((bevy::app::TaskPoolPlugin::default(), bevy::asset::AssetPlugin::default()));
     let server = app.world().resource::<bevy::asset::AssetServer>().clone();
@@ -239,7 +239,7 @@ fn a_mesh_that_is_not_there_is_left_out_and_baked_once_it_comes() {
 }
 
 #[test]
-fn what_the_app_has_removed_comes_back_once_it_asks_again() {
+fn rebakes_a_removed_shadow_only_on_request() {
     let mut stage = Stage::baked();
     stage.world.entity_mut(stage.light).remove::<BakedShadow>();
     stage.update();
@@ -253,7 +253,7 @@ fn what_the_app_has_removed_comes_back_once_it_asks_again() {
 }
 
 #[test]
-fn a_level_that_is_swapped_in_one_frame_takes_its_file_along() {
+fn drops_the_file_of_a_level_swapped_in_one_frame() {
     let mut stage = Stage::baked();
     stage.world.despawn(stage.mesh);
     stage.mesh = stage.world.spawn((Mesh3d::default(), IncludedInBake)).id();
@@ -264,7 +264,7 @@ fn a_level_that_is_swapped_in_one_frame_takes_its_file_along() {
 }
 
 #[test]
-fn only_changes_that_a_bake_sees_are_baked() {
+fn ignores_material_changes_that_do_not_affect_shadows() {
     let mut stage = Stage::new();
     let material = stage.world.resource_mut::<Assets<StandardMaterial>>().add(StandardMaterial::default());
     stage.world.entity_mut(stage.mesh).insert(MeshMaterial3d(material.clone()));
@@ -285,7 +285,7 @@ fn only_changes_that_a_bake_sees_are_baked() {
 }
 
 #[test]
-fn a_light_that_comes_before_its_level_waits_for_it() {
+fn waits_for_meshes_when_the_light_comes_first() {
     let mut stage = Stage::baked();
     stage.world.despawn(stage.light);
     stage.update();
@@ -312,7 +312,7 @@ fn a_mesh_that_is_disabled_and_enabled_again_casts_until_it_is_baked() {
     assert!(stage.is_pending(), "its shadow is to go");
     *stage.world.get_mut::<GlobalTransform>(other).unwrap() = GlobalTransform::from_xyz(1.0, 0.0, 0.0);
     stage.update();
-    // Without the mesh that is disabled.
+    // This bake leaves out the disabled mesh.
     stage.finish(true);
     assert!(!stage.is_pending());
     stage.world.entity_mut(stage.mesh).remove::<Disabled>();
@@ -321,7 +321,7 @@ fn a_mesh_that_is_disabled_and_enabled_again_casts_until_it_is_baked() {
 }
 
 #[test]
-fn another_material_that_casts_alike_is_not_baked() {
+fn ignores_a_swap_to_a_material_that_casts_alike() {
     let mut stage = Stage::new();
     let [first, second, glass] = [false, false, true].map(|is_glass| {
         let specular_transmission = if is_glass { 1.0 } else { 0.0 };
@@ -340,9 +340,10 @@ fn another_material_that_casts_alike_is_not_baked() {
     assert!(stage.is_pending() && stage.is_marked());
 }
 
-/// With pictures: `what_moves_stays_in_the_cascades_until_its_keys_are_shown`, in `tests/gpu/follow.rs`.
+/// The same with rendered pictures: `moved_mesh_stays_in_cascades_until_its_keys_are_shown`, in
+/// `tests/gpu/follow.rs`.
 #[test]
-fn a_mesh_casts_until_the_keys_that_hold_it_are_written() {
+fn moved_mesh_casts_until_its_keys_are_written() {
     let mut stage = Stage::new();
     let world = &mut stage.world;
     world.init_resource::<StreamBudget>();
@@ -361,7 +362,7 @@ fn a_mesh_casts_until_the_keys_that_hold_it_are_written() {
     *stage.world.get_mut::<GlobalTransform>(stage.mesh).unwrap() = GlobalTransform::from_xyz(5.0, 0.0, 0.0);
     follow_until_new_keys(&mut stage, &mut follow);
     assert!(stage.is_marked());
-    // A fault while keys are written is kept, until other keys are baked.
+    // A failure while keys are written stays until new keys are baked.
     let failed = BakeProgress::Failed(BakeError::NoTriangles);
     stage.world.entity_mut(stage.light).insert(failed.clone());
     follow.run(&mut stage.world);
@@ -393,7 +394,7 @@ fn follow_until_new_keys(stage: &mut Stage, follow: &mut Schedule) {
 fn write_all_keys(stage: &mut Stage) {
     while !stage.world.get::<SunKeys>(stage.light).unwrap().is_settled() {
         stage.world.run_system_once(write_keys).unwrap();
-        // As the render world does.
+        // Take the writes, as the render world does.
         stage.world.resource_mut::<PoolUploads>().writes.clear();
     }
 }
@@ -449,7 +450,7 @@ fn a_copy_of_a_baked_mesh_casts_until_it_is_baked() {
 }
 
 #[test]
-fn what_is_taken_away_during_a_bake_stays_away_until_it_is_asked_for_again() {
+fn removal_during_a_bake_lasts_until_the_app_asks_again() {
     let mut stage = Stage::new();
     stage.finish(false);
     assert_eq!(stage.files(), 1);
@@ -465,7 +466,7 @@ fn what_is_taken_away_during_a_bake_stays_away_until_it_is_asked_for_again() {
     assert!(stage.is_pending());
     stage.finish(true);
     assert!(stage.files() == 1 && !stage.is_marked());
-    // The light itself goes during a bake, and another one comes.
+    // Despawn the light during a bake, and spawn another one.
     stage.world.despawn(light);
     stage.light = stage.world.spawn((DirectionalLight::default(), RuntimeBake::default())).id();
     stage.update();
@@ -473,10 +474,10 @@ fn what_is_taken_away_during_a_bake_stays_away_until_it_is_asked_for_again() {
 }
 
 #[test]
-fn what_is_removed_and_asked_for_in_one_frame_is_baked() {
+fn rebakes_when_removed_and_requested_in_one_frame() {
     let mut stage = Stage::baked();
     let light = stage.light;
-    // A bake with the settings of before is under way.
+    // A bake with the earlier settings is under way.
     stage.world.get_mut::<RuntimeBake>(light).unwrap().job = Some(Job::of_test(channel().1));
     stage.world.entity_mut(light).remove::<BakedShadow>();
     stage.world.commands().bake_shadow(light, BakeSettings::default());
@@ -484,7 +485,7 @@ fn what_is_removed_and_asked_for_in_one_frame_is_baked() {
     assert!(stage.world.get::<RuntimeBake>(light).unwrap().job.is_none());
     stage.update();
     assert!(stage.is_pending());
-    // So is what is set up anew.
+    // A `RuntimeBake` that is removed and inserted again bakes too.
     stage.finish(true);
     stage.world.entity_mut(light).remove::<(BakedShadow, RuntimeBake)>().insert(RuntimeBake::default());
     stage.update();
@@ -492,7 +493,7 @@ fn what_is_removed_and_asked_for_in_one_frame_is_baked() {
 }
 
 #[test]
-fn a_bake_begins_while_the_app_has_stopped_its_own_time() {
+fn bakes_while_virtual_time_is_paused() {
     let mut stage = Stage::new();
     let plane = stage.world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(20.0, 20.0));
     stage.world.entity_mut(stage.mesh).insert(Mesh3d(plane));
@@ -505,7 +506,7 @@ fn a_bake_begins_while_the_app_has_stopped_its_own_time() {
     let mut stopped = Time::<Virtual>::default();
     stopped.pause();
     stage.world.insert_resource(stopped);
-    // The first update of a time only begins it.
+    // The first update only starts the clock.
     stage.world.resource_mut::<Time<Real>>().update_with_duration(Duration::ZERO);
     stage.move_mesh(1.0);
     stage.update();

@@ -1,4 +1,5 @@
-//! Meshes, materials and images that come, or that an app changes in place: their handles stay, but a bake would see something else.
+//! Versions of meshes, materials and images. An asset that loads or that the app changes in place keeps its
+//! handle, but a bake would see different data.
 
 use std::collections::HashMap;
 
@@ -13,26 +14,26 @@ use bevy::pbr::StandardMaterial;
 /// How often assets of bakes were changed.
 #[derive(Resource, Default)]
 pub(crate) struct AssetVersions {
-    /// Of those that a bake sees. Others are not followed.
+    /// Versions of the assets that a bake reads. Other assets are not tracked.
     versions: HashMap<UntypedAssetId, u32>,
     /// Counts all changes.
     changes: u64,
 }
 
 impl AssetVersions {
-    /// Returns how often an asset was changed, and follows it from now on.
+    /// Returns how often an asset was changed, and tracks it from now on.
     pub(super) fn of(&mut self, id: impl Into<UntypedAssetId>) -> u32 {
         *self.versions.entry(id.into()).or_default()
     }
 
-    /// Returns how often any of them was changed.
+    /// Returns how often any tracked asset was changed.
     pub(super) fn changes(&self) -> u64 {
         self.changes
     }
 
     fn count<A: Asset>(&mut self, events: &mut MessageReader<AssetEvent<A>>) {
         for event in events.read() {
-            // One that comes was not there for a bake before.
+            // An added asset counts as a change: earlier bakes did not have it.
             let (AssetEvent::Modified { id } | AssetEvent::Added { id }) = event else { continue };
             let id: AssetId<A> = *id;
             if let Some(version) = self.versions.get_mut(&id.into()) {
@@ -43,7 +44,7 @@ impl AssetVersions {
     }
 }
 
-/// What has changed of the assets that a bake reads.
+/// Changes of the assets that a bake reads.
 #[derive(SystemParam)]
 pub(crate) struct AssetChanges<'w, 's> {
     meshes: MessageReader<'w, 's, AssetEvent<Mesh>>,
@@ -51,9 +52,9 @@ pub(crate) struct AssetChanges<'w, 's> {
     images: MessageReader<'w, 's, AssetEvent<Image>>,
 }
 
-/// Keeps [`AssetVersions`].
+/// Updates [`AssetVersions`].
 pub(crate) fn count_changes(mut changes: AssetChanges, mut versions: ResMut<AssetVersions>) {
-    // Nothing is marked as changed for nothing.
+    // Do not mark the resource as changed in every frame.
     let versions = versions.bypass_change_detection();
     versions.count(&mut changes.meshes);
     versions.count(&mut changes.materials);

@@ -9,13 +9,14 @@ use bevy::asset::io::{AssetReaderError, AssetSourceId, Reader, VecReader};
 use bevy::asset::{AssetPath, AssetServer, AssetServerMode, AsyncReadExt, AsyncSeekExt};
 use bevy::log::warn;
 
-/// What came of reading a range.
+/// The result of reading a range.
 pub(super) type Read = Result<Vec<u8>, SourceError>;
 
-/// A range that is asked for, and where its bytes go.
+/// A requested range, and the channel for its bytes.
 pub(super) type Asked = (Range<u64>, Sender<Read>);
 
-/// Reads ranges of an asset as long as they are asked for. The asset stays open; after an error it is opened anew.
+/// Reads requested ranges of an asset until the channel closes. The asset stays open; after an error it is
+/// reopened.
 pub(super) async fn serve(server: AssetServer, path: AssetPath<'static>, asked: Receiver<Asked>) {
     let mut reader = None;
     let mut length = None;
@@ -31,7 +32,7 @@ pub(super) async fn serve(server: AssetServer, path: AssetPath<'static>, asked: 
         if result.is_err() {
             reader = None;
         }
-        // The answer is not needed if the stream has gone.
+        // The receiver may have been dropped with its stream; ignore it.
         let _ = answer.send(result).await;
     }
 }
@@ -69,7 +70,7 @@ fn warn_of_no_ranges(path: &AssetPath) {
     );
 }
 
-/// Reads a range. `length` is that of the asset when it was opened first.
+/// Reads a range. `length` is the asset's length when it was first opened.
 async fn read(reader: &mut Box<dyn Reader + '_>, range: Range<u64>, length: &mut Option<u64>) -> Read {
     let reader = reader.seekable().map_err(io::Error::other)?;
     let end = reader.seek(SeekFrom::End(0)).await?;

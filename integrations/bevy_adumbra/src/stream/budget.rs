@@ -1,4 +1,4 @@
-//! What streams may take.
+//! Limits for streams.
 
 use adumbra::gpu::HEADER_WORDS;
 use adumbra::stream::StreamOptions;
@@ -8,20 +8,20 @@ use bevy::reflect::prelude::*;
 /// The largest number of levels of a file.
 const MAX_LEVELS: u32 = 8;
 
-/// What streamed files may take. A resource. After a change of anything but
-/// `upload_bytes_per_frame` files are opened anew, and what
-/// was resident answers until they are.
+/// Limits for streamed files. A resource. A change of any field except `upload_bytes_per_frame` reopens the
+/// files; resident data answers until they are open.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Reflect)]
 #[reflect(Resource, Default, Clone, Debug, PartialEq)]
 pub struct StreamBudget {
-    /// Bytes of a texture that each streamed file has, and as many in main memory. 32 MiB unless set.
+    /// Bytes of texture memory for each streamed file, and as many in main memory. The default is 32 MiB.
     pub bytes: u64,
-    /// Bytes that are written to textures per frame, of all streamed files together. 256 KiB unless set.
+    /// Bytes that are written to textures per frame, for all streamed files together. The default is 256 KiB.
     pub upload_bytes_per_frame: usize,
-    /// The largest number of pixels that a texel may cover, 1 unless set. Less is sharper, and needs more bytes; with 0
-    /// all of a file is asked for.
+    /// The largest number of pixels that a texel may cover. The default is 1. Less is sharper, and needs more
+    /// bytes; with 0 the whole file is requested.
     pub detail_pixels: f64,
-    /// Frames over which pages come and go, so that shadows do not jump. 0, unless set, changes them at once.
+    /// Number of frames over which pages fade in and out, so that shadows do not jump. The default, 0,
+    /// switches them at once.
     pub fade_frames: u32,
 }
 
@@ -38,7 +38,7 @@ impl StreamBudget {
         let header_bytes = 4 * HEADER_WORDS as u64;
         StreamOptions {
             budget_bytes: self.bytes.saturating_sub(header_bytes),
-            // Not zero, by which texels are divided.
+            // Avoid zero: texels are divided by it.
             detail_pixels: self.detail_pixels.max(1e-9),
             reserved_words: HEADER_WORDS as u32 * (MAX_LEVELS - 1),
             fade_frames: self.fade_frames,

@@ -1,4 +1,4 @@
-//! Bytes of a streamed file, read without holding up a thread of Bevy's.
+//! Bytes of a streamed file, read without blocking Bevy's threads.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -14,14 +14,14 @@ use crate::StreamSource;
 
 /// Bytes of a streamed file.
 pub(super) enum Bytes {
-    /// They are read by a task, which ends with this.
+    /// A task reads them. It ends when this is dropped.
     Asset { asked: Sender<Asked>, _task: Task<()> },
-    /// They are read on threads that may wait.
+    /// They are read on threads that may block.
     Ranges(Arc<dyn ShadowSource>),
 }
 
 impl Bytes {
-    /// Begins. Nothing is opened yet.
+    /// Prepares to read. Nothing is opened yet.
     pub(super) fn new(source: &StreamSource, server: &AssetServer) -> Self {
         match source {
             StreamSource::Asset(path) => {
@@ -53,7 +53,7 @@ impl Bytes {
     }
 }
 
-/// A file on a disk that is opened when it is read first.
+/// A file on a disk that is opened on the first read.
 struct DiskFile {
     path: PathBuf,
     file: Mutex<Option<Arc<FileSource>>>,
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn an_asset_without_ranges_is_read_once_and_one_that_is_not_there_again_and_again() {
+    fn reads_an_unseekable_asset_once_and_retries_a_missing_one() {
         let reads = Arc::new(AtomicUsize::new(0));
         let of_source = Arc::clone(&reads);
         let mut app = App::new();

@@ -6,7 +6,7 @@ use adumbra::stream::StreamCounts;
 use bevy::app::App;
 use bevy::diagnostic::{Diagnostic, DiagnosticPath, Diagnostics, RegisterDiagnostic};
 
-/// Paths of the counters of streamed files, of all together, in Bevy's `DiagnosticsStore`.
+/// Paths of the counters of all streamed files together, in Bevy's `DiagnosticsStore`.
 #[derive(Clone, Copy, Debug)]
 pub struct StreamDiagnostics;
 
@@ -37,7 +37,7 @@ impl StreamDiagnostics {
         }
     }
 
-    /// Adds what a frame has done since `start`.
+    /// Adds the measurements of a frame that began at `start`.
     pub(super) fn add(diagnostics: &mut Diagnostics, counts: &[StreamCounts], uploaded: u64, start: Instant) {
         let sum = |of: fn(&StreamCounts) -> u64| counts.iter().map(of).sum::<u64>() as f64;
         diagnostics.add_measurement(&Self::RESIDENT_BYTES, || sum(|c| c.resident_bytes));

@@ -1,4 +1,4 @@
-//! What streams do once per frame.
+//! Updates streams once per frame.
 
 use std::time::{Duration, Instant};
 
@@ -21,19 +21,20 @@ use crate::placing::{Rooted, Roots};
 use crate::texels::PoolTexels;
 use crate::{DeviceLimits, StreamSource};
 
-/// How long answers are taken in a frame, after which others wait for the next one.
+/// How long a frame receives answers; later answers wait for the next frame.
 const RECEIVING: Duration = Duration::from_micros(700);
 
-/// What the render world takes of streams in every frame.
+/// Data that the render world takes from streams in every frame.
 #[derive(Resource, Default)]
 pub(crate) struct PoolUploads {
-    /// Pools that there are.
+    /// All pools of open streams.
     pub(crate) pools: Vec<PoolTexels>,
-    /// What is to be written to them now.
+    /// Writes to these pools in this frame.
     pub(crate) writes: Vec<(PoolTexels, Vec<PoolWrite>)>,
 }
 
-/// Opens and closes streams as lights name them, and takes what cameras see and what has been read.
+/// Opens the streams that lights name, closes others, passes on the views of cameras, and receives the data
+/// that has been read.
 pub(crate) fn drive_streams(
     lights: Query<&BakedShadow>,
     (roots, rooted): (Query<(Entity, &FileRoot, &GlobalTransform)>, Res<Rooted>),
@@ -67,7 +68,7 @@ pub(crate) fn drive_streams(
     let views: Vec<View> =
         cameras.iter().filter_map(|(camera, at, frustum)| view(camera, at, frustum)).collect();
     let roots = Roots::new(&rooted, roots.iter().map(|(entity, root, at)| (entity, root, *at)));
-    // Without a render world nothing takes what is to be written.
+    // Write nothing until earlier writes are taken: without a render world, nothing takes them.
     let mut left = if uploads.writes.is_empty() { budget.upload_bytes_per_frame } else { 0 };
     let mut uploaded = 0;
     let count = slots.len();
@@ -84,7 +85,7 @@ pub(crate) fn drive_streams(
             places.flat_map(|place| views.iter().map(move |view| view.of_placed(&place))).collect();
         let stream = slot.active();
         stream.ask(&views, start.duration_since(*begun));
-        // What one leaves is for those after it.
+        // Share the budget evenly. Bytes that a stream does not use go to the streams after it.
         let writes = stream.take_writes(left / (count - i));
         let bytes = bytes_of(&writes);
         left -= bytes as usize;

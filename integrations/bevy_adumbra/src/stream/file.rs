@@ -1,4 +1,4 @@
-//! One streamed file: what is resident of it, and the tasks that read and decode.
+//! One streamed file: its resident parts, and the tasks that read and decode.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,7 +16,7 @@ use crate::texels::PoolTexels;
 /// A streamed file.
 pub(super) struct Stream {
     bytes: Arc<Bytes>,
-    /// As long as the file is being opened, this is with the task, and an empty one in its place.
+    /// While the file is being opened, the task owns this, and an empty one takes its place.
     resident: Resident,
     opening: Option<Task<Resident>>,
     tasks: Vec<Task<Answer>>,
@@ -24,11 +24,11 @@ pub(super) struct Stream {
     fault: Option<SharedError<StreamFault>>,
 }
 
-/// What is known once a file is open.
+/// Properties of a file that is open.
 struct Opened {
     pool: PoolTexels,
     towards_sun: [f64; 3],
-    /// Bytes that are to be written until every point has an answer.
+    /// Bytes left to write before every point has an answer.
     left: u64,
 }
 
@@ -44,7 +44,7 @@ impl Stream {
         }
     }
 
-    /// Takes what tasks have done: one answer at least, and more until a moment.
+    /// Takes the answers of finished tasks: at least one, and more until the time `until`.
     pub(super) fn receive(&mut self, until: Instant) {
         if let Some(opening) = &mut self.opening {
             let Some(resident) = check_ready(opening) else { return };
@@ -71,7 +71,7 @@ impl Stream {
         }
     }
 
-    /// Gives the pool its place when the file is open. `place` makes it for a number of words.
+    /// Places the pool when the file is open. `place` makes the place for a number of words.
     pub(super) fn open(&mut self, place: impl FnOnce(u32) -> PoolTexels) {
         if self.opened.is_some() {
             return;
@@ -84,7 +84,7 @@ impl Stream {
         });
     }
 
-    /// Asks for what views need.
+    /// Requests the data that views need.
     pub(super) fn ask(&mut self, views: &[View], now: Duration) {
         if self.opening.is_some() {
             return;
@@ -95,7 +95,7 @@ impl Stream {
             if self.resident.is_open() {
                 self.tasks.push(IoTaskPool::get().spawn(answer(bytes, request)));
             } else {
-                // All tables of a file are made at once, which takes a few milliseconds.
+                // Open in a task: all tables of a file are made at once, which takes a few milliseconds.
                 let options = *self.resident.options();
                 let resident = std::mem::replace(&mut self.resident, Resident::new(options));
                 self.opening = Some(IoTaskPool::get().spawn(open(bytes, request, resident)));
@@ -104,7 +104,7 @@ impl Stream {
         }
     }
 
-    /// Takes what is to be written to the pool next, at most so many bytes.
+    /// Takes the next writes to the pool, at most `max_bytes` bytes.
     pub(super) fn take_writes(&mut self, max_bytes: usize) -> Vec<PoolWrite> {
         let Some(opened) = &mut self.opened else { return Vec::new() };
         let writes = self.resident.take_writes(max_bytes);
@@ -116,7 +116,7 @@ impl Stream {
         &self.resident
     }
 
-    /// Has everything that failed be asked for at once.
+    /// Requests everything that has failed again at once.
     pub(super) fn retry(&mut self) {
         self.resident.retry();
     }
@@ -149,13 +149,14 @@ pub(super) fn bytes_of(writes: &[PoolWrite]) -> u64 {
     writes.iter().map(|write| 4 * write.words.len() as u64).sum()
 }
 
-/// Reads what is asked for, and decodes it where computing does not hold up what loads.
+/// Reads the requested bytes, and decodes them in the compute pool, so that decoding does not hold up
+/// loading.
 async fn answer(bytes: Arc<Bytes>, request: Request) -> Answer {
     let read = bytes.read(request.range()).await;
     AsyncComputeTaskPool::get().spawn(async move { request.answer(read) }).await
 }
 
-/// Goes on opening a file.
+/// Takes the next step of opening a file.
 async fn open(bytes: Arc<Bytes>, request: Request, mut resident: Resident) -> Resident {
     let read = bytes.read(request.range()).await;
     let deliver = async move {

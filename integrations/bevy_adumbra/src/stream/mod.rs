@@ -1,4 +1,5 @@
-//! Files of any size within a budget of bytes: what cameras see is read, and coarser levels answer elsewhere.
+//! Files of any size within a budget of bytes: the parts that cameras see are read, and coarser levels answer
+//! elsewhere.
 //!
 //! ```text
 //!  cameras ──views──► Stream ──requests──► tasks that read and decode

@@ -20,7 +20,7 @@ pub(crate) struct OpenFile<'a> {
 }
 
 impl OpenFile<'_> {
-    /// Returns what the file answers for.
+    /// Returns which receivers the file answers for.
     pub(crate) fn receivers(&self) -> Option<Receivers> {
         self.resident.settings().map(|settings| settings.receivers)
     }

@@ -10,25 +10,26 @@ use super::open::OpenFile;
 use crate::StreamSource;
 use crate::error::BakedShadowError;
 
-/// The files that are streamed: those of the [`BakedShadow::streams`](crate::BakedShadow::streams) of all lights. A resource.
+/// The files that are streamed: those of the [`BakedShadow::streams`](crate::BakedShadow::streams) of all
+/// lights. A resource.
 #[derive(Resource)]
 pub struct ShadowStreams {
     pub(super) slots: Vec<Slot>,
     pub(super) begun: Instant,
 }
 
-/// A streamed file, and the same with other options while it is being opened.
+/// A streamed file, and the same file while it is being reopened with other options.
 pub(super) struct Slot {
     pub(super) source: StreamSource,
     pub(super) options: StreamOptions,
     pub(super) stream: Stream,
     pub(super) next: Option<Stream>,
-    /// Whether the file has changed and is to be opened anew.
+    /// Whether the file has changed and must be reopened.
     pub(super) is_stale: bool,
 }
 
 impl Slot {
-    /// Returns the stream that goes on: the newest.
+    /// Returns the newest stream, which is the one to update.
     pub(super) fn active(&mut self) -> &mut Stream {
         self.next.as_mut().unwrap_or(&mut self.stream)
     }
@@ -41,20 +42,20 @@ impl Default for ShadowStreams {
 }
 
 impl ShadowStreams {
-    /// Returns what has been done of a source, and what is left to do; `None` if no light names it.
+    /// Returns what a source has done and what is left to do; `None` if no light names it.
     pub fn counts(&self, source: &StreamSource) -> Option<StreamCounts> {
         self.slot(source).map(|slot| slot.stream.resident().counts())
     }
 
-    /// Whether all that cameras need and that fits the budget is in the textures, for all files. A loading screen may wait
-    /// for it.
+    /// Whether everything that cameras need and that fits the budget is in the textures, for all files. A
+    /// loading screen may wait for this.
     pub fn is_settled(&self) -> bool {
         self.slots
             .iter()
             .all(|slot| slot.next.is_none() && slot.stream.is_ready() && slot.stream.resident().is_settled())
     }
 
-    /// Has everything that failed be asked for at once. A file that has changed is opened anew.
+    /// Requests everything that has failed again at once. A file that has changed is reopened.
     pub fn retry(&mut self) {
         for slot in &mut self.slots {
             let changed = |stream: &Stream| {

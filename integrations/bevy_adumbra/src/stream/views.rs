@@ -1,11 +1,11 @@
-//! What cameras see.
+//! Views of cameras.
 
 use adumbra::stream::View;
 use bevy::camera::Camera;
 use bevy::camera::primitives::Frustum;
 use bevy::transform::components::GlobalTransform;
 
-/// Returns what a camera sees; `None` if it draws nothing.
+/// Returns the view of a camera; `None` if the camera draws nothing.
 pub(super) fn view(camera: &Camera, transform: &GlobalTransform, frustum: &Frustum) -> Option<View> {
     let height = camera.physical_viewport_size().map(|size| f64::from(size.y)).filter(|&y| y > 0.0)?;
     if !camera.is_active {
@@ -52,7 +52,7 @@ mod tests {
     }
 
     #[test]
-    fn pixels_are_as_large_as_those_of_the_same_camera() {
+    fn view_matches_the_camera_projection() {
         let fov = 50_f32;
         let found = view_of(&PerspectiveProjection {
             fov: fov.to_radians(),

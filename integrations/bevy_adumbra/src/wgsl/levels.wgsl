@@ -2,7 +2,8 @@
 fn visibility(p_world: vec3<f32>, normal: vec3<f32>, towards_sun: vec3<f32>, pixel: vec2<f32>) -> f32 {
     adumbra_finest_level();
     let s = surface_at(p_world, normal, towards_sun, pixel);
-    // Where a page is not resident, a coarser level answers; while one comes or goes, a coarser level has a share.
+    // Where a page is not resident, a coarser level answers. While a page fades in or out, a coarser level
+    // has a share.
     var blend = vec2<f32>(0.0, 1.0);
     loop {
         let v = adumbra_texture_params();

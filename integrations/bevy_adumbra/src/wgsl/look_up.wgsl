@@ -1,9 +1,11 @@
-// The visibility of a directional light from the files in use. `texels_inside_file` and `visibility_from_file`, which
-// come before this text, call the modules of the ways in use.
+// The visibility of a directional light from the files in use.
+// `texels_inside_file` and `visibility_from_file`, which come before this text, call the modules of the ways
+// in use.
 
-// Files whose sun is farther than this from a light are not the light's: the distance of two unit vectors.
+// A file belongs to a light if the distance between the unit vectors to the sun and the light is at most
+// this.
 const SAME_SUN: f32 = 1.5e-3;
-// A file whose grid holds a point at least this far inside is not better than another.
+// A point at least this many texels inside a file's grid needs no better file.
 const FAR_INSIDE: i32 = 8;
 const NO_FILE: u32 = 0xffffffffu;
 
@@ -37,14 +39,14 @@ fn baked_visibility(towards_light: vec3<f32>, p_world: vec3<f32>, normal: vec3<f
     return visibility_from_file(kind, p_world, normal, towards_light, pixel);
 }
 
-// Returns the visibility of a point from the files that have this directional light's sun; 1 if none has. `normal` is
-// the unit normal of the surface, or zero in the air; `pixel` varies the noise of penumbrae.
+// Returns the visibility of a point from the files that have this directional light's sun; 1 if none has.
+// `normal` is the unit normal of the surface, or zero in the air; `pixel` varies the noise of penumbrae.
 fn sun_visibility(towards_light: vec3<f32>, p_world: vec3<f32>, normal: vec3<f32>, pixel: vec2<f32>) -> f32 {
     return abs(baked_visibility(towards_light, p_world, normal, pixel));
 }
 
-// Returns the visibility of a point in fog. `cascades` is that from the light's cascades, in which the point is only if
-// `is_inside`.
+// Returns the visibility of a point in fog. `cascades` is the visibility from the light's cascades; it is
+// valid only if `is_inside`.
 fn fog_visibility(cascades: f32, is_inside: bool, towards_light: vec3<f32>, p_world: vec3<f32>) -> f32 {
     let baked = baked_visibility(towards_light, p_world, vec3<f32>(0.0), vec2<f32>(0.0));
     if (baked < 0.0) {

@@ -1,5 +1,6 @@
-// Returns the visibility of a point for a sun between those of two keys, the selected file and the other one: of one ray, or
-// the mean of 3 × 3 half a filter apart. A ray that the first key does not know is marched through the other one.
+// Returns the visibility of a point for a sun between those of two keys, the selected file and the other one:
+// of one ray, or the mean of 3 × 3 rays half a filter apart. A ray without an answer in the first key is
+// marched through the other key.
 fn visibility(p_world: vec3<f32>, normal: vec3<f32>, towards_sun: vec3<f32>, pixel: vec2<f32>) -> f32 {
     adumbra_finest_level();
     let v = adumbra_texture_params();

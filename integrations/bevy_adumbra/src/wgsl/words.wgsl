@@ -1,5 +1,6 @@
-// Fetches words of the files in use. They are rows of look-up textures (spec/look-up-texture.md), one file after the
-// other, at the bottom of the texture that a view binds for transmission. A last row lists them, the directory:
+// Fetches words of the files in use. They are rows of look-up textures (spec/look-up-texture.md), one file
+// after the other, at the bottom of the texture that a view binds for transmission. A last row lists them,
+// the directory:
 //
 // | words | meaning |
 // |---|---|
@@ -11,11 +12,12 @@
 // | 9 + 8 i | log2 of its width in texels |
 // | 10 + 8 i | how it is looked up: 0 with a filter, 1 with penumbrae, 2 by a march to a sun beside its own |
 // | 11 + 8 i | 1 if no other file has this sun |
-// | 12 + 8 i | texels aside along x per voxel nearer to that sun, in 2^-16; 0 without a march |
+// | 12 + 8 i | sideways texels along x per voxel towards that sun, in 2^-16; 0 without a march |
 // | 13 + 8 i | the same along y |
-// | 14 + 8 i | the file that is asked where the march through this one does not know; 0 without a march |
+// | 14 + 8 i | the file that is looked up where the march through this one has no answer; 0 without a march |
 //
-// Worked value: one file of 256 × 126 texels with penumbrae has the words MAGIC, 1, 127, and from word 8 on 0, 8, 1, 1.
+// Worked value: one file of 256 × 126 texels with penumbrae has the words MAGIC, 1, 127, and from word 8 on
+// 0, 8, 1, 1.
 #define_import_path adumbra::words
 #import bevy_pbr::mesh_view_bindings as view_bindings
 
@@ -84,7 +86,7 @@ fn open() -> u32 {
 // Size of the picture that is seen through glass, in texels; 0 where there is none.
 var<private> picture: vec2<f32>;
 
-// Finds the picture, once for all that is seen through a point of glass. Returns its size, 1 where there is none.
+// Finds the picture. Call it once per point of glass. Returns the picture's size, 1 if there is none.
 fn picture_size() -> vec2<f32> {
     picture = vec2<f32>(textureDimensions(view_bindings::view_transmission_texture));
     if (find_directory()) {
@@ -93,7 +95,8 @@ fn picture_size() -> vec2<f32> {
     return max(picture, vec2<f32>(1.0));
 }
 
-// What is seen through glass at a place of the picture, whose sides are 1, and nothing where there is none.
+// Returns the colour seen through glass at a place of the picture, from 0 to 1 along each side; zero without
+// a picture.
 fn transmitted(place: vec2<f32>) -> vec4<f32> {
     if (picture.x == 0.0) {
         return vec4<f32>(0.0);
@@ -120,7 +123,7 @@ fn slope() -> vec2<i32> {
     return bitcast<vec2<i32>>(vec2<u32>(directory(12u + 8u * file_index), directory(13u + 8u * file_index)));
 }
 
-// Selects the file that is asked where the march through the selected one does not know.
+// Selects the file that is looked up where the march through the selected one has no answer.
 fn select_other() {
     select_file(directory(14u + 8u * file_index));
 }

@@ -1,10 +1,9 @@
 //! Bakes while the app runs, and lights of glTF files that name their file.
 
-use std::fs;
 use std::time::Duration;
 
-use adumbra::{Encoding, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra::{Filter, ShadowFile, Sun};
+use adumbra_bake::Bake;
 use adumbra_scene::{GeneratedKind, generate, write_glb, write_shadow_name};
 use bevy::light::CascadeShadowConfig;
 use bevy::prelude::*;
@@ -42,7 +41,7 @@ fn a_world_is_baked_while_the_app_runs_and_again_when_it_changes() {
     assert_alike_beside(&mut stage, &first, 10.0);
     let cascades =
         |stage: &mut Stage| (stage.cascades(), stage.app.world().resource::<CascadeCasters>().kept);
-    // Nothing moves: there is no cascade.
+    // Nothing moves, so no cascade is drawn.
     assert_eq!(cascades(&mut stage), (0, 0));
 
     // The tower moves. Its shadow comes from the cascades at once, and from a new file soon after.
@@ -70,7 +69,7 @@ fn assert_alike_beside(stage: &mut Stage, file: &ShadowFile, x: f32) {
 }
 
 #[test]
-fn a_bake_that_cannot_be_is_said_and_the_cascades_stay() {
+fn failed_bake_reports_its_error_and_keeps_cascades() {
     let mut stage = Stage::new(|_| {});
     let world = stage.app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(3.0));
@@ -89,8 +88,7 @@ fn a_light_of_a_gltf_file_loads_the_file_that_it_names() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let sun = Sun::from_direction(towards_sun()).unwrap();
     write_glb(&scene, &scene_path).unwrap();
-    let baked = bake(&scene, &BakeOptions::new(sun, Size::Resolution(256)), Watch::none()).unwrap();
-    fs::write(file_path, baked.file.to_bytes(Encoding::default()).unwrap()).unwrap();
+    Bake::new(&scene, sun).resolution(256).save(file_path).unwrap();
     write_shadow_name(&scene_path, "p.adumbra", sun).unwrap();
     let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
     let root = stage.app.world().resource::<AssetServer>().load("p.glb#Scene0");
@@ -110,7 +108,7 @@ fn a_light_of_a_gltf_file_loads_the_file_that_it_names() {
     panic!("no light uses the file");
 }
 
-/// A mover's shadow joins those of the file.
+/// The shadow of a mover is added to those of the file.
 #[test]
 fn movers_cast_beside_the_file() {
     let file = crate::stage::baked(adumbra_bake::FrameChoice::Oblique);
@@ -120,8 +118,8 @@ fn movers_cast_beside_the_file() {
     let world = stage.app.world_mut();
     let ball = world.resource_mut::<Assets<Mesh>>().add(Sphere::new(6.0));
     let material = MeshMaterial3d(stage.material.clone());
-    // Over the largest part in the sun, and above the camera, which looks down from 90 m: its shadow is seen, itself
-    // is not.
+    // Put the ball above the largest sunlit part, and above the camera, which looks down from 90 m: the
+    // picture shows its shadow but not the ball.
     let lit_around = |column: u32, row: u32| {
         let pixels = (row - 12..row + 12).flat_map(|y| (column - 12..column + 12).map(move |x| (x, y)));
         pixels.filter(|&(x, y)| before[(y * SIDE + x) as usize] == 1.0).count()

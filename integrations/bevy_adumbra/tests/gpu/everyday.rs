@@ -1,7 +1,7 @@
-//! What many apps do: loading screens, presets of hours, view models, levels that begin anew.
+//! Common situations in apps: loading screens, presets of hours, view models, levels that restart.
 
 use adumbra::Filter;
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::{GeneratedKind, generate};
 use bevy::camera::visibility::RenderLayers;
 use bevy::camera::{Hdr, RenderTarget};
@@ -17,7 +17,7 @@ fn oblique() -> adumbra::ShadowFile {
     baked(FrameChoice::Oblique)
 }
 
-/// A camera as that of the stage.
+/// A camera like that of the stage.
 fn camera(stage: &Stage, order: isize) -> impl Bundle + use<> {
     let clear_color = if order == 0 { ClearColorConfig::Default } else { ClearColorConfig::None };
     (
@@ -37,7 +37,7 @@ fn above() -> (Projection, Transform) {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn a_loading_screen_in_two_dimensions_comes_before_the_level() {
+fn shadows_are_in_the_first_frame_after_a_2d_loading_screen() {
     let file = oblique();
     let mut stage = Stage::new(|_| {});
     let old = stage.camera;
@@ -57,11 +57,11 @@ fn a_loading_screen_in_two_dimensions_comes_before_the_level() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn another_preset_takes_over_once_its_file_is_there() {
+fn switches_presets_once_the_new_file_is_loaded() {
     let suns = [towards_sun(), [-0.4, 0.7, 0.2]];
     let sun = adumbra::Sun::from_direction(suns[1]).unwrap();
     let options = BakeOptions::new(sun, Size::Resolution(256));
-    let evening = bake(&generate(GeneratedKind::City, 1), &options, Watch::none()).unwrap().file;
+    let evening = Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap();
     let mut stage = Stage::new(|_| {});
     let of_app = Quat::from_rotation_x(-1.0);
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotation = of_app;
@@ -94,7 +94,7 @@ fn another_preset_takes_over_once_its_file_is_there() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn a_view_model_on_a_layer_of_its_own_is_drawn_beside_the_file() {
+fn view_model_on_a_separate_layer_keeps_baked_shadows() {
     let file = oblique();
     let mut stage = Stage::new(|_| {});
     stage.give(file.clone(), |_| {});
@@ -118,7 +118,7 @@ fn a_view_model_on_a_layer_of_its_own_is_drawn_beside_the_file() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn a_level_that_begins_anew_in_one_frame_has_its_file_in_that_frame() {
+fn level_restarted_in_one_frame_has_its_file_in_that_frame() {
     let file = oblique();
     let mut stage = Stage::new(|_| {});
     let handle = stage.give(file.clone(), |_| {});

@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use adumbra::{Bounds, Encoding, Filter, FormatError, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_testing::full;
 use async_channel::Sender;
@@ -40,7 +40,7 @@ fn two_tiles_make_one_world() {
             frame,
             ..BakeOptions::new(sun, Size::VoxelSize(whole.grid.voxel_size))
         };
-        bake(&scene, &options, Watch::none()).unwrap().file
+        Bake::with_options(&scene, &options).in_memory().unwrap()
     };
     let middle = 0.5 * (all.min[0] + all.max[0]);
     let mut stage = Stage::new(|_| {});
@@ -50,19 +50,19 @@ fn two_tiles_make_one_world() {
     stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().files.push(second);
     let found = stage.visibility();
     assert_eq!(stage.status(), BakedShadowStatus::Active { files: 2 });
-    // Voxels of the tiles are those of the whole, but for columns that may switch anywhere.
+    // The tiles have the voxels of the whole file, except in columns that may switch anywhere.
     let off = found.iter().zip(expected(&whole, Filter::Box5)).filter(|(a, b)| (*a - b).abs() > 0.25).count();
     assert!(off * 500 <= found.len(), "{off} of {}", found.len());
 }
 
-/// A source of assets in memory, whose watcher says what the test says.
+/// An asset source in memory. The test sends the change events of its watcher.
 #[derive(Clone)]
 struct MemorySource {
     folder: Dir,
     events: Arc<Mutex<Option<Sender<AssetSourceEvent>>>>,
 }
 
-/// What keeps a source of assets watched: nothing here.
+/// A watcher that does nothing: the test sends the events.
 struct NoWatcher;
 
 impl AssetWatcher for NoWatcher {}
@@ -91,7 +91,7 @@ impl MemorySource {
 }
 
 #[test]
-fn a_file_that_is_replaced_is_drawn_and_a_damaged_one_is_not_taken() {
+fn reloads_a_replaced_file_but_not_a_damaged_one() {
     let source = MemorySource::new();
     let (light, oblique) = (baked(FrameChoice::Light), baked(FrameChoice::Oblique));
     source.write("city.adumbra", bytes(&light));
@@ -101,14 +101,15 @@ fn a_file_that_is_replaced_is_drawn_and_a_damaged_one_is_not_taken() {
 
 #[test]
 #[ignore = "slow: waits until the system's watcher has seen a file change"]
-fn a_file_that_is_replaced_on_the_disk_is_drawn() {
+fn reloads_a_file_replaced_on_the_disk() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("city.adumbra");
     let (light, oblique) = (baked(FrameChoice::Light), baked(FrameChoice::Oblique));
     fs::write(&path, bytes(&light)).unwrap();
     let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
     replaced_and_damaged(&mut stage, [&light, &oblique], |bytes| {
-        // As `adumbra bake` does, so slowly that a watcher does not take it for a new one.
+        // Replace the file as `adumbra bake` does, so slowly that the watcher does not take it for a new
+        // file.
         let write = |file: &mut fs::File| {
             std::thread::sleep(Duration::from_millis(700));
             file.write_all(&bytes).map(|()| bytes.len() as u64)
@@ -117,7 +118,8 @@ fn a_file_that_is_replaced_on_the_disk_is_drawn() {
     });
 }
 
-/// Draws the first of two files, which is there; then the second, which replaces it, also after a damaged one has come.
+/// Draws the first file, then the second file, which replaces it, and the second file again after a damaged
+/// file has replaced it on the disk.
 fn replaced_and_damaged(stage: &mut Stage, [first, second]: [&ShadowFile; 2], replace: impl Fn(Vec<u8>)) {
     let handle = stage.app.world().resource::<AssetServer>().load("city.adumbra");
     stage.app.world_mut().entity_mut(stage.light).insert(BakedShadow::new(handle.clone()));
@@ -142,13 +144,13 @@ fn replaced_and_damaged(stage: &mut Stage, [first, second]: [&ShadowFile; 2], re
     assert!(stage.status().is_active());
 }
 
-/// Loads assets again that change.
+/// Reloads assets that change.
 fn watching(assets: AssetPlugin) -> AssetPlugin {
     AssetPlugin { watch_for_changes_override: Some(true), ..assets }
 }
 
 #[test]
-fn a_file_that_is_none_is_said() {
+fn reports_a_file_that_is_not_a_shadow_file() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("bad.adumbra"), b"not a shadow file").unwrap();
     let mut stage = Stage::with_assets(&folder.path().to_string_lossy());
@@ -200,7 +202,7 @@ impl Stage {
         Self::with_plugin(watching(assets), |_| {})
     }
 
-    /// Updates the app until something holds. What never holds fails after minutes: a busy machine is slow.
+    /// Updates the app until a condition holds. It fails only after minutes, because a busy machine is slow.
     pub fn wait_for(&mut self, done: impl Fn(&Self) -> bool) {
         let start = Instant::now();
         while !done(self) {

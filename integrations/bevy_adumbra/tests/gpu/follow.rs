@@ -37,7 +37,7 @@ fn assert_drawn(stage: &mut Stage, filter: Filter) {
     let expected = expected_by(|p, normal| sampler.look_up(p, normal));
     let mut found = stage.visibility();
     beside_tower(10.0, &mut found, &expected);
-    // Taps of a march are a ninth each.
+    // Each tap of a march weighs a ninth.
     let widest = if filter == Filter::Nearest { Filter::Nearest } else { Filter::Box3 };
     assert_alike(&found, &expected, widest);
 }
@@ -75,7 +75,7 @@ fn a_light_is_followed_wherever_it_turns() {
     assert!(casters(&stage) > 0 && stage.status().is_active());
     stage.wait_for(|stage| casters(stage) == 0 && is_settled(stage));
 
-    // A night, and what cannot be.
+    // Night, and settings that are not possible.
     turn(&mut stage, 0.0, -10.0);
     stage.update();
     stage.update();
@@ -95,7 +95,7 @@ fn a_light_is_followed_wherever_it_turns() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn what_moves_stays_in_the_cascades_until_its_keys_are_shown() {
+fn moved_mesh_stays_in_cascades_until_its_keys_are_shown() {
     let mut stage = Stage::new(|_| {});
     let tower = tower(&mut stage, 10.0);
     let settings = BakeSettings { resolution: 256, settle: Duration::from_millis(50), ..default() };

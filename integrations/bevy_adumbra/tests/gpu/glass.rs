@@ -1,4 +1,4 @@
-//! Glass: what is seen through it is what Bevy shows without the plugin's files, to the edge of the picture.
+//! Glass: the picture behind it is the same as without the plugin's files, up to the edge of the picture.
 
 use adumbra_bake::FrameChoice;
 use bevy::prelude::*;
@@ -13,7 +13,7 @@ fn colours(stage: &mut Stage) -> Vec<f32> {
     bytes.as_chunks().0.iter().map(|bytes| half(*bytes)).collect()
 }
 
-/// A ground of stripes that are bright by themselves, below panes of glass that cover the picture from left to right.
+/// A ground of unlit stripes, below panes of glass that cover the picture from left to right.
 fn glass(materials: &[StandardMaterial]) -> Stage {
     let mut stage = Stage::new(|_| {});
     let world = stage.app.world_mut();
@@ -32,7 +32,7 @@ fn glass(materials: &[StandardMaterial]) -> Stage {
     let pane = world.resource_mut::<Assets<Mesh>>().add(Plane3d::default().mesh().size(width, 2.0 * SQUARE));
     for (i, material) in materials.iter().enumerate() {
         let material = world.resource_mut::<Assets<StandardMaterial>>().add(material.clone());
-        // Tilted, so that it bends what is behind it to one side.
+        // Tilted, so that it refracts the picture behind it to one side.
         let at = Transform::from_xyz(width * (i as f32 + 0.5) - SQUARE / 2.0, HEIGHT + 40.0, 0.0)
             .with_rotation(Quat::from_rotation_z(0.3));
         world.spawn((
@@ -47,7 +47,7 @@ fn glass(materials: &[StandardMaterial]) -> Stage {
 }
 
 #[test]
-fn what_is_behind_glass_is_the_picture_alone() {
+fn glass_shows_the_same_picture_with_and_without_a_file() {
     let clear = StandardMaterial {
         specular_transmission: 0.9,
         perceptual_roughness: 0.0,
@@ -57,7 +57,7 @@ fn what_is_behind_glass_is_the_picture_alone() {
         ..default()
     };
     let rough = StandardMaterial { perceptual_roughness: 0.6, ..clear.clone() };
-    // Drawn with what blends, so that alone it has no picture behind it.
+    // Drawn with the blended meshes, so that alone it has no picture behind it.
     let blended = StandardMaterial {
         alpha_mode: AlphaMode::Blend,
         base_color: Color::srgba(1.0, 1.0, 1.0, 0.5),
@@ -65,7 +65,7 @@ fn what_is_behind_glass_is_the_picture_alone() {
     };
     for (name, materials) in [("clear and rough", &[clear, rough][..]), ("blended", &[blended])] {
         let mut stage = glass(materials);
-        // What is seen is the stripes' own light, and what comes through.
+        // Without sunlight, the picture shows the stripes and the light that comes through the glass.
         stage.app.world_mut().get_mut::<DirectionalLight>(stage.light).unwrap().illuminance = 0.0;
         let without = colours(&mut stage);
         stage.give(baked(FrameChoice::Oblique), |_| {});

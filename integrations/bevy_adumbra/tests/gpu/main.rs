@@ -1,4 +1,4 @@
-//! What Bevy draws with baked shadows, compared with look-ups on the CPU. Needs a GPU or a software adapter,
+//! Compares Bevy's pictures with baked shadows with look-ups on the CPU. Needs a GPU or a software adapter,
 //! and the features `bake`, `gltf` and `processor`.
 
 mod baking;

@@ -22,7 +22,8 @@ const PLACES: [([f32; 3], [f32; 3], f32); 10] = [
     ([12.0, -3.0, 40.0], [0.0, 2.2, 0.0], 1.0),
 ];
 
-/// Draws the square, with the file and its camera, at places, where one of two copies of a file is and then the other.
+/// Draws the square at each place. The camera and one of two copies of the file move there with it; the
+/// copies take turns.
 fn assert_follows(places: &[([f32; 3], [f32; 3], f32)]) {
     let file = baked(FrameChoice::Oblique);
     let mut stage = Stage::new(|_| {});
@@ -53,7 +54,7 @@ fn assert_follows(places: &[([f32; 3], [f32; 3], f32)]) {
         let placed = file.sampler(Filter::Box5).placed(&placement);
         let normal = placement.direction_to_world([0.0, 1.0, 0.0]);
         let expected = expected_by(|p, _| placed.visibility(placement.to_world(p), Some(normal)));
-        // The first of the roots turns the light, and the file has both.
+        // The first root turns the light, and the file is in use at both roots.
         assert_alike(&stage.visibility(), &expected, Filter::Box5);
         assert_eq!(stage.status(), BakedShadowStatus::Active { files: 2 }, "{n}");
     }
@@ -71,7 +72,7 @@ fn a_file_follows_its_root_wherever_it_goes() {
 }
 
 #[test]
-fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
+fn reports_a_stretched_root_and_keeps_other_roots_in_use() {
     let file = baked(FrameChoice::Oblique);
     let mut stage = Stage::new(|_| {});
     let handle = stage.give(file, |_| {});
@@ -112,9 +113,9 @@ fn a_root_that_is_stretched_is_said_and_the_others_go_on() {
     assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });
 }
 
-/// What is static and outside of the files in use casts through the cascades while the light has other files.
+/// Static meshes outside of the files in use cast through the cascades while the light has other files.
 #[test]
-fn what_a_file_holds_that_is_loading_or_turned_away_stays_in_the_cascades() {
+fn meshes_of_loading_or_turned_away_files_stay_in_cascades() {
     let mut stage = Stage::new(|_| {});
     let handle = stage.give(baked(FrameChoice::Oblique), |_| {});
     let far = Vec3::new(2000.0, 0.0, 0.0);
@@ -142,9 +143,10 @@ fn what_a_file_holds_that_is_loading_or_turned_away_stays_in_the_cascades() {
     assert!(kept(&mut stage) > 0, "the copy is turned away from the light");
 }
 
-/// Twelve places of one file, of which eight are in use: meshes in the others go on casting through the cascades.
+/// Twelve places of one file, of which eight are in use: meshes in the others go on casting through the
+/// cascades.
 #[test]
-fn what_is_in_a_missing_file_stays_in_the_cascades() {
+fn meshes_of_missing_files_stay_in_cascades() {
     let file = baked(FrameChoice::Oblique);
     let mut stage = Stage::new(|_| {});
     let handle = stage.give(file, |_| {});
@@ -186,7 +188,7 @@ fn what_is_in_a_missing_file_stays_in_the_cascades() {
     }
     assert!(kept(&stage) > 0, "a part of it is in no file");
     stage.app.world_mut().despawn(wide);
-    // The camera goes to the last one, with a mesh of its own.
+    // Move the camera to the last place, and put a mesh there.
     let move_by = Vec3::new(2000.0 * 11.0, 0.0, 0.0);
     let world = stage.app.world_mut();
     world.spawn((mesh.0, mesh.1, at.with_translation(at.translation + move_by), ShadowStatic));
@@ -197,12 +199,12 @@ fn what_is_in_a_missing_file_stays_in_the_cascades() {
     assert!(kept(&stage) > 0, "its file is missing");
 }
 
-/// How many statuses the light has had.
+/// The statuses that the light has had.
 #[derive(Resource, Default)]
 struct Statuses(Vec<BakedShadowStatus>);
 
 #[test]
-fn a_light_that_something_else_turns_is_kept_or_said_to_be_off_once() {
+fn realigns_a_turned_light_or_reports_it_misaligned_once() {
     let mut stage = Stage::new(|_| {});
     stage.give(baked(FrameChoice::Oblique), |_| {});
     stage.app.init_resource::<Statuses>();
@@ -226,7 +228,7 @@ fn a_light_that_something_else_turns_is_kept_or_said_to_be_off_once() {
         matches!(all[..], [BakedShadowStatus::Active { files: 1 }, BakedShadowStatus::Misaligned { .. }]),
         "{all:?}"
     );
-    // Kept again, the light is the app's once it has no file any more, as the app has set it last.
+    // Aligned again, the light gets back the rotation that the app has set last once it has no file.
     stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap().align = true;
     stage.update();
     assert_eq!(stage.status(), BakedShadowStatus::Active { files: 1 });

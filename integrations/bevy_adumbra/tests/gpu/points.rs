@@ -22,7 +22,7 @@ fn oblique() -> adumbra::ShadowFile {
 }
 
 #[test]
-fn every_frame_is_looked_up() {
+fn pictures_match_look_ups_for_each_frame_choice() {
     let mut stage = Stage::new(|_| {});
     let cases = [
         (FrameChoice::Oblique, Filter::Nearest),
@@ -58,7 +58,7 @@ fn deferred_multisampled_and_transparent_surfaces_are_shadowed() {
     let world = stage.app.world_mut();
     world.insert_resource(DefaultOpaqueRendererMethod::deferred());
     world.entity_mut(stage.camera).insert((DepthPrepass, DeferredPrepass));
-    // Materials are prepared anew.
+    // Change the material, so that it is prepared again.
     world.resource_mut::<Assets<StandardMaterial>>().get_mut(&material).unwrap().reflectance = 0.0;
     assert_alike(&stage.visibility(), &expected, Filter::Box5);
 }
@@ -125,7 +125,7 @@ fn assert_alike_in_columns(found: &[f32], expected: &[f32], columns: std::ops::R
     for y in 0..SIDE {
         for x in columns.clone() {
             let v = found[(y * SIDE + x) as usize];
-            // Two columns of points around the middle of this pixel's.
+            // The two columns of points around the middle of this pixel.
             let [a, b] = [0, 1].map(|n| expected[(y * SIDE + 2 * (x - columns.start) + n) as usize]);
             all += 1;
             off += usize::from(v < a.min(b) - 0.5 || v > a.max(b) + 0.5);
@@ -189,7 +189,7 @@ fn shadows_are_kept_beside_glass_without_hdr() {
     assert!(wrong * 500 <= expected.len(), "{wrong}");
 }
 
-/// What is in the file leaves the cascades, and comes back in the frame in which the light turns away.
+/// Meshes in the file leave the cascades, and come back in the frame in which the light turns away.
 #[test]
 fn statics_leave_the_cascades_while_the_file_is_in_use() {
     let file = oblique();
@@ -213,7 +213,7 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     let casters = |stage: &Stage| *stage.app.world().resource::<CascadeCasters>();
     let CascadeCasters { found, kept } = casters(&stage);
     assert!(kept > 0 && found > kept, "{found} {kept}");
-    // The light turns away: in that very frame nothing is left out.
+    // The light turns away: in the same frame nothing is left out.
     let turned = Transform::default().looking_to(Vec3::new(-0.3, -1.0, 0.2), Vec3::Y);
     *stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap() = turned;
     stage.update();
@@ -228,7 +228,7 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
         |stage: &Stage| stage.app.world().get::<CascadeShadowConfig>(stage.light).unwrap().bounds.len();
     stage.update();
     assert_eq!((stage.status(), stage.cascades()), (BakedShadowStatus::Active { files: 1 }, 4));
-    // What is hidden casts nothing.
+    // A hidden mesh casts no shadow.
     *stage.app.world_mut().get_mut::<Visibility>(mover).unwrap() = Visibility::Hidden;
     stage.update();
     assert_eq!((stage.cascades(), component(&stage)), (0, 4));
@@ -245,7 +245,7 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     stage.app.world_mut().get_mut::<Transform>(stage.light).unwrap().rotate_y(-0.1);
     stage.update();
     assert_eq!((stage.status(), stage.cascades()), (BakedShadowStatus::Active { files: 1 }, 0));
-    // A moon without a file has what is static, while the sun is hidden.
+    // A moon without a file has static meshes in its cascades while the sun is hidden.
     let down = Transform::default().looking_to(Vec3::new(0.3, -1.0, 0.1), Vec3::Y);
     let shining = DirectionalLight { shadow_maps_enabled: true, ..default() };
     let moon = stage.app.world_mut().spawn((shining, down)).id();
@@ -289,9 +289,9 @@ fn statics_leave_the_cascades_while_the_file_is_in_use() {
     assert!(casters_of(&stage, stage.light) > 0);
 }
 
-/// Pipelines that are compiled again while an app runs would leave surfaces out until then.
+/// Surfaces are not drawn while their pipelines are recompiled, so pipelines must not be recompiled later.
 #[test]
-fn a_light_that_waits_for_its_file_has_its_shaders_already() {
+fn compiles_shaders_before_the_file_is_loaded() {
     let mut stage = Stage::new(|_| {});
     let handle = stage.app.world().resource::<Assets<BakedShadowFile>>().reserve_handle();
     let shadow = BakedShadow { sun_degrees: Some(2.0), ..BakedShadow::new(handle.clone()) };
@@ -335,7 +335,7 @@ fn filter_bias_and_sun_degrees_change_while_running() {
     lifted.settings.bias = bias;
     let found = shadow(&mut stage, &|s| (s.filter, s.bias) = (ShadowFilter::Box5, Some(bias.into())));
     assert_alike(&found, &expected(&lifted, Filter::Box5), Filter::Box5);
-    // Penumbrae: values in between where the hard shadow has edges, and alike in the mean.
+    // Penumbrae: intermediate values at the edges of the hard shadow, and the same mean.
     let hard = expected(&file, Filter::Nearest);
     let found = shadow(&mut stage, &|s| (s.bias, s.sun_degrees) = (None, Some(2.0)));
     let mean = |v: &[f32]| v.iter().sum::<f32>() / v.len() as f32;
@@ -344,7 +344,7 @@ fn filter_bias_and_sun_degrees_change_while_running() {
     assert!(between > found.len() / 50, "{between}");
     let wrong = found.iter().zip(&hard).filter(|(a, b)| (*a - *b).abs() > 0.8).count();
     assert!(wrong * 100 < found.len(), "{wrong}");
-    // What cannot be is said.
+    // Settings that are not possible are reported.
     let mut wrong_field = |change: &dyn Fn(&mut BakedShadow)| {
         change(&mut stage.app.world_mut().get_mut::<BakedShadow>(stage.light).unwrap());
         stage.update();

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use adumbra::{Encoding, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, Scene, generate, to_glb, write_glb};
 use bevy::asset::{AssetMode, AssetPlugin, LoadState};
 use bevy::prelude::*;
@@ -23,7 +23,7 @@ fn write(scene: &Scene, assets: &Path, settings: &str) {
 
 fn baked(scene: &Scene) -> ShadowFile {
     let sun = Sun::from_direction(towards_sun()).unwrap();
-    bake(scene, &BakeOptions::new(sun, Size::Resolution(1024)), Watch::none()).unwrap().file
+    Bake::with_options(scene, &BakeOptions::new(sun, Size::Resolution(1024))).in_memory().unwrap()
 }
 
 /// An app that processes its assets in a folder.
@@ -61,7 +61,7 @@ fn a_scene_is_baked_as_an_asset_step_and_again_when_it_changes() {
     let handle = load(&mut stage);
     stage.wait_for(|stage| stage.status().is_active());
     assert_alike(&stage.visibility(), &expected(&file, Filter::Box5), Filter::Box5);
-    // What ships is the file that `adumbra bake` writes.
+    // The imported file is the one that `adumbra bake` writes.
     assert_eq!(fs::read(&imported).unwrap(), file.to_bytes(Encoding::default()).unwrap());
     assert!(file.settings.triangles != baked(&second).settings.triangles);
 
@@ -95,7 +95,7 @@ fn without_the_processor_a_load_bakes() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn settings_that_cannot_be_are_said() {
+fn rejects_bad_settings_with_the_reason() {
     let mistakes = [
         (r#"(scene: "models/world.glb")"#, "towards_sun"),
         (r#"(scene: "models/world.glb", towards_sun: (0, -1, 0))"#, "sun"),

@@ -3,7 +3,7 @@
 use std::sync::{Arc, Mutex, MutexGuard};
 
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::{GeneratedKind, generate};
 use bevy::app::PluginsState;
 use bevy::asset::RenderAssetUsages;
@@ -29,7 +29,7 @@ pub const HEIGHT: f32 = 0.25;
 pub const SQUARE: f32 = 120.0;
 pub const MIDDLE: Vec3 = Vec3::new(0.0, HEIGHT, 0.0);
 
-/// One app at a time: Bevy's task pools are the process's.
+/// One app at a time: Bevy's task pools are global to the process.
 static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
 
 pub struct Stage {
@@ -55,7 +55,7 @@ pub fn baked(frame: FrameChoice) -> ShadowFile {
     }
     let sun = Sun::from_direction(towards_sun()).unwrap();
     let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(2048)) };
-    let file = bake(&generate(GeneratedKind::City, 1), &options, Watch::none()).unwrap().file;
+    let file = Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap();
     baked.push((frame, file.clone()));
     file
 }
@@ -66,7 +66,7 @@ impl Stage {
         Self::start(AssetPlugin::default(), |_| {}, set_up)
     }
 
-    /// Starts an app that loads assets in a given way, from sources that are registered before it does.
+    /// Starts an app that loads assets in a given way. `sources` registers asset sources first.
     pub fn with_plugin(assets: AssetPlugin, sources: impl FnOnce(&mut App)) -> Self {
         Self::start(assets, sources, |_| {})
     }
@@ -116,7 +116,7 @@ impl Stage {
         let mesh = world
             .resource_mut::<Assets<Mesh>>()
             .add(Plane3d::default().mesh().size(2.0 * SQUARE, 2.0 * SQUARE));
-        // It receives and does not cast, as a decal on the ground would.
+        // It receives shadows but does not cast, like a decal on the ground.
         let square = world
             .spawn((
                 Mesh3d(mesh),
@@ -252,7 +252,7 @@ pub fn expected_by(visibility: impl Fn([f64; 3], Option<[f64; 3]>) -> f32) -> Ve
     .collect()
 }
 
-/// Puts a ground, and a tower of 30 m at a place along x and at z = 10, below a static root. Returns the tower.
+/// Puts a ground, and a tower of 30 m at `x` and z = 10, below a static root. Returns the tower.
 pub fn tower(stage: &mut Stage, x: f32) -> Entity {
     let world = stage.app.world_mut();
     let cube = world.resource_mut::<Assets<Mesh>>().add(Cuboid::from_length(30.0));
@@ -265,7 +265,7 @@ pub fn tower(stage: &mut Stage, x: f32) -> Entity {
     tower
 }
 
-/// Makes the pixels on the tower's roof what is expected: they are not points of the square.
+/// Sets the pixels on the tower's roof to the expected values, because they are not points of the square.
 pub fn beside_tower(x: f32, found: &mut [f32], expected: &[f32]) {
     let pixel = |metres: f32| (metres / SQUARE + 0.5) * SIDE as f32;
     for (n, (found, expected)) in (0..).zip(found.iter_mut().zip(expected)) {

@@ -1,4 +1,4 @@
-//! Streamed files: what is drawn where everything is resident, within a small budget, and after faults.
+//! Streamed files: pictures when everything is resident, within a small budget, and after faults.
 
 use std::io::Cursor;
 use std::ops::Range;
@@ -8,10 +8,10 @@ use std::sync::{Arc, OnceLock};
 
 use adumbra::stream::{BytesSource, ShadowSource, SourceError, StreamCounts, StreamError};
 use adumbra::{Encoding, Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_testing::{bake_file, full};
+use adumbra_testing::full;
 use bevy::diagnostic::{DiagnosticPath, DiagnosticsStore};
 use bevy::prelude::*;
 use bevy_adumbra::StreamDiagnostics;
@@ -29,7 +29,7 @@ fn city() -> &'static [u8] {
             frame: FrameChoice::Oblique,
             ..BakeOptions::new(sun, Size::Resolution(16_384))
         };
-        let file = bake_file(&generate(GeneratedKind::City, 1), &options).unwrap();
+        let file = Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap();
         let mut bytes = Cursor::new(Vec::new());
         file.write_to(&mut bytes, Encoding::Coded).unwrap();
         bytes.into_inner()
@@ -50,7 +50,8 @@ impl Stage {
         self.app.world_mut().resource_mut()
     }
 
-    /// Waits until all that is needed is resident. A frame at least passes, in which lights and budget are seen.
+    /// Waits until all needed data is resident. At least one frame passes, in which changed lights and
+    /// budgets are seen.
     fn settle(&mut self) {
         self.update();
         self.wait_for(|stage| stage.app.world().resource::<ShadowStreams>().is_settled());
@@ -135,17 +136,17 @@ fn a_resident_stream_draws_bit_for_bit_what_its_file_draws() {
     assert_alike(&stage.visibility(), &expected(&file, Filter::Box5), Filter::Box5);
 }
 
-/// What glass needs is written too while pages come.
+/// Pages that arrive are also written to the texture of views with glass.
 #[test]
 #[ignore = "slow: draws many frames"]
-fn pages_that_come_beside_glass_are_drawn() {
+fn pages_that_arrive_beside_glass_are_drawn() {
     let mut stage = Stage::new(|_| {});
     stage.put_glass();
     stage.budget().detail_pixels = 1e6;
     stage.stream(in_memory());
     stage.settle();
     let coarse = stage.drawn();
-    // No other file comes into use: what is there is written to, page by page.
+    // The files in use do not change, so the existing texture is written page by page.
     let away = Transform::from_translation(MIDDLE + 1e5 * Vec3::X).looking_at(MIDDLE, Vec3::Y);
     let here = *stage.app.world().get::<Transform>(stage.camera).unwrap();
     let camera = stage.camera;
@@ -221,7 +222,7 @@ fn budgets_hold_while_cameras_jump() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn levels_fade_and_then_the_file_answers_alone() {
+fn levels_fade_until_the_picture_equals_the_whole_files() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let levels: Vec<_> = (0..4).map(|n| expected_of_level(&file, n)).collect();
     let mut stage = Stage::new(|_| {});
@@ -258,7 +259,7 @@ fn assert_from_levels(found: &[f32], levels: &[Vec<f32>]) {
     assert!(off * 500 <= found.len(), "{off} of {} pixels are of no level", found.len());
 }
 
-/// A source that fails after so many reads.
+/// A source that fails after a number of reads.
 struct Unreliable {
     left: AtomicU64,
     error: fn() -> SourceError,
@@ -281,7 +282,7 @@ impl ShadowSource for Unreliable {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn faults_leave_a_coarser_level_and_are_said_and_a_retry_works() {
+fn reports_faults_uses_a_coarser_level_and_recovers_by_retry() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let levels: Vec<_> = (0..4).map(|n| expected_of_level(&file, n)).collect();
     let mut stage = Stage::new(|_| {});
@@ -316,7 +317,7 @@ fn faults_leave_a_coarser_level_and_are_said_and_a_retry_works() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn a_file_that_does_not_open_is_said_and_is_opened_later() {
+fn reports_a_file_that_does_not_open_and_retries_it() {
     let mut stage = Stage::new(|_| {});
     let source = Unreliable::after(0);
     stage.stream(source.clone() as Arc<dyn ShadowSource>);
@@ -324,7 +325,7 @@ fn a_file_that_does_not_open_is_said_and_is_opened_later() {
     let text = stage.status().to_string();
     assert!(text.contains("the beginning is missing"), "{text}");
     source.left.store(u64::MAX, Ordering::SeqCst);
-    // It is asked for again by itself after a second.
+    // The stream requests the file again after a second.
     stage.wait_for(|stage| stage.status() == BakedShadowStatus::Active { files: 1 });
     stage.stream("none.adumbra");
     stage.wait_for(|stage| matches!(stage.status(), BakedShadowStatus::Unusable(_)));
@@ -335,7 +336,7 @@ fn a_file_that_does_not_open_is_said_and_is_opened_later() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn a_file_that_has_changed_is_opened_anew_by_a_retry() {
+fn retry_reopens_a_file_that_has_changed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("city.adumbra");
     let half = baked(FrameChoice::Light);
@@ -346,7 +347,7 @@ fn a_file_that_has_changed_is_opened_anew_by_a_retry() {
     stage.stream(path.as_path());
     stage.settle();
     std::fs::write(&path, half.to_bytes(Encoding::default()).unwrap()).unwrap();
-    // Another budget opens it anew; the file is another, and takes the place of what was resident.
+    // A changed budget reopens the stream. The file on the disk has changed, and replaces the resident data.
     stage.budget().detail_pixels = 0.0;
     stage.settle();
     assert_alike(&stage.visibility(), &expected(&half, Filter::Box5), Filter::Box5);
@@ -368,7 +369,7 @@ fn a_file_that_has_changed_is_opened_anew_by_a_retry() {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn a_budget_below_the_coarsest_level_is_said_and_a_larger_one_opens_the_file() {
+fn reports_too_small_a_budget_and_opens_with_a_larger_one() {
     let mut stage = Stage::new(|_| {});
     stage.budget().bytes = 8192;
     stage.stream(in_memory());
@@ -378,7 +379,7 @@ fn a_budget_below_the_coarsest_level_is_said_and_a_larger_one_opens_the_file() {
     stage.budget().bytes = 1 << 20;
     stage.wait_for(|stage| stage.status() == BakedShadowStatus::Active { files: 1 });
     let before = stage.drawn();
-    // What was resident answers until the file is open with another budget.
+    // Resident data answers until the file is open with the new budget.
     stage.budget().bytes = 4 << 20;
     for _ in 0..50 {
         stage.update();
@@ -400,11 +401,11 @@ fn streamed_and_whole_files_are_in_use_side_by_side() {
     stage.settle();
     stage.update();
     assert_eq!(stage.status(), BakedShadowStatus::Active { files: 2 });
-    // Both hold the point, and the first one is asked.
+    // Both files contain the point, and the first one is looked up.
     let found = stage.visibility();
     let levels = [expected(&whole, Filter::Box5), expected_of_level(&file, 0)];
     assert_from_levels(&found, &levels);
-    // The whole file leaves, and the texture is made anew from what is in memory.
+    // The whole file is removed, and the texture is recreated from memory.
     stage.shadow().files.clear();
     assert_alike(&stage.visibility(), &levels[1], Filter::Box5);
     stage.shadow().streams.clear();
@@ -412,8 +413,8 @@ fn streamed_and_whole_files_are_in_use_side_by_side() {
     assert!(matches!(stage.status(), BakedShadowStatus::Unusable(BakedShadowError::NoFiles)));
 }
 
-/// Prints the median and the largest time of the system in the main world over 500 frames of a flight, and what is
-/// written in a frame. Another file: `ADUMBRA_STREAM_FILE`.
+/// Prints the median and the largest time of the system in the main world over 500 frames of a flight, and
+/// the bytes that a frame writes. `ADUMBRA_STREAM_FILE` names another file to use.
 #[test]
 #[ignore = "slow: draws many frames"]
 fn frames_of_a_flight_write_within_the_budget() {

@@ -1,8 +1,8 @@
-//! Bevy draws the views of another renderer's truth images, and that renderer's rays judge. Skipped where these are
-//! absent, see CONTRIBUTING.md. One view of six, unless `ADUMBRA_FULL` is set.
+//! Compares the views that Bevy draws with another renderer's ray-traced truth images. Skipped if the images
+//! are absent, see CONTRIBUTING.md. One view of six, unless `ADUMBRA_FULL` is set.
 
 use adumbra::{Filter, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{LoadOptions, Scene, load};
 use adumbra_testing::{full, npz_array, npz_camera, scene_file, shared};
 use bevy::asset::RenderAssetUsages;
@@ -17,7 +17,7 @@ use crate::stage::{Stage, picture};
 
 const SIZE: UVec2 = UVec2::new(320, 240);
 
-/// Share of the pixels with n·l > 0.1 on the wrong side of 1/2, %.
+/// Percentage of the pixels with n·l > 0.1 that are on the wrong side of 1/2.
 fn wrong_percent(found: &[f32], sun: &[f32], n_dot_l: &[f32]) -> f64 {
     let compared: Vec<usize> = (0..found.len()).filter(|&i| n_dot_l[i] > 0.1).collect();
     let wrong = compared.iter().filter(|&&i| (found[i] < 0.5) != (sun[i] < 0.5)).count();
@@ -26,7 +26,7 @@ fn wrong_percent(found: &[f32], sun: &[f32], n_dot_l: &[f32]) -> f64 {
 
 #[test]
 #[ignore = "slow: draws many frames"]
-fn shared_views_are_as_right_as_the_file() {
+fn bevy_is_as_accurate_as_look_ups_on_shared_views() {
     let (Some(truths), Some(scenes)) = (shared("truth"), shared("scenes")) else { return };
     let all = ["kaykit_city_21", "alpine-2", "box-city-5k", "zdm2", "auster", "dragon_202k"];
     for name in if full() { &all[..] } else { &all[..1] } {
@@ -39,8 +39,8 @@ fn shared_views_are_as_right_as_the_file() {
             ignore_alpha: true,
             ..BakeOptions::new(Sun::from_direction(vector("sun")).unwrap(), Size::Resolution(16_384))
         };
-        let file = bake(&scene, &options, Watch::none()).unwrap().file;
-        // What the file answers at the points that the other renderer saw.
+        let file = Bake::with_options(&scene, &options).in_memory().unwrap();
+        // The file's visibility at the points that the other renderer saw.
         let [positions, normals]: [Vec<f32>; 2] = ["pos", "normal"].map(|array| npz_array(&truth, array));
         let shadow = file.sampler(Filter::Nearest);
         let at = |v: &[f32], i: usize| [0, 1, 2].map(|a| f64::from(v[3 * i + a]));

@@ -1,5 +1,5 @@
-//! Look-up textures as the Rust crate makes them, in figures that `tests/unit/look-up-texture.test.ts` compares with the
-//! package's.
+//! Look-up textures as the Rust crate makes them, in figures that `tests/unit/look-up-texture.test.ts`
+//! compares with the package's.
 
 use std::path::Path;
 
@@ -19,9 +19,9 @@ const FILES: [&str; 7] = [
     "valid/upright_turned_low_depths",
 ];
 
-/// Returns a JSON object: for each file, and within it for each level, the size of its texture; the CRC-32 of all of its
-/// bytes; and its first 128 words with the file's own bias and a filter of 5, which the CRC-32 is of; with another bias and
-/// a filter of 9; with penumbrae; and placed.
+/// Returns a JSON object. For each file, and within it for each level, it has the size of the texture; the
+/// CRC-32 of all bytes; and the first 128 words: with the file's own bias and a filter of 5, as in the
+/// CRC-32; with another bias and a filter of 9; with penumbrae; and placed.
 ///
 /// # Errors
 /// Returns the crate's message if a file cannot be read or looked up.

@@ -1,7 +1,8 @@
-//! The look-ups of the package for three.js, made from the workspace's WGSL: WGSL for WebGPU, and GLSL ES 3.00 for WebGL2.
+//! The look-ups of the package for three.js, made from the workspace's WGSL: WGSL for WebGPU, and GLSL ES
+//! 3.00 for WebGL2.
 //!
-//! naga validates the assembled module, drops what a look-up does not use, and writes both languages. What is left to do
-//! is text: declarations that three.js makes itself are cut, and functions that GLSL ES 3.00 lacks are added.
+//! naga validates the assembled module, drops unused parts, and writes both languages. Then the texts are
+//! edited: declarations that three.js makes itself are cut, and functions that GLSL ES 3.00 lacks are added.
 
 mod headers;
 mod marches;
@@ -24,7 +25,7 @@ pub struct Generated {
     pub text: String,
 }
 
-/// Returns what the package's tests compare with. `vectors` is the folder `test_vectors`.
+/// Returns the expected values of the package's tests. `vectors` is the folder `test_vectors`.
 ///
 /// # Errors
 /// Returns the crate's message if a file cannot be read or looked up.
@@ -57,7 +58,7 @@ pub fn generate() -> Result<Vec<Generated>, String> {
         for (language, text) in [("wgsl", wgsl(&module, &info)?), ("glsl", glsl(&module, &info)?)] {
             files.push(Generated {
                 name: format!("{name}.{language}.ts"),
-                // Without its type, the declaration would hold all of the text once more.
+                // Without the type, the declaration file would repeat the whole text.
                 text: format!("{HEAD}const text: string = `{text}`;\n\nexport default text;\n"),
             });
         }
@@ -74,7 +75,7 @@ macro_rules! own {
     };
 }
 
-/// Returns the module of a look-up without what it does not use.
+/// Returns the module of a look-up without unused parts.
 fn module(way: Way) -> Result<(naga::Module, ModuleInfo), String> {
     let from_texture = ["access/texture_r32uint.wgsl", "access/look_up_texture.wgsl"];
     let files = wgsl_files(WordSource::R32Uint);
@@ -134,7 +135,8 @@ fn glsl(module: &naga::Module, info: &ModuleInfo) -> Result<String, String> {
     let own = ["#version", "precision", "uniform", "smooth in", "layout("];
     let lines = text.lines().filter(|line| !own.iter().any(|start| line.starts_with(start)));
     let mut text = renamed(&joined(lines), &|word| match word {
-        // GLSL ES 3.00 has `mix` with a choice for floats alone, and built-in functions cannot be overloaded.
+        // In GLSL ES 3.00, `mix` with a choice takes only floats, and built-in functions cannot be
+        // overloaded.
         "mix" => Some("adumbra_mix"),
         "bitCount" => Some("adumbra_bit_count"),
         "findLSB" => Some("adumbra_find_lsb"),
@@ -154,7 +156,8 @@ fn glsl(module: &naga::Module, info: &ModuleInfo) -> Result<String, String> {
     Ok(tight(&text))
 }
 
-/// Returns GLSL without the spaces around its signs. `+` and `-` keep theirs, for two of them would become one.
+/// Returns GLSL without the spaces around operators. `+` and `-` keep theirs, because two of them would
+/// become one operator.
 fn tight(text: &str) -> String {
     let is_sign = |c: char| "=,;(){}[]*/<>?:|&^!%".contains(c);
     let mut tight = String::with_capacity(text.len());
@@ -282,7 +285,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn signs_stay_apart() {
+    fn tight_keeps_signs_apart() {
         let text = "int f(int a, int b) {\n    if (a <= 0) { return -a; }\n    return a - -b + (b / 2);\n}\n";
         let expected = "int f(int a,int b){\nif(a<=0){return -a;}\nreturn a - -b +(b/2);\n}\n";
         assert_eq!(tight(text), expected);

@@ -1,4 +1,5 @@
-//! Writes the look-ups of web pages, and what the package's tests compare with. `cargo xtask shaders-web` runs it.
+//! Writes the look-ups of web pages, and the expected values of the package's tests. `cargo xtask
+//! shaders-web` runs it.
 
 use std::fs;
 use std::path::Path;

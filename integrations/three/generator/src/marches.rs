@@ -1,5 +1,5 @@
-//! Answers of marches through the test vectors for other suns than theirs, which `tests/unit/march.test.ts` compares with the
-//! package's.
+//! Answers of marches through the test vectors for other suns than theirs, which `tests/unit/march.test.ts`
+//! compares with the package's.
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use adumbra::{Filter, PathSampler, ShadowFile};
 
 use crate::Generated;
 
-/// Pairs of files, below `test_vectors`: the one that is asked first, and the other one.
+/// Pairs of files, below `test_vectors`: the file that is looked up first, and the other file.
 const PAIRS: [[&str; 2]; 6] = [
     ["valid/levels_depths", "valid/many_pages_depths"],
     ["valid/low_sun_tall_depths", "valid/low_sun_tall_depths"],
@@ -27,8 +27,8 @@ const DARK_AFTER_VOXELS: u32 = 2;
 /// Points of each pair.
 const POINTS: usize = 100;
 
-/// Returns a JSON list: for each pair its files; when hidden rays are dark; the sun; points and normals, as 32-bit numbers; and the visibilities with filters
-/// of 1 and 5.
+/// Returns a JSON list: for each pair its files; when hidden rays are dark; the sun; points and normals, as
+/// 32-bit numbers; and the visibilities with filters of 1 and 5.
 ///
 /// # Errors
 /// Returns the crate's message if a file cannot be read or marched through.

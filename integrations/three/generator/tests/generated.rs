@@ -1,4 +1,4 @@
-//! The look-ups of web pages are those that the workspace's WGSL makes.
+//! The committed look-ups of web pages equal those generated from the workspace's WGSL.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -19,7 +19,7 @@ fn committed_look_ups_are_the_generated_ones() {
 }
 
 #[test]
-fn committed_answers_are_the_crate_s() {
+fn committed_answers_equal_those_of_the_crate() {
     let package = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     for file in adumbra_three_generator::golden(&package.join("../../test_vectors")).expect("answers") {
         let committed = fs::read_to_string(package.join("tests/golden").join(&file.name)).expect("the file");

@@ -16,9 +16,12 @@ export class Leaf {
   never = false;
   /** The gradient, or 0. */
   slant = 0;
-  /** Differences of the depths, without that to never. */
+  /** Differences of the depths, without the difference to never. */
   readonly differences = new Int32Array(64);
-  /** Ranks of a row above the leaf, then of its columns; the same as words, two in a row. */
+  /**
+   * Ranks of the row above the leaf, then of the leaf's columns. `rows` has the same ranks as words, two per
+   * row.
+   */
   readonly ranks = new Uint8Array(72);
   readonly rows = new Int32Array(this.ranks.buffer);
   /** Ranks of the column to the left. */
@@ -30,7 +33,7 @@ export class Leaf {
   }
 }
 
-/** Reads the ranks of a leaf's columns. The leaf's cells have been found. */
+/** Reads the ranks of a leaf's columns. The leaf's cells must have been found. */
 export function readColumns(reader: ModelReader, edges: Edges, x: number, y: number, base: number, leaf: Leaf): void {
   const { last, ranks, west } = leaf;
   if (last === 0) {
@@ -46,8 +49,8 @@ export function readColumns(reader: ModelReader, edges: Edges, x: number, y: num
 }
 
 /**
- * Finds the ranks whose depths are nearest to those above and to the left. Returns which columns above are within 2, one
- * bit each.
+ * Finds the ranks whose depths are nearest to those above and to the left. Returns which columns above are
+ * within 2, one bit each.
  */
 function faceColumns(cells: Int32Array, base: number, leaf: Leaf): number {
   const { last, never, stored, differences, ranks, west } = leaf;
@@ -79,10 +82,11 @@ function faceColumns(cells: Int32Array, base: number, leaf: Leaf): number {
 }
 
 /**
- * Reads rows of ranks, each as what changed from the row above.
+ * Reads rows of ranks, each as its changes from the row above.
  *
- * A row below one that is flat begins with a bit: whether it is equal to that row. Otherwise, a symbol for each half of a
- * row says which of its four columns changed. Where that leaves a choice, a symbol for each of these says to what.
+ * A row below a flat row begins with a bit: whether the two rows are equal. Otherwise, a symbol for each half
+ * of a row says which of its four columns changed. If a changed column may have several ranks, another symbol
+ * gives its new rank.
  */
 function readRows(reader: ModelReader, { last, ranks, rows, west: column }: Leaf, sure: number): void {
   const kind = (last > 1 ? 1 : 0) + (last > 4 ? 1 : 0);
@@ -123,7 +127,10 @@ function readRows(reader: ModelReader, { last, ranks, rows, west: column }: Leaf
   }
 }
 
-/** Reads the ranks of those of four columns that differ from the row above, where the four begin at `above`. */
+/**
+ * Reads the ranks of the columns that changed among four. In the row above, the four columns begin at
+ * `above`.
+ */
 function readRanks(reader: ModelReader, ranks: Uint8Array, above: number, columns: number, west: number, last: number, value: number): void {
   for (let left = columns; left !== 0; left &= left - 1) {
     const at = above + lowestBit(left);

@@ -1,8 +1,8 @@
-// Depths along the border of what was decoded: the last row and the last column of the blocks above and to the left.
-// Counterpart of `crates/adumbra/src/coder/edges.rs`.
+// Depths along the border of the decoded blocks: the last row and the last column of the blocks above and to
+// the left. Counterpart of `crates/adumbra/src/coder/edges.rs`.
 //
-// What a block of 8 × 8 columns sees of the one above it or to its left is a *facing*: bits 2..0: its class, bits 5..3: its
-// kind, 0 where it is uniform, bits 21..6: its gradient, or 0.
+// A *facing* describes the block above or to the left, as seen from a block of 8 × 8 columns. Bits 2..0: its
+// class, bits 5..3: its kind, 0 if it is uniform, bits 21..6: its gradient, or 0.
 
 import { rise } from '../quadtree/leaf.js';
 import { BUNDLE_SIDE, PAGE_LEVEL } from '../quadtree/pages.js';
@@ -24,7 +24,7 @@ export const kindOfFacing = (facing: number): number => (facing >>> 3) & 7;
 /** Returns the gradient of a facing. */
 export const slantOfFacing = (facing: number): number => facing >>> 6;
 
-/** The border of what was decoded. */
+/** The border of the decoded blocks. */
 export class Edges {
   /** Depth of the last decoded column of each x. */
   readonly bottom = new Int32Array(SIDE);
@@ -42,7 +42,7 @@ export class Edges {
   /** The outline of the leaf that is noted next, relative to its base. */
   readonly outline = new Int32Array(OUTLINE);
 
-  /** Begins where nothing was decoded. */
+  /** Resets the border: nothing has been decoded. */
   clear(): void {
     this.bottom.fill(NEVER);
     this.right.fill(NEVER);
@@ -50,7 +50,7 @@ export class Edges {
     for (const shapes of [this.shapeAbove, this.shapeLeft]) shapes.fill(UNIFORM_CHILD);
   }
 
-  /** Forgets what is next to the first square of a level. */
+  /** Forgets the neighbours of the first square of a level. */
   forget(level: number): void {
     this.#set(0, 0, level, NEVER, UNKNOWN);
   }
@@ -121,7 +121,10 @@ export class Edges {
     }
   }
 
-  /** Finds the depths of the columns above and to the left of a leaf, deeper by what the leaf's slant would rise there. */
+  /**
+   * Finds the depths of the columns above and to the left of a leaf, each increased by the rise of the leaf's
+   * slant there.
+   */
   faceLeaf(x: number, y: number, slant: number): void {
     const { bottom, right, cells } = this;
     for (let i = 0; i < 8; i++) {
@@ -131,7 +134,7 @@ export class Edges {
   }
 }
 
-/** Returns a column's depth, deeper by what a slant would rise there. "Never" stays as it is. */
+/** Returns a column's depth, increased by the rise of a slant there. "Never" stays as it is. */
 export function risen(depth: number, slant: number, x: number, y: number): number {
   return depth === NEVER || slant === 0 ? depth : depth + rise(slant, x, y);
 }

@@ -1,5 +1,6 @@
-// Writes shapes as half-words, each after what it points to, in the shortest form that holds it. Counterpart of
-// `crates/adumbra/src/layout/depths/write.rs`, and of `Layout` in `crates/adumbra/src/coder/shapes.rs`.
+// Writes shapes as half-words, each after the shapes that it points to, in the shortest form that holds it.
+// Counterpart of `crates/adumbra/src/layout/depths/write.rs`, and of `Layout` in
+// `crates/adumbra/src/coder/shapes.rs`.
 
 import { popCount } from '../quadtree/bits.js';
 import { UNIFORM, leafHead } from '../quadtree/leaf.js';
@@ -33,8 +34,8 @@ export class Layout {
   readonly #fail: () => never;
 
   /**
-   * Begins a part of up to `most` half-words, of which the first `head` are left free. `commonAddresses` are those of the
-   * shapes in `common`; without them the part is a common section itself.
+   * Begins a part of up to `most` half-words, of which the first `head` are left free. `commonAddresses` are
+   * those of the shapes in `common`; without them the part is a common section itself.
    */
   constructor(own: Shapes, common: Shapes, commonAddresses: Int32Array | undefined, head: number, most: number, fail: () => never) {
     this.#own = own;
@@ -52,7 +53,10 @@ export class Layout {
     this.#begin = this.#length;
   }
 
-  /** Writes the shapes of the page, each in order of its last visit, and a zero if their number of half-words is odd. Returns its root. */
+  /**
+   * Writes the shapes of the page in post-order, and a zero if their number of half-words is odd. Returns the
+   * page's root.
+   */
   writePage(root: number): number {
     if (root < 0) return UNIFORM;
     this.writeShape(root);
@@ -66,7 +70,7 @@ export class Layout {
     return (this.#length - this.#begin) / 2;
   }
 
-  /** Returns all words. There must be as many as were allowed. */
+  /** Returns all words. Fails unless there are as many as the part should have. */
   finish(): Uint32Array<ArrayBuffer> {
     this.#pad();
     if (this.#length !== this.#most) this.#fail();
@@ -79,7 +83,7 @@ export class Layout {
     this.#put(0);
   }
 
-  /** Writes a shape, after what it leads to, unless it is in the page or in the common section. */
+  /** Writes a shape, after its children, unless it is already in the page or in the common section. */
   writeShape(shape: number): void {
     const index = shape - this.#common.length;
     if (index < 0 || this.addresses[index] >= this.#begin) return;
@@ -133,7 +137,10 @@ export class Layout {
     return 3;
   }
 
-  /** Writes what leads from the node at `node` to a shape. Returns the child's bits as 4 · high + 2 · low + kind. */
+  /**
+   * Writes the pointer from the node at `node` to a shape. Returns the child's bits as 4 · high + 2 · low +
+   * kind.
+   */
   #writePointer(node: number, shape: number, delta: number): number {
     const index = shape - this.#common.length;
     const isHere = index >= 0;
@@ -170,7 +177,7 @@ export class Layout {
     return 6;
   }
 
-  /** Makes room for so many half-words. */
+  /** Makes room for `count` half-words. */
   #reserve(count: number): void {
     this.#halves = grown(this.#halves, this.#length + count);
   }
@@ -181,7 +188,7 @@ export class Layout {
   }
 }
 
-/** Whether a difference fits so many bits in two's complement. */
+/** Whether a difference fits `bits` bits in two's complement. */
 function fits(delta: number, bits: number): boolean {
   return (delta << (32 - bits)) >> (32 - bits) === delta;
 }

@@ -48,7 +48,7 @@ export const HIT = IS_SLANTED + 4;
 export const STILL = HIT + 24 * 8;
 const BITS = STILL + 3 * 8 * 2;
 
-/** Reads numbers and depths besides bits and symbols. All that have 32 bits are given as numbers with a sign. */
+/** Reads numbers and depths in addition to bits and symbols. Numbers of 32 bits are returned with a sign. */
 export class ModelReader extends RansReader {
   /** The depths that {@link ModelReader.depth} may give. The last is the base of the parent. */
   readonly known = new Int32Array(6);
@@ -57,7 +57,7 @@ export class ModelReader extends RansReader {
     super(BITS, SYMBOLS);
   }
 
-  /** Reads a number: its length in bits, its second and third highest bit, and the rest. */
+  /** Reads a number: its length in bits, its second and third highest bit, and the remaining bits. */
   number(model: number): number {
     const length = this.symbol(model);
     if (length < 2) return length;

@@ -1,4 +1,4 @@
-// What neighbours see of a leaf. Counterpart of `crates/adumbra/src/coder/contour.rs`.
+// The outline of a leaf, which its neighbours see. Counterpart of `crates/adumbra/src/coder/contour.rs`.
 
 import { depthOf, leafHead, rankOf, rise } from '../quadtree/leaf.js';
 

@@ -1,4 +1,5 @@
-// A common section, or the pages of a bundle, from coded bytes. Counterpart of `crates/adumbra/src/coder/part.rs`.
+// A common section, or the pages of a bundle, from coded bytes. Counterpart of
+// `crates/adumbra/src/coder/part.rs`.
 
 import { NEVER } from '../quadtree/leaf.js';
 import { BUNDLE_PAGES } from '../quadtree/pages.js';
@@ -10,15 +11,15 @@ import { Walk } from './walk.js';
 const HEAD_WORDS = 3 * BUNDLE_PAGES;
 
 /**
- * Decodes the common section of a level, then its bundles. `fail` is called for bytes that no encoder wrote. Work is done
- * in steps of at most a page or a shape. Memory is proportional to what was decoded.
+ * Decodes the common section of a level, then its bundles. `fail` is called for bytes that no encoder wrote.
+ * Work is done in steps of at most a page or a shape. Memory is proportional to the decoded words.
  */
 export class PartDecoder {
   readonly #walk = new Walk();
   /** Address of each shape of the common section. */
   #addresses: Int32Array = new Int32Array(0);
 
-  /** Decodes the common section, which has so many words. */
+  /** Decodes the common section, which has `words` words. */
   *common(stored: Uint8Array, words: number, fail: () => never): Generator<void, Uint32Array<ArrayBuffer>> {
     if (stored.length === 0) return new Uint32Array(0);
     const walk = this.#walk;
@@ -38,7 +39,7 @@ export class PartDecoder {
     return layout.finish();
   }
 
-  /** Decodes a bundle, which has so many words: three of each page, then those of its pages. */
+  /** Decodes a bundle, which has `words` words: three for each page, then the words of its pages. */
   *bundle(stored: Uint8Array, words: number, fail: () => never): Generator<void, Uint32Array<ArrayBuffer>> {
     const walk = this.#walk;
     walk.begin(halvesIn(stored, fail), 2 * (words - HEAD_WORDS), fail);
@@ -69,6 +70,6 @@ export class PartDecoder {
 /** Returns bytes as half-words. */
 function halvesIn(stored: Uint8Array, fail: () => never): Uint16Array<ArrayBuffer> {
   if (stored.length % 2 !== 0) fail();
-  // The method `slice` of Node's Buffer makes no copy.
+  // Copy by the constructor: the method `slice` of Node's Buffer makes no copy.
   return new Uint16Array(new Uint8Array(stored).buffer);
 }

@@ -1,8 +1,9 @@
-// Range asymmetric numeral systems with two states that take turns, and adaptive probabilities. Counterpart of
-// `crates/adumbra/src/coder/rans.rs`, which has the sources.
+// Range asymmetric numeral systems with two states that take turns, and adaptive probabilities. Counterpart
+// of `crates/adumbra/src/coder/rans.rs`, which has the sources.
 //
-// A state has 32 bits. Its lowest bits select a symbol by the interval that they are in. The state then becomes
-// frequency · (state >> scale) + low bits − start of the interval. If it is below 2^16, the next half-word is appended.
+// A state has 32 bits. Its lowest bits select a symbol by the interval that they are in. The state then
+// becomes frequency · (state >> scale) + low bits − start of the interval. If it is below 2^16, the next
+// half-word is appended.
 
 /** Logarithm of the sum of a bit's two frequencies, and mask of a number below that sum. */
 const BIT_SCALE = 12;
@@ -10,19 +11,28 @@ const BIT_MASK = 2 ** BIT_SCALE - 1;
 /** The same for symbols. */
 const SYMBOL_SCALE = 15;
 const SYMBOL_MASK = 2 ** SYMBOL_SCALE - 1;
-/** Shift by which the probability of a bit moves towards what was read. */
+/** Shift by which the probability of a bit moves towards the bit that was read. */
 const BIT_SHIFT = 4;
-/** Largest ratio of the bytes of a part's shapes to its coded bytes. Zeros follow those of a part that has more. */
+/**
+ * Largest ratio of the bytes of a part's shapes to its coded bytes. If a part would exceed it, zeros are
+ * appended to the coded bytes.
+ */
 export const LARGEST_RATIO = 16;
 /** Both states are this at the end. */
 const LAST_STATE = 2 ** 16;
 /** 2^15 in both halves of a word. */
 const HALVES = 0x80008000;
 
-/** Shifts by which intervals move towards what was read, by the number of symbols before, at most 31. */
+/**
+ * Shifts by which intervals move towards the symbol that was read, by the number of earlier symbols, at most
+ * 31.
+ */
 const SHIFTS = /* @__PURE__ */ Uint8Array.from({ length: 32 }, (_, count) => (count < 2 ? 2 : count < 6 ? 3 : count < 31 ? 4 : 5));
 
-/** The starts that are approached if one symbol alone is read, 8 words by that symbol. Each is 2^15 more. */
+/**
+ * The starts that are approached if only one symbol is read: 8 words for each such symbol. Each start has an
+ * offset of 2^15.
+ */
 const TARGETS = /* @__PURE__ */ makeTargets();
 
 function makeTargets(): Int32Array {
@@ -36,15 +46,15 @@ function makeTargets(): Int32Array {
 }
 
 /**
- * Reads bits and symbols, each with a probability of its own, which is named by a number. Past the end of the half-words it
- * reads zeros.
+ * Reads bits and symbols. A number, the model, selects the probabilities of each. Past the end of the
+ * half-words it reads zeros.
  */
 export class RansReader {
   /** Probability that a bit is 1, in 65536ths. */
   readonly #bits: Uint16Array;
   /** Where the interval of each of sixteen symbols begins, two in a word. */
   readonly #starts: Int32Array;
-  /** The same, one by one. */
+  /** The same starts as half-words. */
   readonly #start: Uint16Array;
   /** Number of symbols that were read, at most 31. */
   readonly #counts: Uint8Array;
@@ -53,7 +63,7 @@ export class RansReader {
   #halves = new Uint16Array(0);
   #at = 0;
 
-  /** Creates a reader for so many probabilities of bits and of symbols. */
+  /** Creates a reader for `bits` models of bits and `symbols` models of symbols. */
   constructor(bits: number, symbols: number) {
     this.#bits = new Uint16Array(bits);
     // One more, since the end of an interval is the start of the next one.
@@ -69,7 +79,7 @@ export class RansReader {
     for (let symbol = 0; symbol < 16; symbol++) this.#start[symbol] = symbol << (SYMBOL_SCALE - 4);
     for (let done = 8; done < this.#starts.length; done *= 2) this.#starts.copyWithin(done, 0, done);
     this.#halves = halves;
-    // What is not there counts as 0.
+    // Missing half-words count as 0.
     this.#states[0] = halves[0] | (halves[1] << 16);
     this.#states[1] = halves[2] | (halves[3] << 16);
     this.#at = 4;
@@ -80,7 +90,10 @@ export class RansReader {
     return this.#at > this.#halves.length;
   }
 
-  /** Whether what was read so far is all that was written of shapes of so many words, but for zeros. */
+  /**
+   * Whether everything has been read, except for zeros that were appended because the shapes have `words`
+   * words.
+   */
   isAtEnd(words: number): boolean {
     const halves = this.#halves;
     return (
@@ -90,7 +103,9 @@ export class RansReader {
     );
   }
 
-  /** Sets the state of the step that ends. Without branches on the state, which would often be mispredicted. */
+  /**
+   * Sets the state at the end of a step. It has no branches on the state, which would often be mispredicted.
+   */
   #advance(state: number): void {
     const at = this.#at;
     const half = at < this.#halves.length ? this.#halves[at] : 0;
@@ -140,12 +155,12 @@ export class RansReader {
     const count = this.#counts[model];
     this.#counts[model] = count + ((count - 31) >>> 31);
     const shift = SHIFTS[count];
-    // Differences are 2^15 more than they are, so that none is negative. Shifted, they are `least` more.
+    // Differences have an offset of 2^15, so that none is negative. After the shift, the offset is `least`.
     const mask = (0xffff >>> shift) * 0x10001;
     const least = (HALVES >>> shift) & mask;
     const first = 8 * model;
     const target = 8 * symbol;
-    // Written out, as this is where most of the time goes.
+    // Unrolled, because most of the time is spent here.
     const a = starts[first];
     const b = starts[first + 1];
     const c = starts[first + 2];
@@ -164,7 +179,7 @@ export class RansReader {
     starts[first + 7] = h + (((TARGETS[target + 7] - h) >>> shift) & mask) - least;
   }
 
-  /** Reads a number of `count` bits, all of which are equally likely, as one with a sign. */
+  /** Reads a number of `count` bits, all of which are equally likely. It is returned with a sign. */
   plain(count: number): number {
     let number = 0;
     for (let left = count; left > 0; left -= 16) {

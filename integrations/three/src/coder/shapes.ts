@@ -1,5 +1,5 @@
-// Shapes as a list. Those of the common section come first, in the order in which they are stored, then those of a bundle.
-// Counterpart of `crates/adumbra/src/coder/shapes.rs`.
+// Shapes as a list. Those of the common section come first, in the order in which they are stored, then those
+// of a bundle. Counterpart of `crates/adumbra/src/coder/shapes.rs`.
 
 import { LEAF_LEVEL } from '../quadtree/quadtree.js';
 import { grown } from './growing.js';
@@ -14,17 +14,20 @@ export const LEVELS = 4;
 export const NODE = 32;
 
 /**
- * A list of shapes. Each comes after those that it leads to. It takes memory in proportion to the half-words of its shapes,
- * whatever they are: a child is listed if it takes a half-word at least.
+ * A list of shapes. Each comes after its children. Memory is proportional to the half-words of the shapes,
+ * because a child is listed only if it takes at least one half-word.
  */
 export class Shapes {
   /** Number of shapes. */
   length = 0;
   /**
-   * Three numbers of each shape. The rank: (level − 3) / 2. Where a leaf's half-words begin, or a node's listed children. The head:
+   * Three numbers for each shape. The rank: (level − 3) / 2. The index at which a leaf's half-words, or a
+   * node's listed children, begin. The head:
    *
-   * - of a leaf, bits 2..0: class of row 7, bits 5..3: that of column 7, bits 8..6: kind, from bit 9 on: gradient;
-   * - of a node, bits 15..0: the children that are listed, bits 31..16: those that never switch. The others switch at the base.
+   * - of a leaf, bits 2..0: class of row 7, bits 5..3: that of column 7, bits 8..6: kind, from bit 9 on:
+   *   gradient;
+   * - of a node, bits 15..0: the children that are listed, bits 31..16: those that never switch. The others
+   *   switch at the base.
    */
   entries = new Int32Array(3 * 64);
   /** Half-words of all leaves. */
@@ -45,7 +48,9 @@ export class Shapes {
     this.counts.fill(0);
   }
 
-  /** Makes room for the half-words of one more leaf, which are to be put behind the others before {@link Shapes.pushLeaf}. */
+  /**
+   * Makes room for the half-words of one more leaf. Append them to the others before {@link Shapes.pushLeaf}.
+   */
   reserveLeaf(): void {
     /** Largest number of half-words of a leaf. */
     const MOST_HALVES = 152;

@@ -1,8 +1,8 @@
-// The order in which shapes are decoded, and what is inside a leaf. Counterpart of `walk.rs` and `leaf.rs` in
-// `crates/adumbra/src/coder/`.
+// The order in which shapes are decoded, and the contents of leaves. Counterpart of `walk.rs` and `leaf.rs`
+// in `crates/adumbra/src/coder/`.
 //
-// Pages come in order, each from its root down. A shape is decoded where it is first led to, and is a reference elsewhere.
-// A common section is decoded shape by shape, in the order in which they are stored.
+// Pages come in order, each from its root down. A shape is decoded at its first use; later uses are
+// references. A common section is decoded shape by shape, in the order in which they are stored.
 
 import { BUNDLE_SIDE, PAGE_LEVEL } from '../quadtree/pages.js';
 import { LEAF_LEVEL, NODE_LEVELS } from '../quadtree/quadtree.js';
@@ -56,13 +56,13 @@ export class Walk {
   common = new Shapes();
   /** Shapes of the part. */
   own = new Shapes();
-  /** What reads the part. */
+  /** The reader of the part. */
   readonly reader = new ModelReader();
   readonly #edges = new Edges();
   readonly #leaf = new Leaf();
   readonly #recent = new Int32Array(LEVELS * RECENT);
   readonly #recentSlants = new Int32Array(RECENT_SLANTS);
-  /** Children of the nodes that are being decoded, by rank; last is a root. */
+  /** Children of the nodes that are being decoded, by rank; the last entry is a root. */
   readonly #children = new Int32Array(LEVELS * NODE + 2);
   #lists: readonly [common: Shapes, own: Shapes] = [this.common, this.own];
   #halvesLeft = 0;
@@ -187,7 +187,7 @@ export class Walk {
     const children = this.#children;
     for (let c = 0, at = place; c < 16; c++, at += 2) {
       this.#child(below, x + ((c & 3) << below), y + ((c >> 2) << below), base, at);
-      // A child that is listed has a half-word at least.
+      // A child that is listed has at least one half-word.
       if (children[at] >= 0 || children[at + 1] !== 0) this.#spend(1);
     }
     return this.own.pushNode(level, children, place, this.common.length);
@@ -265,11 +265,11 @@ export class Walk {
     leaf.last = last;
     leaf.never = (flags & 1) === 1;
     leaf.slant = flags >= 2 ? this.#slant(slantOfFacing(above), slantOfFacing(left)) : 0;
-    // A single depth without a gradient is no leaf.
+    // A leaf with a single depth must have a gradient.
     if (last === 0 && leaf.slant === 0) this.#fail();
   }
 
-  /** Decodes a gradient. That above and that to the left may be 0. */
+  /** Decodes a gradient. `above` and `left` are the gradients of the neighbours, or 0. */
   #slant(above: number, left: number): number {
     const { reader } = this;
     const recent = this.#recentSlants;
@@ -295,7 +295,7 @@ export class Walk {
     const kind = 2 * Math.min(last - 1, 3) + (slant !== 0 ? 1 : 0);
     let depth = base;
     for (let i = 0; i < stored; i++) {
-      // Distance to the next facing depth, less 1.
+      // Distance to the next facing depth, minus 1.
       let next = 0xffffffff;
       for (let cell = 0; cell < 16; cell++) {
         const distance = (cells[cell] - depth - 1) >>> 0;
@@ -313,7 +313,7 @@ export class Walk {
   }
 }
 
-/** Returns what is common to the facings of the blocks along a square of a level. */
+/** Returns the facing that summarises the blocks along a square of a level. */
 function summary(facings: Int32Array, first: number, level: number): number {
   let all = facings[first];
   for (let i = first + (1 << (level - LEAF_LEVEL)) - 1; i > first; i--) {
@@ -324,7 +324,7 @@ function summary(facings: Int32Array, first: number, level: number): number {
   return all;
 }
 
-/** Returns what a leaf's head depends on of a block that faces it. */
+/** Returns the part of a facing that a leaf's head depends on. */
 function look(facing: number): number {
   const kind = kindOfFacing(facing);
   if (kind === 0) return (classOfFacing(facing) === NEVER_CLASS ? 1 : 0);

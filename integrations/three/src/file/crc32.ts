@@ -1,5 +1,5 @@
-// CRC-32 of IEEE 802.3, as in gzip and PNG. Four bytes are taken at a time with four tables. Source: Kounavis and Berry,
-// "A Systematic Approach to Building High Performance Software-based CRC Generators", 2005.
+// CRC-32 of IEEE 802.3, as in gzip and PNG. Four bytes are taken at a time with four tables. Source: Kounavis
+// and Berry, "A Systematic Approach to Building High Performance Software-based CRC Generators", 2005.
 
 /** Entry 256 · s + b: the remainder of byte b, followed by s zero bytes. */
 const TABLES = /* @__PURE__ */ makeTables();

@@ -1,8 +1,9 @@
-// The directory: an entry per level of detail, with the placement of its voxels in the world and the places of its parts in
-// the file. Each check is written so that a NaN anywhere fails. Counterpart of `crates/adumbra/src/file/directory.rs`.
+// The directory: an entry per level of detail, with the placement of its voxels in the world and the places
+// of its parts in the file. Each check is written so that a NaN anywhere fails. Counterpart of
+// `crates/adumbra/src/file/directory.rs`.
 //
-// Offsets and lengths have 64 bits and come from outside. Above 2^53 they are rounded here, but no file is that long: such
-// a part has another place than it must have, or is cut off.
+// Offsets and lengths have 64 bits and are not trusted. Above 2^53 they are rounded here. No file is that
+// long, so such a part is refused: it is not at its place, or it is truncated.
 
 import { LARGEST_RATIO } from '../coder/rans.js';
 import { ShadowFileError } from '../error.js';
@@ -31,7 +32,7 @@ export interface Section {
   readonly offset: number;
   /** Its length, bytes. */
   readonly length: number;
-  /** CRC-32 of its bytes; of the bundles 0, because each has its own. */
+  /** CRC-32 of its bytes; 0 for the bundles, because each bundle has a checksum. */
   readonly checksum: number;
 }
 
@@ -120,8 +121,8 @@ function checkGrids(entries: readonly GridEntry[]): void {
 }
 
 /**
- * Checks that every part begins where the parts before it end, that common sections can have the length of their words,
- * and that the file ends with the last part.
+ * Checks that every part begins where the parts before it end, that common sections can have the length of
+ * their words, and that the file ends with the last part.
  */
 function checkPlaces(entries: readonly GridEntry[], fileBytes: number, isCoded: boolean): void {
   const tableBytes = new Map(
@@ -161,7 +162,7 @@ function boundsError({ name }: Section, field: string, value: number, expected: 
   );
 }
 
-/** Whether two numbers that follow from unit vectors are the same. */
+/** Whether two numbers that follow from unit vectors are equal within rounding. */
 function isNear(value: number, wanted: number): boolean {
   return Math.abs(value - wanted) <= UNIT_TOLERANCE;
 }
@@ -180,6 +181,6 @@ function isAlongLight({ axes, sun }: LightGrid): boolean {
 
 function isUpright({ axes, sun, yawRadians }: LightGrid): boolean {
   const expected = obliqueAxes(sun, yawRadians).flat();
-  // Under a low sun the shear is large.
+  // Scale the tolerance, because the shear is large under a low sun.
   return axes.flat().every((c, i) => Math.abs(c - expected[i]) <= UNIT_TOLERANCE * (1 + Math.abs(expected[i])));
 }

@@ -19,7 +19,10 @@ export function check(isGood: boolean, name: string, value: number | Vec3 | stri
   });
 }
 
-/** Returns the error for a file that begins as no file of its kind does: it is of another kind, or comes from a server that lacks it. */
+/**
+ * Returns the error for a file with an unknown beginning: it is of another kind, or the server sent something
+ * else for a missing file.
+ */
 export function foreign(kind: string, start: string, magic: string, command: string): ShadowFileError {
   const isPage = /^\s*<(?:!doc|html)/i.test(start);
   const instead = isPage

@@ -1,4 +1,4 @@
-// What a file begins with behind its header: the directory of levels, and their tables.
+// The beginning of a file after its header: the directory of levels, and their tables.
 
 import { parseDirectory } from './directory.js';
 import type { GridEntry } from './directory.js';

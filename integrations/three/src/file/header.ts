@@ -1,6 +1,6 @@
-// The first 256 bytes of a file: what holds for all of its levels. `spec/adumbra-file.md`, "Header", has the words; the
-// checks are in its order, so that every reader names the same fault. Counterpart of `crates/adumbra/src/file/header.rs`
-// and `fields.rs`.
+// The first 256 bytes of a file: the fields for all of its levels. `spec/adumbra-file.md`, "Header",
+// describes the words; the checks are in its order, so that every reader names the same fault. Counterpart of
+// `crates/adumbra/src/file/header.rs` and `fields.rs`.
 
 import { ShadowFileError, hex } from '../error.js';
 import type { Bounds } from '../grid/light-grid.js';
@@ -30,8 +30,8 @@ export interface ShadowFileHeader {
 }
 
 /**
- * Reads and checks the header at the start of `bytes`, which may go on behind it. The first 256 bytes of a file are
- * enough.
+ * Reads and checks the header at the start of `bytes`. More bytes may follow. The first 256 bytes of a file
+ * are enough.
  *
  * @throws ShadowFileError of the kind `Magic`, `OtherKind`, `FutureVersion`, `Truncated`, `HeaderChecksum` or
  * `HeaderField`.
@@ -91,7 +91,7 @@ export function parseHeader(bytes: Uint8Array): ShadowFileHeader {
   return { version: LATEST_VERSION, settings, isCoded: encoding === 1, levelCount, directoryChecksum: fields.u32(33), fileBytes };
 }
 
-/** Returns the region that the file is of, or `null` if it is of a whole world. */
+/** Returns the region that the file covers, or `null` if it covers a whole world. */
 function regionOf(fields: Fields): FileSettings['region'] {
   const [texels, x, y] = fields.u32s(36);
   if (fields.isZero(36, 39)) return null;
@@ -100,7 +100,7 @@ function regionOf(fields: Fields): FileSettings['region'] {
   return { x: x | 0, y: y | 0, texels };
 }
 
-/** Returns the offset at which the directory of so many levels ends. */
+/** Returns the offset at which the directory of `levelCount` levels ends. */
 export function directoryEndOf(levelCount: number): number {
   return HEADER_BYTES + GRID_BYTES * levelCount;
 }

@@ -1,5 +1,5 @@
-// Reading of a level of detail: its common section and bundles become the words that look-ups read. Counterpart of
-// `crates/adumbra/src/file/read.rs`.
+// Reading of a level of detail: its common section and bundles become the words that look-ups read.
+// Counterpart of `crates/adumbra/src/file/read.rs`.
 
 import { NEVER, UNIFORM } from '../quadtree/leaf.js';
 import { BUNDLE_PAGES, BUNDLE_SIDE, PAGE_LEVEL, blockDims, bundleDims, bundleOrder, isUniform } from '../quadtree/pages.js';
@@ -27,8 +27,8 @@ interface Bundle {
 const OUTSIDE = -1;
 
 /**
- * Reads a level of a file that has all of its parts. Where `isVerified` is false, neither the checksums of its common
- * section and bundles are checked nor their shapes.
+ * Reads a level of a file that has all of its parts. If `isVerified` is false, the checksums and shapes of
+ * its common section and bundles are not checked.
  */
 export function* readLevel(
   bytes: Uint8Array,
@@ -84,7 +84,7 @@ export function* readLevel(
     all.push(bundle);
     yield;
   }
-  // Checking takes as much memory as they do.
+  // Free both first: checking takes as much memory as they do.
   unpacker = undefined;
   unpacked.length = 0;
   if (isVerified) {
@@ -96,8 +96,8 @@ export function* readLevel(
 }
 
 /**
- * Checks what no look-up depends on: that pages outside the grid are as writers write them, that the stored range is the
- * pages' own, and that nothing is stored where one depth suffices.
+ * Checks properties that no look-up depends on: that pages outside the grid are as writers write them, that
+ * the stored range is the pages' own, and that no bytes are stored if one depth suffices.
  */
 function checkPages({ entry: { name, storedBytes, range }, pages, numbers }: Bundle, ranges: readonly DepthRange[]): void {
   if (storedBytes === 0) return;
@@ -106,7 +106,7 @@ function checkPages({ entry: { name, storedBytes, range }, pages, numbers }: Bun
     checkBundle(page.root !== UNIFORM || page.words === 0, name, 'words in a uniform page', 'none');
   });
   const inside = numbers.filter((number) => number !== OUTSIDE);
-  // The first page of a bundle is inside.
+  // The first page of a bundle is inside the grid.
   const isOneDepth = pages.every((page, slot) => numbers[slot] === OUTSIDE || isUniform(page, pages[0].base));
   checkBundle(!isOneDepth, name, 'bytes although all columns switch at one depth', 'none');
   const isOwn = rangeOf(inside.map((number) => ranges[number])).join() === range.join();

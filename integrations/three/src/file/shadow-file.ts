@@ -1,5 +1,5 @@
-// The `.adumbra` file: parses its bytes into the placement, the settings and the words of its voxels. The format is in
-// `spec/adumbra-file.md`. Counterpart of `crates/adumbra/src/file/mod.rs` and `read.rs`.
+// The `.adumbra` file: parses its bytes into the placement, the settings and the words of its voxels. The
+// format is in `spec/adumbra-file.md`. Counterpart of `crates/adumbra/src/file/mod.rs` and `read.rs`.
 
 import type { LightGrid } from '../grid/light-grid.js';
 import type { Dims } from '../quadtree/pages.js';
@@ -14,25 +14,27 @@ import { checkMemory } from './memory.js';
 import { run, runInSlices } from './steps.js';
 import type { Steps } from './steps.js';
 
-/** What is checked when a file is read. */
+/** How a file is checked when it is read. */
 export interface ParseOptions {
   /**
-   * `true`, the default: everything that the specification demands, so that no bytes but those of a valid file are taken.
-   * `'header'`: header, directory and tables with their checksums, the length of the file and the places of its parts. For
-   * files that you trust: one that is damaged elsewhere is refused or gives wrong answers, but every look-up still ends.
+   * `true`, the default: everything that the specification demands, so that only valid files are accepted.
+   * `'header'`: header, directory and tables with their checksums, the length of the file and the places of
+   * its parts. Use it for files that you trust: a file that is damaged elsewhere is refused or gives wrong
+   * answers, but every look-up still ends.
    */
   readonly verify?: true | 'header';
   /**
-   * Most bytes of memory that a file may take while it is parsed, its own with them; no limit by default. For files from
-   * others: a file of a few megabytes is often five times as large in memory, and a forged one can be 600 times as large.
-   * Header, directory and tables say how large it can be, so one that is too large is refused before it is decoded.
+   * The most bytes of memory that a file may take while it is parsed, including the file itself; no limit by
+   * default. Set it for files from others: a file of a few megabytes is often five times as large in memory,
+   * and a forged one can be 600 times as large. Header, directory and tables say how large a file can be, so
+   * a file that is too large is refused before it is decoded.
    */
   readonly limitBytes?: number;
 }
 
 /**
- * The contents of a `.adumbra` file. Look-ups use its finest level of detail; {@link BakedShadowFile.level} gives the
- * others. It keeps nothing of the bytes that it was made from.
+ * The contents of a `.adumbra` file. Look-ups use its finest level of detail; {@link BakedShadowFile.level}
+ * gives the others. It does not keep the bytes that it was made from.
  */
 export class BakedShadowFile implements Quadtree {
   /** Version of the format. */
@@ -64,8 +66,8 @@ export class BakedShadowFile implements Quadtree {
   }
 
   /**
-   * Parses and checks a whole file as the constructor does, in slices of some ten milliseconds, so that the page goes on
-   * meanwhile. The bytes must not change until then.
+   * Parses and checks a whole file as the constructor does, in slices of about ten milliseconds, so that the
+   * page stays responsive. The bytes must not change before the promise settles.
    *
    * @throws ShadowFileError if `bytes` are not exactly one valid file.
    * @throws the reason of `signal`, once it aborts.
@@ -80,15 +82,15 @@ export class BakedShadowFile implements Quadtree {
   }
 
   /**
-   * Returns a level as a file of its own, with the levels coarser than it; `undefined` if there is no such level. Level 0 is
-   * the file itself, the finest.
+   * Returns a level as a separate file, with the levels coarser than it; `undefined` if there is no such
+   * level. Level 0 is the file itself, the finest.
    */
   level(level: number): BakedShadowFile | undefined {
     return level === 0 ? this : this.coarser[level - 1];
   }
 }
 
-/** What a file and its coarser levels are made of. */
+/** The contents of a file and its coarser levels. */
 interface Contents {
   readonly version: number;
   readonly byteLength: number;

@@ -11,8 +11,8 @@ export function run<T>(steps: Steps<T>): T {
 }
 
 /**
- * Does steps in slices of about ten milliseconds, and lets the event loop go on before each. The promise rejects with the
- * reason of `signal`, once it aborts. `now` returns the time in milliseconds.
+ * Does steps in slices of about ten milliseconds, and lets the event loop go on before each. The promise
+ * rejects with the reason of `signal`, once it aborts. `now` returns the time in milliseconds.
  */
 export async function runInSlices<T>(steps: Steps<T>, signal?: AbortSignal, now: () => number = () => performance.now()): Promise<T> {
   /** Milliseconds of a slice. */
@@ -28,7 +28,10 @@ export async function runInSlices<T>(steps: Steps<T>, signal?: AbortSignal, now:
   }
 }
 
-/** Waits until the event loop has gone on. Unlike timers, messages are not slowed down where the page is in the background. */
+/**
+ * Waits for another task of the event loop. Unlike timers, messages are not throttled in a page in the
+ * background.
+ */
 function nextTask(): Promise<void> {
   return new Promise((resolve) => {
     const { port1, port2 } = new MessageChannel();

@@ -1,4 +1,4 @@
-// The table of a level, with an entry per bundle, and what is stored as words. Counterpart of
+// The table of a level, with an entry per bundle, and the conversion of stored bytes to words. Counterpart of
 // `crates/adumbra/src/file/table.rs` and `common.rs`.
 
 import { PartDecoder } from '../coder/part.js';
@@ -30,7 +30,7 @@ export interface BundleEntry {
   readonly range: DepthRange;
 }
 
-/** Whether a coded part of so many bytes may have shapes of so many raw bytes. */
+/** Whether a coded part of `storedBytes` bytes may have shapes of `shapesBytes` raw bytes. */
 export function isPlausible(storedBytes: number, shapesBytes: number): boolean {
   return shapesBytes % 4 === 0 && shapesBytes <= LARGEST_RATIO * storedBytes;
 }
@@ -76,7 +76,7 @@ export interface Unpacker {
   bundle(stored: Uint8Array, entry: BundleEntry): Steps<Uint32Array>;
 }
 
-/** Returns what unpacks a level whose parts are stored as they are. */
+/** Returns the unpacker of a level whose parts are stored without coding. */
 export function rawUnpacker(): Unpacker {
   return {
     *common(stored, _, name) {
@@ -89,7 +89,7 @@ export function rawUnpacker(): Unpacker {
   };
 }
 
-/** Returns what unpacks a level whose parts are coded. */
+/** Returns the unpacker of a level whose parts are coded. */
 export function codedUnpacker(): Unpacker {
   const decoder = new PartDecoder();
   const failOf = (name: string) => (): never => {
@@ -118,6 +118,6 @@ export function* unpackBundle(unpacker: Unpacker, stored: Uint8Array, entry: Bun
 
 /** Returns bytes as words. They are copied, since they may begin anywhere in their buffer. */
 function wordsOf(bytes: Uint8Array): Uint32Array {
-  // The method `slice` of Node's Buffer makes no copy.
+  // Copy by the constructor: the method `slice` of Node's Buffer makes no copy.
   return new Uint32Array(new Uint8Array(bytes).buffer);
 }

@@ -1,7 +1,7 @@
 // adumbra-three/gltf: lights of glTF files that name their shadow file.
 //
-// A directional light of KHR_lights_punctual may have `extras: {"adumbra": {"shadow": "city.adumbra", "filter": 5}}`. The
-// path is relative to the glTF file. `adumbra bake --link-in city.glb` writes it.
+// A directional light of KHR_lights_punctual may have `extras: {"adumbra": {"shadow": "city.adumbra",
+// "filter": 5}}`. The path is relative to the glTF file. `adumbra bake --link-in city.glb` writes it.
 
 import { LoaderUtils, PropertyBinding } from 'three';
 import type { DirectionalLight, Object3D } from 'three';
@@ -13,7 +13,7 @@ import { ShadowFileLoader } from '../loader.js';
 import { FILTER_WIDTHS } from '../settings.js';
 import type { FilterWidth } from '../settings.js';
 
-/** What a light of a glTF file says about its shadow. */
+/** The shadow that a light of a glTF file names. */
 export interface NamedShadow {
   /** The light. */
   readonly light: SunLike;
@@ -26,23 +26,24 @@ export interface NamedShadow {
 }
 
 /**
- * A plugin of `GLTFLoader`: `loader.register((parser) => new GLTFBakedShadow(parser, attach))`. `attach` is called for
- * each light that names a file, before the loader's promise resolves. With WebGPURenderer it is
- * `({ light, ...options }) => { light.shadow.shadowNode = new BakedShadowNode(light, options); light.castShadow = true; }`.
+ * A plugin of `GLTFLoader`: `loader.register((parser) => new GLTFBakedShadow(parser, attach))`. `attach` is
+ * called for each light that names a file, before the loader's promise resolves. With WebGPURenderer it is
+ * `({ light, ...options }) => { light.shadow.shadowNode = new BakedShadowNode(light, options);
+ * light.castShadow = true; }`.
  *
- * Without its file, a light is as the glTF file has it, and `onError` gets the reason. What the file's animations move gets
- * `userData.adumbra.cast`, for it is in no bake.
+ * If its shadow file cannot be loaded, a light is as the glTF file has it, and `onError` gets the reason.
+ * Objects that the glTF file's animations move get `userData.adumbra.cast`, because they are in no bake.
  */
 export class GLTFBakedShadow implements GLTFLoaderPlugin {
-  /** For three: the name of what is read. */
+  /** For three: the name of the plugin. */
   readonly name = 'ADUMBRA_extras';
   readonly #parser: GLTFParser;
   readonly #attach: (shadow: NamedShadow) => void;
   readonly #onError: (error: unknown, light: SunLike) => void;
 
   /**
-   * Creates the plugin of one load. `onError` is called with the `ShadowFileError` of a file that cannot be loaded, and prints it by
-   * default; if it throws, the load of the glTF file is rejected with what it throws.
+   * Creates the plugin of one load. `onError` is called with the `ShadowFileError` of a file that cannot be
+   * loaded, and prints it by default; if it throws, the load of the glTF file is rejected with that error.
    */
   constructor(parser: GLTFParser, attach: (shadow: NamedShadow) => void, onError: (error: unknown, light: SunLike) => void = console.error) {
     this.#parser = parser;
@@ -55,7 +56,7 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
     const { manager, path, requestHeader, crossOrigin, withCredentials } = this.#parser.options as Options;
     const loader = new ShadowFileLoader(manager);
     loader.setRequestHeader(requestHeader);
-    // As the glTF loader does for its own files.
+    // Do the same as the glTF loader does for its own files.
     loader.setWithCredentials(withCredentials === true || crossOrigin === 'use-credentials');
     markMovers(gltf);
     const lights: [SunLike, Extras][] = [];
@@ -83,7 +84,7 @@ export class GLTFBakedShadow implements GLTFLoaderPlugin {
   }
 }
 
-/** Marks what the animations of a glTF file move. It is in no bake, and casts in real time. */
+/** Marks the objects that the animations of a glTF file move. They are in no bake, and cast in real time. */
 function markMovers({ animations, scenes }: GLTF): void {
   for (const { name } of animations.flatMap(({ tracks }) => tracks)) {
     const { nodeName } = PropertyBinding.parseTrackName(name) as { nodeName?: string };

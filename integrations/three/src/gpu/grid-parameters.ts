@@ -1,5 +1,5 @@
-// The world-to-grid transform for shaders: a grid and an anchor as 32-bit numbers. `spec/look-up-texture.md`, "Parameter
-// block", has the words. Counterpart of `crates/adumbra/src/gpu/grid.rs`.
+// The world-to-grid transform for shaders: a grid and an anchor as 32-bit numbers. `spec/look-up-texture.md`,
+// "Parameter block", has the words. Counterpart of `crates/adumbra/src/gpu/grid.rs`.
 
 import { ShadowFileError } from '../error.js';
 import { FIXED_ONE, MAX_FIXED_SIDE } from '../grid/fixed.js';
@@ -17,7 +17,8 @@ export interface WordViews {
 }
 
 /**
- * Writes words 0 to 67 of the parameter block, the transform from positions relative to `anchorWorld` to the grid.
+ * Writes words 0 to 67 of the parameter block, the transform from positions relative to `anchorWorld` to the
+ * grid.
  *
  * @throws ShadowFileError of the kind `TooLarge` if a side of the grid has more voxels than fit the arithmetic of
  * shaders.

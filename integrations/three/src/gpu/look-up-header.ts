@@ -1,5 +1,5 @@
-// The header of a look-up texture: the parameters of look-ups in a file. `spec/look-up-texture.md` describes it.
-// Counterpart of `crates/adumbra/src/gpu/parameters.rs`.
+// The header of a look-up texture: the parameters of look-ups in a file. `spec/look-up-texture.md` describes
+// it. Counterpart of `crates/adumbra/src/gpu/parameters.rs`.
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { circleAcrossLight, coneTexelsPerVoxel, middle } from '../grid/light-grid.js';
@@ -21,7 +21,7 @@ export const PARAMETERS_AT = 16;
 export interface Penumbra {
   /** Full angle of the sun, degrees, 0.01 to 20. */
   readonly sunDegrees: number;
-  /** Largest radius of a penumbra, texels, 1 to 64; in the oblique frame its short one. */
+  /** Largest radius of a penumbra, texels, 1 to 64; in the oblique frame the shorter radius. */
   readonly maxRadiusTexels: number;
 }
 
@@ -31,7 +31,7 @@ export interface GpuLookUpOptions extends LookUpOptions {
   readonly penumbra?: Penumbra;
 }
 
-/** The header of a file. Its words change with the settings of look-ups, and with nothing else. */
+/** The header of a file. Its words change only with the settings of look-ups. */
 export interface LookUpHeader {
   /** The 128 words. */
   readonly words: Uint32Array<ArrayBuffer>;
@@ -41,7 +41,7 @@ export interface LookUpHeader {
   readonly count: number;
   /** World position that positions in the shader are relative to; each coordinate is a 32-bit floating-point number. */
   readonly anchorWorld: Vec3;
-  /** Where the app has the file's world. */
+  /** Where the app has placed the file's world. */
   readonly placement: WorldFromFile | undefined;
   /**
    * Changes filter, bias and penumbrae of look-ups, and the placement with the anchor.
@@ -51,12 +51,12 @@ export interface LookUpHeader {
   setLookUp(options: GpuLookUpOptions): void;
 }
 
-/** What a header needs of a file, or of a level of one. */
+/** The parts of a file, or of one of its levels, that a header needs. */
 export type LookedUpFile = Pick<BakedShadowFile, 'grid' | 'settings' | 'top' | 'code' | 'topDims' | 'rootLevel'>;
 
 /**
- * Creates the header in the first 128 words of `all`. Positions in the shader are relative to the middle of the grid `middleOf`,
- * the file's own by default.
+ * Creates the header in the first 128 words of `all`. Positions in the shader are relative to the middle of
+ * the grid `middleOf`, the file's own by default.
  *
  * @throws ShadowFileError of the kind `TooLarge` if the file's grid is too large for GPUs.
  * @throws RangeError if an option is out of its range.

@@ -11,8 +11,8 @@ import type { GpuLookUpOptions, LookUpHeader } from './look-up-header.js';
 /**
  * A file as a texture, with the parameters of look-ups in its header.
  *
- * Positions in the shader are relative to `anchorWorld`, so nothing has to be uploaded per frame. If filter, bias or
- * penumbrae change, only the header does.
+ * Positions in the shader are relative to `anchorWorld`, so nothing has to be uploaded per frame. If filter,
+ * bias or penumbrae change, only the header does.
  */
 export class LookUpTexture {
   /** Texels per row, a power of two, at least 128. */
@@ -24,8 +24,8 @@ export class LookUpTexture {
   readonly #header: LookUpHeader;
 
   /**
-   * Creates a texture of at most `maxSide` texels along each side, as square as a power of two allows. Cost: one copy of
-   * the file's words.
+   * Creates a texture of at most `maxSide` texels along each side, as square as a power of two allows. Cost:
+   * one copy of the file's words.
    *
    * @throws ShadowFileError of the kind `TooLarge` if the file needs more texels, or if its grid is too large for GPUs.
    * @throws RangeError if an option is out of its range.
@@ -67,7 +67,8 @@ export function writeWords({ parts }: LookUpHeader, words: Uint32Array, from: nu
 }
 
 /**
- * Returns width and height of the texture with the least area, and among equals the widest, whose width is a power of two.
+ * Returns width and height of the texture with the least area, and among equals the widest, whose width is a
+ * power of two.
  *
  * @throws ShadowFileError of the kind `TooLarge` if a side would be longer than `maxSide`.
  */

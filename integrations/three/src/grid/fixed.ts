@@ -1,5 +1,5 @@
-// Fixed-point grid positions, in which the CPU and shaders agree on every tap. `spec/adumbra-file.md`, "Look-up bias and
-// filters".
+// Fixed-point grid positions, in which the CPU and shaders agree on every tap. `spec/adumbra-file.md`,
+// "Look-up bias and filters".
 
 /** Units of a fixed-point grid position per voxel. */
 export const FIXED_ONE = 4096;

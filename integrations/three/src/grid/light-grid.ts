@@ -1,5 +1,5 @@
-// The grid of a file and its mapping to and from world space. Counterpart of `crates/adumbra/src/grid/light_grid.rs` and
-// `frame.rs`; `spec/adumbra-file.md` has the formulas.
+// The grid of a file and its mapping to and from world space. Counterpart of
+// `crates/adumbra/src/grid/light_grid.rs` and `frame.rs`; `spec/adumbra-file.md` has the formulas.
 
 import { dot, map3 } from './vec3.js';
 import type { Mat3, Vec3 } from './vec3.js';
@@ -15,13 +15,15 @@ export interface Bounds {
 /**
  * The grid of a file: an affine map between the world and voxels.
  *
- * In grid space, x and y count texels across the light, and z counts voxels along the light, away from the sun. All
- * points of a sun ray have the same x and y. World space is right-handed, Y up.
+ * In grid space, x and y count texels across the light, and z counts voxels along the light, away from the
+ * sun. All points of a sun ray have the same x and y. World space is right-handed, Y up.
  */
 export interface LightGrid {
   /** Unit vector towards the sun, world space; y above 0. */
   readonly sun: Vec3;
-  /** How the grid lies in the world: perpendicular to the light, or upright and sheared along the light. */
+  /**
+   * Orientation of the grid in the world: perpendicular to the light, or upright and sheared along the light.
+   */
   readonly frame: 'light' | 'oblique';
   /** Angle from the world's +X to the grid's x axis, towards +Z, radians, −π to π; 0 in the frame of the light. */
   readonly yawRadians: number;
@@ -48,7 +50,8 @@ export function obliqueAxes(sun: Vec3, yawRadians: number): Mat3 {
 /**
  * Returns the edges of a voxel in the oblique frame.
  *
- * The cosine and sine of yaw are taken from the axes, because the last bit of `Math.cos` differs between browsers.
+ * The cosine and sine of yaw are taken from the axes, because the last bit of `Math.cos` differs between
+ * browsers.
  */
 export function obliqueEdges(sun: Vec3, axes: Mat3): Mat3 {
   const [x, y] = axes;
@@ -78,8 +81,8 @@ export function middle(grid: LightGrid): Vec3 {
 }
 
 /**
- * Returns the rows of the map from the unit circle across the light to the ellipse, in grid x and y, whose points are on
- * the same sun rays: two rows of two numbers. It is the identity in the frame of the light.
+ * Returns the rows of the map from the unit circle across the light to the ellipse, in grid x and y, whose
+ * points are on the same sun rays: two rows of two numbers. It is the identity in the frame of the light.
  */
 export function circleAcrossLight(grid: LightGrid): [number, number, number, number] {
   const [sx, sy, sz] = grid.sun;

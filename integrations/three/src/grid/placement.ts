@@ -1,5 +1,6 @@
-// Where an app has a file's world: moved, turned, and scaled by one number. A placed file is the same voxels with another
-// grid. Counterpart of `crates/adumbra/src/grid/placement.rs`; `spec/look-up-texture.md`, "Placement".
+// Where an app places a file's world: moved, turned, and scaled by one number. A placed file has the same
+// voxels with another grid. Counterpart of `crates/adumbra/src/grid/placement.rs`; `spec/look-up-texture.md`,
+// "Placement".
 
 import type { LightGrid } from './light-grid.js';
 import { cross, dot, map3 } from './vec3.js';
@@ -9,13 +10,16 @@ import type { Mat3, Vec3 } from './vec3.js';
 export type WorldFromFile = ArrayLike<number>;
 
 /**
- * Returns the grid in the world of an app that has placed the file, if it has.
+ * Returns the grid in the app's world. If the app has not placed the file, it is the file's own grid.
  *
  * @throws RangeError if the matrix does anything but move, turn, and scale by one number.
  */
 export function placedGrid(grid: LightGrid, worldFromFile: WorldFromFile | undefined): LightGrid {
   if (worldFromFile === undefined) return grid;
-  /** Largest relative difference between scales, and largest cosine between axes: that of products of 32-bit matrices. */
+  /**
+   * Largest relative difference between scales, and largest cosine between axes, that rounding of products of
+   * 32-bit matrices may cause.
+   */
   const TOLERANCE = 1e-5;
   const column = (number: number): Vec3 => [0, 1, 2].map((row) => worldFromFile[4 * number + row]) as unknown as Vec3;
   const columns: Mat3 = [column(0), column(1), column(2)];

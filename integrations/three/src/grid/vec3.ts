@@ -1,5 +1,5 @@
-// Vectors of three numbers. The order of additions is that of `crates/adumbra/src/grid/vec3.rs`, so that results have
-// the same bits.
+// Vectors of three numbers. The order of additions is that of `crates/adumbra/src/grid/vec3.rs`, so that
+// results have the same bits.
 
 /** Three numbers along x, y, z. */
 export type Vec3 = readonly [number, number, number];

@@ -1,4 +1,4 @@
-// A light with its files: what both renderers have in common.
+// A light with its files: the part that both renderers share.
 
 import { Matrix4, Vector3 } from 'three';
 import type { Object3D } from 'three';
@@ -20,34 +20,36 @@ import { warnOnce } from './warn.js';
 /** A light with its files. */
 export interface BakedLight extends Part {
   readonly lookUp: LookUp;
-  /** What the names of its texts begin with, which tells them apart from those of other lights. */
+  /** The prefix of the names in its shader texts, which distinguishes them from those of other lights. */
   readonly prefix: string;
-  /** The files' words and parameters. Others after `setFiles`. */
+  /** The files' words and parameters. They may be others after `setFiles`. */
   textures(): Pick<LightTextures, 'words' | 'headers'>;
-  /** Changes options; what is left out stays. Nothing is changed if it throws a RangeError. */
+  /** Changes options; options that are left out stay. Nothing is changed if it throws a RangeError. */
   setOptions(options: ShadowOptions): void;
-  /** Takes other files in place of those until now. Nothing is changed if it throws. */
+  /** Replaces the files. Nothing is changed if it throws. */
   setFiles(file: FileChoice): void;
-  /** How the light and its files do, now. */
+  /** The current state of the light and its files. */
   status(): ShadowStatus;
-  /** Whether nothing is to be done for a while: three may draw another shadow of the light. */
+  /** Sets whether updates do nothing for a while, because three may draw another shadow of the light. */
   setIdle(isIdle: boolean): void;
-  /** Follows the light and the roots, before a renderer draws. Nothing after `dispose`. */
+  /** Follows the light and the roots, before a renderer draws. Does nothing after `dispose`. */
   update(renderer?: AnyRenderer | null): void;
   /** Warns once if a scene, or a static root, is moved and no file follows one. Cost: one comparison for each static root. */
   warnOfMoved(scene: Object3D): void;
   /** Warns once if something below `object` gets wrong answers from a file that is for static surfaces only. */
   warnOfMovers(object: Object3D): void;
-  /** Gives the light back as the app set it, and frees what the GPU holds. Returns false after the first time. */
+  /** Restores the light as the app set it, and frees GPU resources. Returns false after the first time. */
   dispose(): boolean;
 }
 
-/** Files whose sun is farther than this from the light are not in use: the distance of two unit vectors. */
+/**
+ * Files whose sun is farther than this from the light are not in use. It is the distance of two unit vectors.
+ */
 const SAME_SUN = 1.5e-3;
 
 const IDENTITY = new Matrix4();
 
-/** Numbers in use. A number that is free is used again, so that shaders are too. */
+/** Numbers in use. A free number is used again, so that its shaders can be reused. */
 const inUse = new Set<number>();
 
 /** Reads the options of a light, and prepares its files. The light stays as it is until the first update. */
@@ -60,7 +62,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
   const alignment = (options.align ?? true) && new Alignment(light);
   const align = (): void => {
     const [sun, ...others] = files.suns().filter((each) => each !== undefined);
-    // A light whose files have several suns goes from one to the other.
+    // Do not align a light whose files have several suns: the app moves it between them.
     if (!alignment || !sun || others.some((other) => distance(other, sun) > SAME_SUN)) return;
     if (!alignment.align(sun)) return;
     const towardsSun = sun.map((each) => each.toFixed(4)).join(', ');
@@ -105,7 +107,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       update();
     },
     status() {
-      // The app may have moved it since the last drawing.
+      // The app may have moved the light since the last drawing.
       light.updateWorldMatrix(true, false);
       light.target?.updateWorldMatrix(true, false);
       const distances = distancesTo(towardsLight(light, new Vector3()));

@@ -1,4 +1,4 @@
-// Where a light is.
+// The direction of a light.
 
 import { Matrix4, Vector3 } from 'three';
 import type { DirectionalLight, Light, Object3D, Quaternion } from 'three';
@@ -18,7 +18,7 @@ export function towardsLight(light: SunLike, direction: Vector3): Vector3 {
   return direction.subVectors(from, targetOf(light)).normalize();
 }
 
-/** Whether a light has shadows where it is drawn, as far as the app says. */
+/** Whether a light casts shadows where it is drawn, according to the app's settings. */
 export function shines(light: SunLike): boolean {
   const { r, g, b } = light.color;
   return light.intensity * Math.max(r, g, b) !== 0 && light.shadow.intensity !== 0 && isShown(light);
@@ -28,22 +28,22 @@ function isShown(object: Object3D | null): boolean {
   return object === null || (object.visible && isShown(object.parent));
 }
 
-/** Whether an object is another one, or below it. */
+/** Whether an object is `root`, or below it. */
 export function isIn(object: Object3D | null | undefined, root: Object3D): boolean {
   return object != null && (object === root || isIn(object.parent, root));
 }
 
-/** Keeps a light in the direction of a sun, and knows what the app has set. */
+/** Keeps a light in the direction of a sun, and remembers what the app has set. */
 export class Alignment {
   readonly #light: SunLike;
-  /** What is turned, what the app set there last, and what became of it. */
+  /** The property that is changed, the value that the app set last, and the value that replaced it. */
   #part: 'position' | 'quaternion' = 'position';
   #theirs: Vector3 | Quaternion | undefined;
   #ours: Vector3 | Quaternion | undefined;
-  /** The same of a matrix that the app sets itself. */
+  /** The same for a matrix that the app sets itself. */
   #theirMatrix: Matrix4 | undefined;
   #ourMatrix: Matrix4 | undefined;
-  /** From the target, as the app set it. */
+  /** The distance from the target, as the app set it. */
   #distance = 1;
   /** The sun that it was turned to last. */
   readonly #sun = new Vector3();
@@ -67,7 +67,7 @@ export class Alignment {
     const isSun = to.equals(this.#sun);
     this.#sun.copy(to);
     if (!isTurned) return false;
-    // Within what has no size, as while it pops up, there is no direction.
+    // Below an object with zero scale, as during a pop-up animation, there is no direction.
     if (!isRegular(light.parent?.matrixWorld) || (isIn(light.target, light) && !isRegular(light.matrixWorld))) return false;
     const part = isIn(light.target, light) ? 'quaternion' : 'position';
     if (part !== this.#part) this.giveBack();
@@ -83,7 +83,7 @@ export class Alignment {
     return isSun;
   }
 
-  /** Gives the light back as the app set it last. */
+  /** Restores the light as the app set it last. */
   giveBack(): void {
     const light = this.#light;
     if (isSame(light[this.#part], this.#ours)) (light[this.#part] as Vector3).copy(this.#theirs as Vector3);
@@ -94,7 +94,7 @@ export class Alignment {
   }
 }
 
-/** Whether a value is one that is known. */
+/** Whether a value equals a known one. */
 function isSame<T extends Vector3 | Quaternion | Matrix4>(value: T, known: T | undefined): boolean {
   return known !== undefined && (value as Vector3).equals(known as Vector3);
 }
@@ -104,10 +104,13 @@ function isRegular(matrix: Matrix4 | undefined): boolean {
   return Number.isFinite(1 / (matrix?.determinant() ?? 1));
 }
 
-/** Directions that differ by less are the same: what rounding does. */
+/** Directions that differ by less are the same, up to rounding. */
 const TURNED = 1e-6;
 
-/** Turns a light to a sun. It moves around its target, at a distance; a light that carries its target, as those of glTF files do, turns. Matrices must be up to date. */
+/**
+ * Turns a light to a sun. The light moves around its target, at a distance. A light that carries its target,
+ * as those of glTF files do, rotates instead. Matrices must be up to date.
+ */
 function alignLight(light: SunLike, sun: Vec3, distance: number): void {
   if (isIn(light.target, light)) {
     // In the light's own space, and in its parent's, which may be stretched or mirrored.
@@ -124,7 +127,10 @@ function alignLight(light: SunLike, sun: Vec3, distance: number): void {
   updateWorld(light);
 }
 
-/** Updates the matrices of a light, and of what carries a target below it, though the app may have frozen them. */
+/**
+ * Updates the matrices of a light and of all objects from it down to its target, even if the app has frozen
+ * them.
+ */
 function updateWorld(light: SunLike): void {
   const objects: Object3D[] = [light];
   for (let each: Object3D | null = light.target ?? null; each; each = each.parent) objects.push(each);

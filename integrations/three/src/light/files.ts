@@ -20,26 +20,26 @@ export interface Files {
   readonly roots: readonly (Object3D | undefined)[];
   /** Whether one of them is for static surfaces only. */
   readonly isForStatics: boolean;
-  /** Their suns in the app's world; none of a file that cannot follow its root. */
+  /** Their suns in the app's world; `undefined` for a file that cannot follow its root. */
   suns(): readonly (Vec3 | undefined)[];
   /** Follows the roots, and streamed files in a renderer. */
   follow(renderer?: AnyRenderer | null): void;
 }
 
-/** Returns the look-up of some files. A streamed one has its own. */
+/** Returns the look-up of some files. A streamed file may bring its own. */
 export function lookUpOf(file: FileChoice): LookUp | undefined {
   return (asPlaced(file)[0]?.file as StreamedFile | undefined)?.lookUp;
 }
 
 /**
- * Prepares files, in the textures of earlier ones that have room. Cost: one copy of their words.
+ * Prepares files. The textures of `earlier` files are reused if they have room. Cost: one copy of the words.
  *
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the texture.
  * @throws RangeError if an option is out of its range.
  */
 export function openFiles(choice: FileChoice, lookUp: LookUp, options: BakedShadowOptions, earlier?: Files): Files {
   const placed = asPlaced(choice);
-  // None have the words of those before.
+  // Without files, keep the earlier textures.
   const textures = placed.length === 0 && earlier ? earlier.textures : lightTextures(placed.map(({ file }) => file), lookUp, options, earlier?.textures);
   /** The suns of files with a root, as of the last time. */
   const placedSuns: (Vec3 | undefined)[] = [];

@@ -7,7 +7,10 @@ import type { LookUp } from '../look-ups/look-up.js';
 import type { Bias, FilterWidth } from '../settings.js';
 import type { LightFile, PlacedFile } from './streamed.js';
 
-/** The file of a light, or several: tiles, suns, one file in several places. A streamed file is alone. */
+/**
+ * The file of a light, or several: tiles, suns, one file in several places. A streamed file must be the only
+ * one.
+ */
 export type FileChoice = LightFile | PlacedFile | readonly (LightFile | PlacedFile)[];
 
 /** Most files on one light. */
@@ -23,11 +26,14 @@ export interface ShadowOptions {
   sunDegrees?: number | undefined;
 }
 
-/** How a light and its files do. */
+/** The state of a light and its files. */
 export interface ShadowStatus {
-  /** How many files are in use: those whose sun is where the light shines from. None while it does not shine. */
+  /**
+   * How many files are in use: those whose sun is where the light shines from. None while the light does not
+   * shine.
+   */
   readonly filesInUse: number;
-  /** How many files cannot be in use, wherever the light is, while their root is stretched. */
+  /** How many files cannot be in use, wherever the light is, because their root is stretched. */
   readonly missing: number;
   /** The angle between the light and the nearest sun of a file, degrees. Files are in use up to 0.08. */
   readonly degrees: number;
@@ -35,25 +41,28 @@ export interface ShadowStatus {
 
 /** The shadow of a light from its files, with either renderer. */
 export interface BakedShadow {
-  /** Whether the light shines, and from the sun of a file. Otherwise shadows are those of three's own, if there are any. */
+  /**
+   * Whether the light shines, and from the sun of a file. Otherwise only three's own shadows are drawn, if
+   * there are any.
+   */
   readonly isActive: boolean;
-  /** How the light and its files do. */
+  /** The state of the light and its files. */
   readonly status: ShadowStatus;
   /**
-   * Changes options; what is left out stays. Nothing is compiled anew.
+   * Changes options; options that are left out stay. Nothing is recompiled.
    *
    * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
   setOptions(options: ShadowOptions): void;
   /**
-   * Takes other files in place of those until now, such as tiles that come and go; with none, `[]`, nothing is in use. Cost: one
-   * copy of the files' words, and their upload. The files until now need not be kept.
+   * Replaces the files, for example as tiles come and go. With `[]`, no file is in use. Cost: one copy of the
+   * files' words, and their upload. The previous files need not be kept.
    *
    * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU. Nothing is changed then.
    * @throws RangeError if they are too many, or need another look-up, as a sun path does. Nothing is changed then.
    */
   setFiles(file: FileChoice): void;
-  /** Gives all back as the app set it last, and frees what the GPU holds. */
+  /** Restores everything as the app set it last, and frees GPU resources. */
   dispose(): void;
 }
 
@@ -62,14 +71,15 @@ export interface BakedShadowOptions extends ShadowOptions {
   /** The shader text; `filtered` by default. */
   lookUp?: LookUp;
   /**
-   * Keeps the light at the sun of its files, if they have one sun, and warns once if the app turns it away. True by default.
-   * `dispose` gives the light back as the app set it last.
+   * Keeps the light at the sun of its files, if they have one sun, and warns once if the app turns it away.
+   * True by default. `dispose` restores the light as the app set it last.
    */
   align?: boolean;
   /**
-   * The roots of what the files hold. While a file is in use, nothing below them casts in three's own shadow maps but
-   * skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on what else moves. `castShadow` of the
-   * objects stays the app's: it is false while three draws, and what is written to it meanwhile is lost.
+   * The roots of the objects in the files. While a file is in use, no object below them casts in three's own
+   * shadow maps, except skinned meshes, which a bake leaves out. Set `userData.adumbra = { cast: true }` on
+   * other objects that move. `castShadow` of the objects stays the app's: it is false while three draws, and
+   * a value that is written to it during that time is lost.
    */
   statics?: Object3D | readonly Object3D[];
   /** Largest side of a texture, texels. 8192 by default, which every device with WebGPU has. */
@@ -98,7 +108,7 @@ export function checkFiles(files: readonly LightFile[]): void {
   }
 }
 
-/** Returns files with their roots, apart from the app's own objects. */
+/** Returns files with their roots, without keeping the app's own objects. */
 export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D }[] {
   return asList(files, 'file').map((each) => {
     const { file, root } = 'file' in each ? each : { file: each };
@@ -107,7 +117,7 @@ export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D 
   });
 }
 
-/** Returns one or several values of an option as a list of its own. */
+/** Returns one or several values of an option as a new list. */
 export function asList<T>(values: T | readonly T[] | undefined, name: string): readonly T[] {
   const list = values === undefined ? [] : Array.isArray(values) ? (values as readonly T[]) : [values as T];
   return list.map((each) => there(each, name));
@@ -119,13 +129,18 @@ export function inScene(object: Object3D | null | undefined, name: string): Obje
   throw new TypeError(`${name} is ${object}; give an Object3D, such as gltf.scene`);
 }
 
-/** Returns a value that the app gave. A reference may have none yet, and an object may not be found. */
+/**
+ * Returns a value that the app gave, and throws if it is missing: a reference may not be set yet, or an
+ * object was not found.
+ */
 function there<T>(value: T, name: string): T {
   if (value == null) throw new TypeError(`${name} is ${value}`);
   return value;
 }
 
-/** Returns options apart from the app's own object, which it may go on with. What is left out stays so. */
+/**
+ * Returns a copy of options, because the app may change its own object. Options that are left out stay so.
+ */
 export function copied<T extends ShadowOptions>(options: T): T {
   const { bias } = options;
   return bias ? { ...options, bias: { ...bias } } : { ...options };

@@ -1,4 +1,4 @@
-// Uploads rows of a texture whose words change, so that the rest of it need not be.
+// Uploads the rows of a texture whose words change, instead of the whole texture.
 
 import { Box2, Vector2 } from 'three';
 import type { DataTexture } from 'three';
@@ -14,7 +14,7 @@ const UPLOAD_WORDS = 16384;
 /** Uploads rows of one texture of words. */
 export class RowUpload {
   readonly #target: DataTexture;
-  /** Some rows, on their way. */
+  /** A few rows on their way to the target. */
   readonly #rows: DataTexture;
 
   /** Makes the texture of a few rows. */
@@ -25,7 +25,10 @@ export class RowUpload {
     this.#rows = dataTexture(new Uint32Array(width * rows), width, rows);
   }
 
-  /** Uploads the rows from one up to another to a renderer that draws with the texture. Not while it draws. */
+  /**
+   * Uploads the rows from one up to another to a renderer that draws with the texture. Do not call it while
+   * the renderer draws.
+   */
   upload(renderer: AnyRenderer, from: number, to: number): void {
     const words = this.#target.image.data as Uint32Array;
     const { width, height, data } = this.#rows.image as { width: number; height: number; data: Uint32Array };
@@ -33,13 +36,13 @@ export class RowUpload {
       const end = Math.min(row + height, to);
       data.set(words.subarray(row * width, end * width));
       this.#rows.needsUpdate = true;
-      // Until 0.183, WebGLRenderer copies into the texture of whatever unit was active last.
+      // Up to 0.183, WebGLRenderer copies into the texture of the unit that was active last.
       renderer.state?.activeTexture(TEXTURE0);
       renderer.copyTextureToTexture(this.#rows, this.#target, new Box2(new Vector2(), new Vector2(width, end - row)), new Vector2(0, row));
     }
   }
 
-  /** Frees what the GPU holds. */
+  /** Frees GPU resources. */
   dispose(): void {
     this.#rows.dispose();
   }

@@ -1,5 +1,5 @@
-// What is done around each drawing of a scene: lights follow the app, and what is in their files does not cast into shadow maps.
-// The app's `castShadow` is borrowed while the scene is drawn, and is the app's own at any other time.
+// Work around each drawing of a scene: lights follow the app, and objects in their files do not cast into
+// shadow maps. The app's `castShadow` is changed while the scene is drawn, and restored afterwards.
 
 import type { Camera, Material, Object3D, Scene, Vector3 } from 'three';
 
@@ -17,26 +17,32 @@ export interface Part {
   readonly towards: Vector3;
   /** Follows the app, before a renderer draws from a camera. */
   update(renderer: AnyRenderer, camera: Camera): void;
-  /** Meets each material of the scene, after the update. */
+  /** Is called with each material of the scene, after the update. */
   meet?(material: Material): void;
-  /** The scene is drawn, with what was drawn from within. */
+  /** Is called when the scene is drawn, and all drawings that began within it. */
   end?(): void;
-  /** The roots of what is in files in use, and of what is in the light's other files. None while the light does not shine in the scene. */
+  /**
+   * The roots of the objects in files in use, and of the objects in the light's other files. None while the
+   * light does not shine in the scene.
+   */
   casters(scene: Object3D): { resting: readonly Object3D[]; needed: readonly Object3D[] };
 }
 
-/** What is done around the drawings of one scene. */
+/** The work around the drawings of one scene. */
 interface Around {
   readonly parts: Set<Part>;
-  /** Puts back what somebody has deleted. */
+  /** Puts back hooks that somebody has deleted. */
   keep(): void;
-  /** Goes on without a part. */
+  /** Removes a part. */
   lose(part: Part): void;
 }
 
 const arounds = new WeakMap<Object3D, Around>();
 
-/** Gives a light its part in a scene. Returns what ends it; after the last end the scene is as the app left it. */
+/**
+ * Gives a light its part in a scene. Returns the function that ends the part. After the last part has ended,
+ * the scene is as the app left it.
+ */
 export function takePart(scene: Scene, part: Part): () => void {
   const around = arounds.get(scene) ?? install(scene);
   around.parts.add(part);
@@ -46,12 +52,12 @@ export function takePart(scene: Scene, part: Part): () => void {
 
 function install(scene: Scene): Around {
   const parts = new Set<Part>();
-  /** What casts, but not now, and what it had. */
+  /** The objects whose `castShadow` is changed, and its values before. */
   let [borrowed, castShadows]: [Object3D[], boolean[]] = [[], []];
-  /** What rested when a renderer drew its shadow maps last. */
+  /** The resting roots when each renderer drew its shadow maps last. */
   const rested = new Map<AnyRenderer, string>();
 
-  /** How many drawings there are, one from within the other. */
+  /** Nesting depth of the drawings. */
   let depth = 0;
   const giveBack = (): void => {
     const [objects, values] = [borrowed, castShadows];
@@ -64,7 +70,7 @@ function install(scene: Scene): Around {
   };
   const rest = (object: Object3D, needed: ReadonlySet<Object3D>): void => {
     if (moves(object) || needed.has(object)) return;
-    // A light casts in another way.
+    // Leave lights alone: their `castShadow` has another meaning.
     const { castShadow } = object;
     if (castShadow && !('isLight' in object)) {
       try {
@@ -72,12 +78,12 @@ function install(scene: Scene): Around {
         borrowed.push(object);
         castShadows.push(castShadow);
       } catch {
-        // It has no setter, and casts beside its file.
+        // `castShadow` has no setter: the object casts in addition to its file.
       }
     }
     for (const child of object.children) rest(child, needed);
   };
-  /** Has shadow maps of a renderer drawn anew that the app has frozen. */
+  /** Makes a renderer redraw shadow maps that the app has frozen. */
   const thaw = (renderer: AnyRenderer): void => {
     if (renderer.isWebGLRenderer) renderer.shadowMap!.needsUpdate = true;
     for (const shadow of shadowsIn(scene)) if (!shadow.autoUpdate) shadow.needsUpdate = true;
@@ -96,11 +102,12 @@ function install(scene: Scene): Around {
     const resting = shown.flatMap((each) => each.resting.map(({ id }) => id)).join();
     if (resting !== (rested.get(now) ?? '')) thaw(now);
     rested.set(now, resting);
-    // WebGLRenderer draws the maps of all lights meanwhile that the camera sees. Others draw each map by itself, from a camera that looks as the light shines.
+    // During this drawing, WebGLRenderer draws the maps of all lights that the camera sees. Other renderers
+    // draw each map separately, from a camera that looks as the light shines.
     const drawn = shown.filter(({ part }) => (now.isWebGLRenderer ? part.light.layers.test(camera.layers) : isMapOf(camera, part, scene)));
     const needed = new Set(drawn.flatMap((each) => each.needed));
     const roots = drawn.flatMap((each) => each.resting);
-    // Whatever the drawing throws.
+    // Clean up even if the drawing throws.
     if (depth === 1) {
       queueMicrotask(() => {
         depth = 0;
@@ -112,7 +119,7 @@ function install(scene: Scene): Around {
 
   const makers = [
     () => wrap(scene, 'onBeforeRender', (theirs) => function (this: Scene, ...all) {
-      // It may draw the scene itself.
+      // The app's hook may draw the scene itself.
       theirs.apply(this, all);
       before(all[0], all[2] as Camera);
       keep();
@@ -147,7 +154,10 @@ function install(scene: Scene): Around {
 /** Directions of a camera and of a light that differ by less are the same. */
 const SAME_DIRECTION = 1e-3;
 
-/** Whether a camera is that of a light's shadow, or one that looks as it shines and is none of another light's: CSM has several. */
+/**
+ * Whether a camera belongs to a light's shadow: it is the shadow's camera, or it looks as the light shines
+ * and belongs to no other light. CSM has several such cameras.
+ */
 function isMapOf(camera: Camera, { light, towards: { x, y, z } }: Part, scene: Object3D): boolean {
   if (camera === light.shadow.camera) return true;
   const { elements: e } = camera.matrixWorld;

@@ -1,5 +1,5 @@
-// What a light needs of a file that is streamed. The file itself is in `adumbra-three/stream`, so that pages without it do not
-// carry it.
+// The interface of a streamed file for lights. The implementation is in `adumbra-three/stream`, so that pages
+// without streaming do not load it.
 
 import type { Box2, DataTexture, Object3D, Texture, Vector2 } from 'three';
 
@@ -7,13 +7,13 @@ import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { GpuLookUpOptions, LookUpHeader } from '../gpu/look-up-header.js';
 import type { LookUp } from '../look-ups/look-up.js';
 
-/** What draws: a WebGLRenderer or a WebGPURenderer. */
+/** A WebGLRenderer or a WebGPURenderer. */
 export interface AnyRenderer {
   /** Copies part of a texture to a place in another. */
   copyTextureToTexture(source: Texture, target: Texture, region?: Box2 | null, place?: Vector2 | null): void;
   /** Uploads a texture. */
   initTexture?(texture: Texture): void;
-  /** What only a WebGLRenderer has. */
+  /** Members that only a WebGLRenderer has. */
   readonly isWebGLRenderer?: boolean;
   readonly state?: { activeTexture(unit?: number): void };
   readonly shadowMap?: { enabled: boolean; needsUpdate?: boolean };
@@ -25,9 +25,9 @@ export interface StreamedWords {
   readonly texture: DataTexture;
   /** The header of each level, the finest first. The rows of coarser levels are in them. */
   readonly lookUps: readonly LookUpHeader[];
-  /** Has the texture follow the file in a renderer too. */
+  /** Makes the texture follow the file in a renderer too. */
   follow(renderer: AnyRenderer): void;
-  /** Frees what the GPU holds. */
+  /** Frees GPU resources. */
   dispose(): void;
 }
 
@@ -49,6 +49,9 @@ export type LightFile = BakedShadowFile | StreamedFile;
 /** A file that follows an object, which the app may move, turn, and scale by one number: the root of the scene that was baked. */
 export interface PlacedFile {
   readonly file: LightFile;
-  /** What has the file's coordinates below it. What is below it rests while the file is in use, see `statics` of `BakedShadowOptions`. */
+  /**
+   * The object whose local coordinates are the file's. Objects below it rest while the file is in use, see
+   * `statics` of `BakedShadowOptions`.
+   */
   readonly root: Object3D;
 }

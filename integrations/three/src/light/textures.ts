@@ -1,4 +1,5 @@
-// The files of one light as two textures, as `wgsl/words.wgsl` reads them: all words, and one row of parameters per file.
+// The files of one light as two textures, as `wgsl/words.wgsl` reads them: all words, and one row of
+// parameters per file.
 
 import { DataTexture, RedIntegerFormat, UnsignedIntType } from 'three';
 
@@ -22,7 +23,7 @@ export interface LightTextures {
   /** Whether the words are those of a streamed file, which writes them. */
   readonly isStreamed: boolean;
   /**
-   * Changes options; what is left out stays. Less than 1 KiB per file is uploaded.
+   * Changes options; options that are left out stay. Less than 1 KiB per file is uploaded.
    *
    * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
@@ -35,14 +36,15 @@ export interface LightTextures {
   place(file: number, worldFromFile: WorldFromFile): Vec3;
   /** Puts the files with these numbers into use. With none, look-ups return 1. */
   use(now: readonly number[]): void;
-  /** Has the words follow a streamed file in a renderer. */
+  /** Makes the words follow a streamed file in a renderer. */
   follow(renderer: AnyRenderer): void;
-  /** Frees what the GPU holds, but for what later ones have. */
+  /** Frees GPU resources, except those that `later` textures use. */
   dispose(later?: LightTextures): void;
 }
 
 /**
- * Makes the textures, or takes earlier ones that have room and are not a streamed file's. Cost: one copy of the files' words.
+ * Makes the textures, or reuses `earlier` ones if they have room and do not belong to a streamed file. Cost:
+ * one copy of the files' words.
  *
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the texture.
  * @throws RangeError if an option is out of its range.
@@ -50,11 +52,11 @@ export interface LightTextures {
 export function lightTextures(files: readonly LightFile[], lookUp: LookUp, options: BakedShadowOptions, earlier?: LightTextures): LightTextures {
   checkFiles(files);
   let current: ShadowOptions = options;
-  /** Where the app has the files' worlds. */
+  /** Where the app has placed the files' worlds. */
   const placements: (WorldFromFile | undefined)[] = [];
   const ofGpu = gpuOptions(options, lookUp);
   const maxSide = options.maxTextureSize ?? 8192;
-  // A streamed file is alone.
+  // A streamed file is the only one.
   const first = files[0];
   const streamed = first && 'openWords' in first ? first.openWords(ofGpu, maxSide) : undefined;
   const lookUps = streamed?.lookUps ?? (files as readonly BakedShadowFile[]).map((file) => lookUpHeader(file, ofGpu));
@@ -93,7 +95,7 @@ export function lightTextures(files: readonly LightFile[], lookUp: LookUp, optio
     headers.needsUpdate = true;
   };
 
-  /** Has all look-ups take options and placements. The levels of a streamed file have its placement. */
+  /** Sets options and placements of all look-ups. The levels of a streamed file have its placement. */
   const look = (all: ShadowOptions, places: typeof placements): ShadowOptions => {
     const each = gpuOptions(all, lookUp);
     lookUps.forEach((header, i) => header.setLookUp({ ...each, placement: places[streamed ? 0 : i] }));

@@ -1,5 +1,5 @@
-// What baked shadows need of three, and the versions that have it. Nothing is checked at import: a page with another
-// three goes on.
+// The parts of three that baked shadows need, and the versions that have them. Nothing is checked at import,
+// so that a page with another version of three keeps working.
 
 import { REVISION } from 'three';
 
@@ -8,15 +8,15 @@ import { warnOnce } from './warn.js';
 /** The newest three that the tests ran with. */
 const TESTED = 187;
 
-/** What baked shadows need of three, by name. What is missing is `undefined` or false. */
+/** The parts of three that baked shadows need, by name. A missing part is `undefined` or false. */
 export type Hooks = Readonly<Record<string, unknown>>;
 
 /** Something that baked shadows need is not in this version of three. The message says which version to install. */
 export class MissingHookError extends Error {
   override readonly name = 'MissingHookError';
-  /** What is missing. */
+  /** The missing part. */
   declare readonly hook: string;
-  /** The versions of three that have all that is needed, the oldest and the newest that is known. */
+  /** The versions of three that have all parts, the oldest and the newest that is known. */
   declare readonly versions: readonly [oldest: string, newest: string];
 
   /** Creates an error. */

@@ -1,21 +1,25 @@
-// Methods of the app's objects that the package adds something to, whatever the app sets there before or afterwards.
+// Wraps methods of the app's objects. The wrapper stays, whatever method the app sets before or afterwards.
 
-/** A method that something was added to. */
+/** A wrapped method. */
 export interface Wrapped<F> {
-  /** What the app set last. */
+  /** The method that the app set last. */
   theirs(): F;
-  /** Whether it goes on. Whoever deletes the property, as three's addon CSM does, ends it. */
+  /** Whether the wrapper is in place. Deleting the property, as three's addon CSM does, removes it. */
   isInPlace(): boolean;
-  /** Ends it. The object then has what the app last set. */
+  /** Removes the wrapper. The object then has the method that the app set last. */
   remove(): void;
 }
 
-/** What is called in place of a method, with that method and whether that has ended. */
+/**
+ * The functions that are called in place of methods, each with its method and whether its wrapper was
+ * removed.
+ */
 const wrappers = new WeakMap<object, { readonly theirs: object; readonly use: { isOver: boolean } }>();
 
 /**
- * Adds something to a method of an object. `wrapper` returns what is called in place of a method of the app; it must do no harm
- * if it is called twice, because a later method of the app may call an earlier one.
+ * Wraps a method of an object. `wrapper` returns the function that is called in place of a method of the app.
+ * The function must do no harm if it is called twice, because a later method of the app may call an earlier
+ * one.
  */
 export function wrap<T extends object, K extends keyof T, F extends T[K] & object>(object: T, name: K, wrapper: (theirs: F) => F): Wrapped<F> {
   const use = { isOver: false };
@@ -38,7 +42,7 @@ export function wrap<T extends object, K extends keyof T, F extends T[K] & objec
       const top = object[name] as object;
       let value = top;
       for (let outer = wrappers.get(value); outer?.use.isOver === true; outer = wrappers.get(value)) value = outer.theirs;
-      // Otherwise somebody has added more since, and goes on with what does nothing any more.
+      // Stop if another wrapper was added later: it keeps calling this one, which does nothing any more.
       if (value === top) return;
       delete object[name];
       if (object[name] !== value) object[name] = value as F;

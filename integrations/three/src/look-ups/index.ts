@@ -1,5 +1,5 @@
-// adumbra-three/look-ups: the shader texts. `filtered` is what the other entries use by default. A page that names `soft`
-// carries that text too.
+// adumbra-three/look-ups: the shader texts. The other entries use `filtered` by default. A page that names
+// `soft` loads that text too.
 
 export { filtered } from './filtered.js';
 export type { LookUp } from './look-up.js';

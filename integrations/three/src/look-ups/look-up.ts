@@ -1,4 +1,4 @@
-// What a look-up is: a shader text in the two languages of a browser.
+// A look-up: a shader text in the two shader languages of browsers.
 
 /** The shader text of a look-up, as `adumbra-three/look-ups` exports it. */
 export interface LookUp {
@@ -13,8 +13,8 @@ export interface LookUp {
 }
 
 /**
- * Gives the names of a text a prefix of their own, so that the texts of two lights can be in one shader. All names that
- * a text declares have the part `adumbra`, in one case or another.
+ * Gives the names of a text a prefix, so that the texts of two lights can be in one shader. All names that a
+ * text declares contain `adumbra`, in lower or upper case.
  */
 export function withPrefix(text: string, prefix: string): string {
   return text.replace(/adumbra/gi, (part) => (part === 'ADUMBRA' ? prefix.toUpperCase() : prefix));

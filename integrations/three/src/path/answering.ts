@@ -1,4 +1,4 @@
-// Which of the keys that are there answer at a moment, and how.
+// Which of the keys in memory answer at a moment, and how.
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import type { Vec3 } from '../grid/vec3.js';
@@ -12,22 +12,25 @@ export interface AnsweringKey {
   /** Its number in the path. */
   readonly key: number;
   readonly file: BakedShadowFile;
-  /** The way to the sun in its grid. */
+  /** The slope towards the sun in its grid. */
   readonly slope: MarchSlope;
 }
 
-/** What answers at a moment. */
+/** The keys that answer at a moment. */
 export interface Answering {
   readonly towardsSun: Vec3;
-  /** One key, or the one that is asked first and the one that is asked where the first does not know. */
+  /** One key, or two: the second is looked up where the first has no answer. */
   readonly parts: readonly [AnsweringKey, ...AnsweringKey[]];
-  /** Whether these are the keys of the moment. Otherwise they have not all come, and others stand in for them. */
+  /**
+   * Whether these are the keys of the moment. Otherwise not all of those are in memory, and others stand in
+   * for them.
+   */
   readonly isExact: boolean;
 }
 
 /**
- * Returns what answers at a moment: the keys of the moment; if only one is there, that one; if none is, the nearest one. At
- * least one key must be resident. `undefined` at night.
+ * Returns the keys that answer at a moment: the keys of the moment; if only one of them is resident, that
+ * key; if none is, the nearest resident key. At least one key must be resident. `undefined` at night.
  */
 export function answeringAt(course: Course, resident: ReadonlyMap<number, BakedShadowFile>, seconds: number): Answering | undefined {
   const towardsSun = sunAt(course, seconds);
@@ -40,7 +43,7 @@ export function answeringAt(course: Course, resident: ReadonlyMap<number, BakedS
   const near = [...resident].sort(([a], [b]) => distance(a) - distance(b));
   const marched = near.flatMap(([key, file]) => partOf(key, file, towardsSun))[0];
   if (marched !== undefined) return { towardsSun, parts: [marched], isExact: false };
-  // The sun is behind all of them, so the nearest one answers for its own sun.
+  // The sun is behind all keys, so the nearest key answers for its own sun.
   const [key, file] = near[0]!;
   return { towardsSun, parts: [{ key, file, slope: [0, 0] }], isExact: false };
 }

@@ -1,4 +1,4 @@
-// The columns of a quadtree by blocks: what a march reads of it. `spec/adumbra-file.md` has the fields.
+// The columns of a quadtree by blocks, as a march reads them. `spec/adumbra-file.md` has the fields.
 
 import { halvesOf } from '../quadtree/bits.js';
 import { NEVER, UNIFORM, depthOf, largestRise, leafHead, rankOf, rise } from '../quadtree/leaf.js';

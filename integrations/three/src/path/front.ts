@@ -1,4 +1,4 @@
-// What a path file begins with: header and tables. `spec/sun-path.md` has the bytes. Counterpart of
+// The beginning of a path file: header and tables. `spec/sun-path.md` describes the bytes. Counterpart of
 // `crates/adumbra/src/path/format.rs`.
 
 import { ShadowFileError, hex } from '../error.js';
@@ -14,7 +14,7 @@ const ENTRY_BYTES = 32;
 /** Numbers of a step: seconds, and the vector towards the sun. */
 export const STEP_NUMBERS = 4;
 const MAGIC = 'ADUMDAY\n';
-/** What other files of the project begin with. */
+/** The first bytes of other files of the project. */
 const OTHER_KINDS: Readonly<Record<string, string>> = { 'ADUMBRA\n': 'the shadow file of one sun', ADUMTREE: 'a tree file' };
 
 /** Where the file of a key is. */
@@ -28,7 +28,7 @@ export interface KeyPlace {
 
 /** The header of a path file. */
 export interface PathHeader {
-  /** Latitude and longitude in degrees, north and east positive; `null` if the path is of no place. */
+  /** Latitude and longitude in degrees, north and east positive; `null` if the path has no place. */
   readonly placeDegrees: readonly [latitude: number, longitude: number] | null;
   /** How far the local clock is ahead of UTC, seconds. */
   readonly utcOffsetSeconds: number;
@@ -42,16 +42,16 @@ export interface PathHeader {
   readonly tablesChecksum: number;
 }
 
-/** What comes before the keys. */
+/** The part of the file before the keys. */
 export interface PathFront extends PathHeader {
-  /** Of each step its seconds, which ascend, and the unit vector towards the sun. */
+  /** For each step: its seconds, which ascend, and the unit vector towards the sun. */
   readonly steps: Float64Array;
   /** The keys, in the order of time. */
   readonly keys: readonly KeyPlace[];
 }
 
 /**
- * Reads and checks the header at the start of `bytes`, which may go on behind it.
+ * Reads and checks the header at the start of `bytes`. More bytes may follow.
  *
  * @throws ShadowFileError of the kind `Magic`, `OtherKind`, `FutureVersion`, `Truncated`, `HeaderChecksum` or
  * `HeaderField`.
@@ -84,7 +84,7 @@ export function parsePathHeader(bytes: Uint8Array): PathHeader {
 }
 
 /**
- * Reads and checks the tables behind a header. `bytes` are those of the file up to its first key.
+ * Reads and checks the tables after a header. `bytes` are the bytes of the file up to its first key.
  *
  * @throws ShadowFileError of the kind `Truncated`, `SectionChecksum` or `HeaderField`.
  */
@@ -120,9 +120,9 @@ function checkSteps(steps: Float64Array): void {
   }
 }
 
-/** Checks keys, the first of which is behind the tables. Returns where the last one ends. */
+/** Checks keys, the first of which follows the tables. Returns where the last key ends. */
 function checkKeys(keys: readonly KeyPlace[], frontBytes: number): number {
-  /** Keys begin at multiples of so many bytes. */
+  /** Keys begin at multiples of this many bytes. */
   const ALIGNMENT = 8;
   let end = frontBytes;
   for (const [i, { seconds, offset, bytes }] of keys.entries()) {

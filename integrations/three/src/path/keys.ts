@@ -1,4 +1,5 @@
-// The keys of a path that are in memory: those that are wanted are loaded, and what is not wanted any more is dropped.
+// The keys of a path that are in memory: wanted keys are loaded, and keys that are no longer wanted are
+// dropped.
 
 import { ShadowFileError } from '../error.js';
 import { BakedShadowFile } from '../file/shadow-file.js';
@@ -9,14 +10,14 @@ import type { Waiting } from '../stream/retry.js';
 import type { Source } from '../stream/source.js';
 import type { KeyPlace } from './front.js';
 
-/** Most keys that are in memory. */
+/** The most keys in memory. */
 const MAX_RESIDENT = 3;
-/** Most keys that are being loaded at a time. */
+/** The most keys that are being loaded at a time. */
 const MAX_LOADS = 2;
-/** Most bytes of a request. */
+/** The most bytes of a request. */
 const REQUEST_BYTES = 2 ** 20;
 
-/** What is done when keys come, and when they do not. */
+/** Callbacks for keys that arrive, and for keys that fail. */
 export interface KeyListener {
   onKey(): void;
   onError(key: number, error: ShadowFileError): void;
@@ -24,7 +25,7 @@ export interface KeyListener {
 
 /** The keys of a path. */
 export class Keys {
-  /** Who hears of them. */
+  /** The listener to loaded and failed keys. */
   listener: KeyListener | undefined;
   readonly #source: Source;
   readonly #places: readonly KeyPlace[];
@@ -53,12 +54,12 @@ export class Keys {
     return [...this.#loads.keys()];
   }
 
-  /** Changes when keys come or go. */
+  /** Changes when keys are added or dropped. */
   get revision(): number {
     return this.#revision;
   }
 
-  /** Says which keys are wanted, at most three, the most urgent first. Those that are not there are loaded. */
+  /** Sets the wanted keys, at most three, the most urgent first. Keys that are not in memory are loaded. */
   want(wanted: readonly number[]): void {
     this.#wanted = wanted;
     const now = performance.now();
@@ -80,7 +81,7 @@ export class Keys {
     return this.#loads.get(key) ?? this.#start(key);
   }
 
-  /** Has what failed loaded again at once. */
+  /** Lets keys that failed be loaded again at once. */
   retry(): void {
     for (const waiting of this.#failed.values()) putOffNoMore(waiting);
   }
@@ -90,7 +91,7 @@ export class Keys {
     this.#over.abort();
   }
 
-  /** Begins to load a key, and tells the listener how it ends. */
+  /** Begins to load a key, and reports the result to the listener. */
   #start(key: number): Promise<BakedShadowFile> {
     const load = this.#load(key);
     this.#loads.set(key, load);
@@ -135,7 +136,9 @@ export class Keys {
     return all;
   }
 
-  /** Drops the keys that are neither wanted nor near in number to one that has come, so that few are left. */
+  /**
+   * Drops unwanted keys until few are left: first the keys farthest in number from the one that has arrived.
+   */
   #dropFrom(come: number): void {
     const far = [...this.#resident.keys()].filter((key) => !this.#wanted.includes(key)).sort((a, b) => Math.abs(b - come) - Math.abs(a - come));
     for (const key of far.slice(0, Math.max(this.#resident.size - MAX_RESIDENT, 0))) this.#resident.delete(key);
@@ -148,7 +151,7 @@ export class Keys {
     this.#failed.set(key, waiting);
     const { message } = error as Error;
     const known = error instanceof ShadowFileError ? error : new ShadowFileError('Io', `key ${key} cannot be read: ${message}; bake the path again`, { key }, { cause: error });
-    // Of another file nothing fits what is known of this one.
+    // If the file has changed, its keys do not fit the front that was read.
     if (known.kind === 'Changed') this.end();
     return withUrl(known, this.#source.url);
   }

@@ -1,5 +1,6 @@
-// The march: what the depths of one sun's file say about the ray to another sun. `spec/sun-path.md`, "Look-ups", has the rules.
-// Counterpart of `crates/adumbra/src/query/march.rs`, whose answers it has for every start.
+// The march: follows the ray to another sun through the depths of one sun's file. `spec/sun-path.md`,
+// "Look-ups", has the rules. Counterpart of `crates/adumbra/src/query/march.rs`, with the same answer for
+// every start.
 
 import { FIXED_ONE } from '../grid/fixed.js';
 import type { Vec3 } from '../grid/vec3.js';
@@ -14,16 +15,16 @@ export const BLOCKED = -2;
 export const CLEAR = -1;
 
 /**
- * Follows the ray from a start in a grid of `size` voxels. Returns {@link BLOCKED}; {@link CLEAR}; or, for a ray that meets nothing
- * that the file shows but has been in shadow, where something may be hidden, the rise up to which it has been in shadow from its
- * start on, in 2^-12 voxels.
+ * Follows the ray from a start in a grid of `size` voxels. Returns {@link BLOCKED}, {@link CLEAR}, or a rise
+ * in 2^-12 voxels. A rise means that the ray meets no surface in the file, but has been in shadow from its
+ * start up to that rise, where a surface may be hidden.
  */
 export function march(columns: Columns, size: Vec3, slope: MarchSlope, start: Vec3): number {
   /** A ray that comes out of a column's shadow so close to its surface has passed through the surface's edge. */
   const EDGE = 2 * FIXED_ONE;
   const depth = Math.min(start[2], size[2] * FIXED_ONE - 1);
   let hasBeenDark = false;
-  /** The rise at which the ray was in light first, and at most its last one. */
+  /** The rise at which the ray was first in light, and at most the ray's last rise. */
   let litFrom = depth;
   /** The surface of the column that the ray was in before; it is far away if it was not in shadow there. */
   let behind = -Infinity;

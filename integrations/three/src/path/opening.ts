@@ -6,7 +6,7 @@ import type { Source } from '../stream/source.js';
 import { parsePathHeader, parsePathTables } from './front.js';
 import type { PathFront } from './front.js';
 
-/** Bytes of the first request, which a day of minutes fits. */
+/** Bytes of the first request. A day of minutes fits into it. */
 const FIRST_BYTES = 65_536;
 
 /**

@@ -1,5 +1,5 @@
-// Look-ups on the CPU for a sun between two that files were baked for. Counterpart of `crates/adumbra/src/path/sampler.rs`, whose
-// answers it has bit for bit.
+// Look-ups on the CPU for a sun between two that files were baked for. Counterpart of
+// `crates/adumbra/src/path/sampler.rs`, with bit-identical answers.
 
 import type { BakedShadowFile } from '../file/shadow-file.js';
 import { FIXED_ONE } from '../grid/fixed.js';
@@ -20,22 +20,25 @@ interface Key {
   readonly file: BakedShadowFile;
   readonly columns: Columns;
   readonly slope: MarchSlope;
-  /** In the app's world. */
+  /** The grid in the app's world. */
   readonly grid: LightGrid;
 }
 
-/** Look-ups of points at a moment of a sun path, in the keys that were there when it was made. */
+/** Look-ups of points at a moment of a sun path, in the keys that were in memory when it was made. */
 export class PathSampler {
   /** Width of the filter, texels. */
   declare readonly filter: FilterWidth;
   /** The bias that points are moved by, texels. */
   declare readonly bias: Bias;
-  /** Whether the keys of the moment answer; otherwise they had not all come, and others stand in for them. */
+  /**
+   * Whether the keys of the moment answer. Otherwise not all of those were in memory, and others stand in for
+   * them.
+   */
   declare readonly isExact: boolean;
-  /** The keys in the order in which they are asked; none at night, when every point is in shadow. */
+  /** The keys in the order in which they are looked up; none at night, when every point is in shadow. */
   readonly #keys: readonly Key[];
 
-  /** For {@link SunPathFile.sampler}. `bias` is that of the file that is asked first, by default. */
+  /** For {@link SunPathFile.sampler}. `bias` is by default that of the file that is looked up first. */
   constructor(answering: Answering | undefined, { filter, bias, placement }: LookUpOptions) {
     checkFilter(filter);
     const parts = answering?.parts ?? [];
@@ -45,7 +48,8 @@ export class PathSampler {
   }
 
   /**
-   * Returns the visibility of a point in world space: 1 lit, 0 shadowed, between them the share of rays that meet nothing.
+   * Returns the visibility of a point in world space: 1 lit, 0 shadowed, between them the share of rays that
+   * meet nothing.
    *
    * `normal` is the unit normal of the surface there, world space; without one the point is in the air.
    */
@@ -56,7 +60,7 @@ export class PathSampler {
   /**
    * Returns the visibilities of points, like {@link PathSampler.visibility}.
    *
-   * @param points Three numbers per point, world space. The rest of the division by three is left out.
+   * @param points Three numbers per point, world space. An incomplete last point is ignored.
    * @param normals Three numbers per point: the unit normals of the surfaces there, if they are known.
    */
   visibilities(points: ArrayLike<number>, normals?: ArrayLike<number>): Float32Array {
@@ -74,8 +78,8 @@ export class PathSampler {
   }
 
   /**
-   * Whether a ray, given where the rays begin in each grid, meets nothing: the first key that knows says so. If none does, it
-   * depends on how long the ray is hidden from all of them.
+   * Whether a ray meets nothing. `starts` are the starts of the rays in each grid. The first key with an
+   * answer decides. If no key has an answer, it depends on how long the ray is hidden from all of them.
    */
   #isLit(starts: readonly (readonly Vec3[])[], ray: number): boolean {
     let hiddenRise = Infinity;

@@ -1,5 +1,5 @@
-// The way to a sun in the grid of a file that was baked for another one, in fixed point. Counterpart of `MarchSlope` in
-// `crates/adumbra/src/query/march.rs`.
+// The slope towards a sun in the grid of a file that was baked for another sun, in fixed point. Counterpart
+// of `MarchSlope` in `crates/adumbra/src/query/march.rs`.
 //
 // Whole numbers here are below 2^53, so doubles hold them exactly.
 
@@ -18,8 +18,8 @@ export type MarchSlope = readonly [x: number, y: number];
 const SLOPE_ONE = 65_536;
 
 /**
- * Returns the way to a sun, given as a unit vector. `undefined` if it is too far from the file's own: behind its plane, or more
- * than 256 texels of a column's way aside per voxel.
+ * Returns the slope towards a sun, given as a unit vector. `undefined` if the sun is too far from the file's
+ * own: behind its plane, or more than 256 texels sideways per voxel of depth.
  */
 export function marchSlope({ axes }: LightGrid, towardsSun: Vec3): MarchSlope | undefined {
   const MAX_SLOPE = 256 * SLOPE_ONE - 1;
@@ -29,7 +29,10 @@ export function marchSlope({ axes }: LightGrid, towardsSun: Vec3): MarchSlope | 
   return slope.every((c) => Math.abs(c) <= MAX_SLOPE) ? slope : undefined;
 }
 
-/** Returns where the rays of a filter begin in a grid: one of the point itself, or 3 × 3 on the receiver's plane. */
+/**
+ * Returns where the rays of a filter begin in a grid: one at the point itself, or 3 × 3 on the receiver's
+ * plane.
+ */
 export function marchStarts(grid: LightGrid, slope: MarchSlope, bias: Bias, filter: FilterWidth, p: Vec3, normal: Vec3 | undefined): Vec3[] {
   const [x, y, z] = middleStart(grid, slope, bias, p, normal);
   const apart = filter >> 1;
@@ -48,7 +51,7 @@ export function marchStarts(grid: LightGrid, slope: MarchSlope, bias: Bias, filt
 function middleStart(grid: LightGrid, slope: MarchSlope, bias: Bias, p: Vec3, normal: Vec3 | undefined): Vec3 {
   /** The largest slope that the bias uses. */
   const MAX_SLOPE = 9.95;
-  /** Points are held within this many voxels around the grid. */
+  /** Points are kept within this many voxels around the grid. */
   const MARGIN_VOXELS = 4096;
   const [vx, vy] = [slope[0] / SLOPE_ONE, slope[1] / SLOPE_ONE];
   let [x, y, z] = toGrid(grid, p);
@@ -81,8 +84,8 @@ export function aside(slope: number, rise: number): number {
 }
 
 /**
- * Returns the rise from a position in the grid to the border of the block of 2^level columns a side that contains it. Where that
- * is farther than 16 texels, it is up to one 16th of a voxel less.
+ * Returns the rise from a position in the grid to the border of the block of 2^level columns a side that
+ * contains it. Where that is farther than 16 texels, it is up to one 16th of a voxel less.
  */
 export function riseToBorder(slope: MarchSlope, x: number, y: number, level: number): number {
   const side = FIXED_ONE * 2 ** level;

@@ -31,7 +31,7 @@ export interface SunPathOptions {
   readonly seconds?: number;
   /** Ends the opening, and later the loading of keys, once it aborts. */
   readonly signal?: AbortSignal;
-  /** What `fetch` is called with besides the range, such as `credentials`. */
+  /** Options of `fetch` besides the range, such as `credentials`. */
   readonly fetch?: FetchOptions;
   /** Seconds after which a request without an answer has failed; 30 by default. */
   readonly timeout?: number;
@@ -39,19 +39,26 @@ export interface SunPathOptions {
 
 /** The events of a {@link SunPathFile}. */
 export interface SunPathEvents {
-  /** A key has come. The next {@link SunPathFile.update} takes it in, so a page that draws on demand should draw. */
+  /**
+   * A key has arrived. The next {@link SunPathFile.update} uses it, so a page that draws on demand should
+   * draw.
+   */
   arrived: object;
-  /** A key could not be fetched, or is damaged. Others stand in for it, and it is asked for again later. */
+  /**
+   * A key could not be fetched, or is damaged. Other keys stand in for it, and it is requested again later.
+   */
   error: { readonly error: ShadowFileError; readonly key: number };
-  /** The file on the server is another than when it was opened. Nothing more is loaded, and what is there stays. */
+  /**
+   * The file on the server has changed since it was opened. Nothing more is loaded, and keys in memory stay.
+   */
   changed: { readonly error: ShadowFileError };
 }
 
-/** What was fetched and is held. */
+/** Statistics of fetched and resident data. */
 export interface SunPathStats {
   /** Number of requests so far. */
   readonly requests: number;
-  /** Bytes that have come so far. */
+  /** Bytes that have arrived so far. */
   readonly fetchedBytes: number;
   /** The numbers of the keys in memory, at most three. */
   readonly resident: readonly number[];
@@ -59,52 +66,58 @@ export interface SunPathStats {
   readonly loading: readonly number[];
   /** Bytes of the words of the keys in memory. */
   readonly residentBytes: number;
-  /** The numbers of the keys that answer, the first to be asked first; none at night. */
+  /** The numbers of the keys that answer, in the order in which they are looked up; none at night. */
   readonly answering: readonly number[];
-  /** Whether these are the keys of the moment. Otherwise they have not all come, and others stand in for them. */
+  /**
+   * Whether these are the keys of the moment. Otherwise not all of those are in memory, and others stand in
+   * for them.
+   */
   readonly isExact: boolean;
 }
 
 /**
- * A `day.adumbra` file: the suns of a day, and shadows for every moment of it. Lights take it as they take a shadow file. At least
- * one key is there from the beginning; {@link SunPathFile.update}, called before each frame, has those of the moment loaded, and
- * the next one.
+ * A `day.adumbra` file: the suns of a day, and shadows for every moment of it. Lights take it as they take a
+ * shadow file. At least one key is in memory from the beginning. {@link SunPathFile.update}, called before
+ * each frame, loads the keys of the moment, and the next key.
  */
 export class SunPathFile extends EventDispatcher<SunPathEvents> implements StreamedFile {
   /** Where the file is. */
   readonly url: string;
   /** Length of the whole file, bytes. */
   readonly byteLength: number;
-  /** Latitude and longitude in degrees, north and east positive; `null` if the path is of no place. */
+  /** Latitude and longitude in degrees, north and east positive; `null` if the path has no place. */
   readonly placeDegrees: readonly [latitude: number, longitude: number] | null;
   /** How far the local clock is ahead of UTC, seconds. */
   readonly utcOffsetSeconds: number;
-  /** The first and the last moment with a sun that the path knows: seconds since 1970-01-01 00:00 UTC, or since any moment if it is of no place. */
+  /**
+   * The first and the last moment with a sun that the path knows: seconds since 1970-01-01 00:00 UTC, or
+   * since any moment if the path has no place.
+   */
   readonly spanSeconds: readonly [first: number, last: number];
   /** The moments of the keys, seconds. */
   readonly keySeconds: readonly number[];
-  /** Settings of the bake, of the first key that came. */
+  /** Settings of the bake, from the first key that was loaded. */
   readonly settings: FileSettings;
   /** For lights: the shader text. */
   readonly lookUp = sunPath;
   readonly #front: PathFront;
   readonly #source: Source;
   readonly #keys: Keys;
-  /** What the lights of this file have. */
+  /** The words of the lights with this file. */
   readonly #lights = new Set<PathWords>();
   readonly #signal: AbortSignal | undefined;
   readonly #onAbort = (): void => this.dispose();
   #seconds: number;
-  /** Whether time goes on, rather than back. */
+  /** Whether time goes forward, rather than back. */
   #isForward = true;
   #answering: Answering | undefined;
   /** The revision of the keys at the last update. */
   #revision = -1;
-  /** The grid of the key that is asked first, with the sun of the moment; at night with the last one. */
+  /** The grid of the key that is looked up first, with the sun of the moment; at night with the last sun. */
   #grid: LightGrid;
 
   /**
-   * Opens the file at `url`, with a key of the moment to begin with. After that every moment has an answer.
+   * Opens the file at `url`, and loads a key of the moment. After that every moment has an answer.
    *
    * @throws ShadowFileError if the file cannot be fetched or is not valid.
    * @throws RangeError if an option is out of its range.
@@ -170,12 +183,15 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
     return this.#seconds;
   }
 
-  /** For lights: placement of the key that is asked first, with the sun of the moment; at night with the last one. */
+  /**
+   * For lights: placement of the key that is looked up first, with the sun of the moment; at night with the
+   * last sun.
+   */
   get grid(): LightGrid {
     return this.#grid;
   }
 
-  /** What was fetched and is held. */
+  /** Statistics of fetched and resident data. */
   get stats(): SunPathStats {
     const { resident, loading } = this.#keys;
     const bytesOf = (file: BakedShadowFile): number => Array.from({ length: file.levelCount }, (_, level) => 4 * wordCount(file.level(level)!)).reduce((a, b) => a + b);
@@ -191,16 +207,16 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
   }
 
   /**
-   * Returns the unit vector towards the sun at a moment, world space. `undefined` at night, and where the path has no sun: before
-   * its first moment and after its last.
+   * Returns the unit vector towards the sun at a moment, world space. `undefined` at night, and where the
+   * path has no sun: before its first moment and after its last.
    */
   sunAt(seconds: number): Vec3 | undefined {
     return sunAt(this.#front, seconds);
   }
 
   /**
-   * Goes on to a moment: takes in the keys that have come, and has what is missing loaded, and the next key in the direction of
-   * time. Call it before each frame, outside of the renderer's own work.
+   * Goes to a moment: uses the keys that have arrived, and loads missing keys and the next key in the
+   * direction of time. Call it before each frame, outside of the renderer's own work.
    *
    * @throws RangeError if `seconds` is not finite.
    */
@@ -217,7 +233,7 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
   }
 
   /**
-   * Goes on to a moment, and waits for its keys.
+   * Goes to a moment, and waits for its keys.
    *
    * @throws ShadowFileError if one cannot be fetched or is not valid.
    * @throws RangeError if `seconds` is not finite.
@@ -228,14 +244,14 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
     if (this.#seconds === seconds) this.update(seconds);
   }
 
-  /** Has what failed loaded again by the next update, without waiting any longer. */
+  /** Lets the next update load failed keys again, without waiting any longer. */
   retry(): void {
     this.#keys.retry();
   }
 
   /**
-   * Returns look-ups on the CPU for a moment, by default that of the last update, in the keys that are there now. They equal
-   * those of the Rust crate bit for bit if all keys of the moment are.
+   * Returns look-ups on the CPU for a moment, by default that of the last update, in the keys that are in
+   * memory now. They equal those of the Rust crate bit for bit if all keys of the moment are in memory.
    *
    * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17.
    */
@@ -251,7 +267,7 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
     return words;
   }
 
-  /** Ends requests. Lights go on with what is there. */
+  /** Ends requests. Lights go on with the keys in memory. */
   dispose(): void {
     this.#signal?.removeEventListener('abort', this.#onAbort);
     this.#keys.end();

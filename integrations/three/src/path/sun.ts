@@ -1,5 +1,5 @@
-// Where the sun of a path is at a moment, and which keys answer then. `spec/sun-path.md` has the rules. Counterpart of
-// `crates/adumbra/src/path/mod.rs`.
+// Where the sun of a path is at a moment, and which keys answer then. `spec/sun-path.md` has the rules.
+// Counterpart of `crates/adumbra/src/path/mod.rs`.
 
 import { dot, map3 } from '../grid/vec3.js';
 import type { Vec3 } from '../grid/vec3.js';
@@ -10,8 +10,8 @@ import type { PathFront } from './front.js';
 export type Course = Pick<PathFront, 'steps' | 'keys'>;
 
 /**
- * Returns the unit vector towards the sun at a moment: between two steps on the shortest arc. `undefined` before the first
- * step, after the last, and while the sun is at or below the horizon.
+ * Returns the unit vector towards the sun at a moment: between two steps on the shortest arc. `undefined`
+ * before the first step, after the last, and while the sun is at or below the horizon.
  */
 export function sunAt({ steps }: Course, seconds: number): Vec3 | undefined {
   const after = firstFrom(steps.length / STEP_NUMBERS, (i) => steps[STEP_NUMBERS * i]!, seconds);
@@ -27,8 +27,9 @@ export function sunAt({ steps }: Course, seconds: number): Vec3 | undefined {
 }
 
 /**
- * Returns the numbers of the keys that answer at a moment: the one that is asked first, and the other one. Before the first key,
- * after the last and at a key it is one key twice. `undefined` where {@link sunAt} has no sun.
+ * Returns the numbers of the keys that answer at a moment: the key that is looked up first, and the other
+ * key. Before the first key, after the last and at a key, both are the same key. `undefined` where {@link
+ * sunAt} has no sun.
  */
 export function keysAt(course: Course, seconds: number): [first: number, second: number] | undefined {
   /** How many times nearer the key with the lower sun must be to be the first. */

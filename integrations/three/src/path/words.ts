@@ -1,5 +1,5 @@
-// Two keys of a path in one texture, for one light, as `wgsl/path.wgsl` reads them: a row with both headers and what changes with
-// the moment, then a slot for the words of each key.
+// Two keys of a path in one texture, for one light, as `wgsl/path.wgsl` reads them: a row with both headers
+// and the values that change with the moment, then a slot for the words of each key.
 
 import type { DataTexture } from 'three';
 
@@ -14,10 +14,13 @@ import type { Answering, AnsweringKey } from './answering.js';
 
 /** Number of keys that answer at a moment. */
 const SLOTS = 2;
-/** Header words: the key's first word in the texture; whether it is night; the way to the sun; when hidden rays are dark. */
+/**
+ * Header words: the key's first word in the texture; whether it is night; the slope towards the sun; the rise
+ * from which hidden rays are dark.
+ */
 const [FIRST_WORD, IS_NIGHT, SLOPE, DARK_AFTER] = [104, 106, 107, 109] as const;
 
-/** The words of what answers, for one light. */
+/** The words of the keys that answer, for one light. */
 export class PathWords implements StreamedWords {
   readonly texture: DataTexture;
   readonly lookUps: readonly LookUpHeader[];
@@ -34,7 +37,8 @@ export class PathWords implements StreamedWords {
   #shown: readonly Pick<AnsweringKey, 'file' | 'slope'>[] = [];
 
   /**
-   * Makes a texture with slots of `slotWords` words, which are enough for any key, for what answers now.
+   * Makes a texture for the keys that answer now. Its slots have `slotWords` words, which are enough for any
+   * key.
    *
    * @throws ShadowFileError of the kind `TooLarge`, if a side of the texture would be longer than `maxSide`.
    * @throws RangeError if an option is out of its range.
@@ -70,12 +74,12 @@ export class PathWords implements StreamedWords {
     this.show(answering);
   }
 
-  /** Has a renderer, which is about to draw with the texture for the first time, get what changes from now on. */
+  /** Sends later changes to a renderer, which is about to draw with the texture for the first time. */
   follow(renderer: AnyRenderer): void {
     this.#renderers.add(renderer);
   }
 
-  /** Shows what answers now; `undefined` is the night. Not while a renderer draws. */
+  /** Shows the keys that answer now; `undefined` is the night. Do not call it while a renderer draws. */
   show(answering: Answering | undefined): void {
     if (answering !== undefined) {
       this.#shown = answering.parts;
@@ -92,7 +96,7 @@ export class PathWords implements StreamedWords {
     this.#onDispose();
   }
 
-  /** Puts the words of the files that answer into slots, unless they are there. */
+  /** Puts the words of the files that answer into slots, unless they are there already. */
   #fillSlots(): void {
     const files = this.#shown.map(({ file }) => file);
     for (const file of files) {
@@ -107,7 +111,7 @@ export class PathWords implements StreamedWords {
     }
   }
 
-  /** Writes the headers of the files that answer; the second is the first again if there is one. */
+  /** Writes the headers of the files that answer. If only one file answers, its header is written twice. */
   #writeHeaders(options: GpuLookUpOptions): void {
     for (let i = 0; i < SLOTS; i++) {
       const shown = this.#shown[i] ?? this.#shown[0];

@@ -10,10 +10,10 @@ export const NEVER = 0xffffffff;
 /**
  * Where the parts of a leaf are.
  *
- * `last`: the last rank, the number of depths minus 1. `differences`: how many depths are stored as differences, all but
- * the base and "never". `width`: differences take 8 << width bits each. `isSlanted`: whether a gradient follows the first
- * half-word. `differencesAt`, `planesAt`: half-words before the differences, and before the planes. `planes`: the number
- * of bit planes of the columns' ranks.
+ * `last`: the last rank, the number of depths minus 1. `differences`: how many depths are stored as
+ * differences, all but the base and "never". `width`: differences take 8 << width bits each. `isSlanted`:
+ * whether a gradient follows the first half-word. `differencesAt`, `planesAt`: half-words before the
+ * differences, and before the planes. `planes`: the number of bit planes of the columns' ranks.
  */
 export type LeafHead = readonly [
   last: number,

@@ -9,7 +9,7 @@ import { NODE_LEVELS } from './quadtree.js';
 export interface Child {
   /** Address of its shape; {@link UNIFORM} if it has none. */
   at: number;
-  /** What is added to the base, modulo 2^32. */
+  /** Difference that is added to the base, modulo 2^32. */
   delta: number;
   /** Whether it never switches. */
   isNever: boolean;
@@ -20,7 +20,10 @@ export interface Child {
 /** Reads a child of the node at an address, 0 to 15. The result is valid until the next call. */
 export type Children = (node: number, index: number) => Child;
 
-/** Returns the reader of children in a code. In one that is not valid it reads something, and does not throw. */
+/**
+ * Returns the reader of children in a code. In an invalid code it returns arbitrary children, and does not
+ * throw.
+ */
 export function childrenOf(code: Uint16Array): Children {
   /** Near pointers have this bit if they are relative. */
   const NEAR = 2 ** 15;

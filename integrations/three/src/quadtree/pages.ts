@@ -1,5 +1,5 @@
-// Pages and bundles: how a quadtree is cut into parts, and in which order they are stored. A page is a square of 512 × 512
-// columns, and the shapes below its root. A bundle is 4 × 4 pages. Counterpart of
+// Pages and bundles: how a quadtree is cut into parts, and in which order they are stored. A page is a square
+// of 512 × 512 columns, and the shapes below its root. A bundle is 4 × 4 pages. Counterpart of
 // `crates/adumbra/src/layout/depths/page.rs`; `spec/adumbra-file.md` has the curve.
 
 import type { Vec3 } from '../grid/vec3.js';

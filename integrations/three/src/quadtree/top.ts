@@ -1,5 +1,5 @@
-// The table of blocks at which look-ups begin. A file has one root per page, 512 × 512 columns. Where the grid is small, a
-// table of smaller blocks costs little and saves the steps above them. Counterpart of
+// The table of blocks at which look-ups begin. A file has one root per page, 512 × 512 columns. Where the
+// grid is small, a table of smaller blocks costs little and saves the steps above them. Counterpart of
 // `crates/adumbra/src/layout/depths/top.rs`.
 
 import type { Vec3 } from '../grid/vec3.js';

@@ -1,9 +1,10 @@
-// Validates a quadtree: every shape is within its page or the common section, every pointer leads to an earlier shape of
-// the same page or to one of the common section, and every column of a leaf has one of its depths. The same walk finds the
-// depths at which columns switch. Counterpart of `crates/adumbra/src/layout/depths/validate.rs` and `ranges.rs`.
+// Validates a quadtree: every shape is within its page or the common section, every pointer leads to an
+// earlier shape of the same page or to one of the common section, and every column of a leaf has one of its
+// depths. The same walk finds the depths at which columns switch. Counterpart of
+// `crates/adumbra/src/layout/depths/validate.rs` and `ranges.rs`.
 //
-// What was found at an address is remembered, and shapes that overlap are refused, so the walk takes time and memory linear in
-// the half-words.
+// Results are remembered by address, and overlapping shapes are refused, so the walk takes time and memory
+// linear in the half-words.
 
 import { ShadowFileError, hex } from '../error.js';
 import type { ShadowFileFault } from '../error.js';
@@ -15,8 +16,8 @@ import type { Page } from './pages.js';
 import { LEAF_LEVEL, NODE_LEVELS } from './quadtree.js';
 
 /**
- * Depths at which columns switch: none does so nearer, none that switches does so deeper, and whether some column never
- * switches. If none switches, both depths are {@link NEVER}.
+ * The nearest and the farthest depth at which columns switch, and whether some column never switches. If no
+ * column switches, both depths are {@link NEVER}.
  */
 export type DepthRange = readonly [nearest: number, farthest: number, hasNever: boolean];
 
@@ -37,8 +38,8 @@ export function depthsError(level: number, fault: ShadowFileFault, message: stri
 }
 
 /**
- * Checks the pages of a level, of which there are `across` in a row. The code begins with `commonWords` words of the
- * common section. Cost: one pass over all shapes, in steps of a page.
+ * Checks the pages of a level, of which there are `across` in a row. The code begins with `commonWords` words
+ * of the common section. Cost: one pass over all shapes, in steps of a page.
  *
  * @returns the range of each page.
  * @throws ShadowFileError of the kind `Depths`.
@@ -57,7 +58,10 @@ export function* validate(
     throw depthsError(level, fault, message);
   };
 
-  /** Returns the walk in a part of the code. `common` is that of the common section, unless the part is. */
+  /**
+   * Returns the walk in a part of the code. `common` is the walk of the common section, unless the part is
+   * that section.
+   */
   const walkIn = (part: string, start: number, end: number, common?: Walk): Walk => {
     /** Ranges of nodes by address and level. */
     const known = new Map<number, DepthRange>();
@@ -85,7 +89,7 @@ export function* validate(
       spend(at, planesAt + 4 * planes);
       const padded = code[at + planesAt - 1];
       if (width === 0 && (differences & 1) === 1 && padded >>> 8 !== 0) badBits(at, padded);
-      // A rank above the last can be written only where the last is not all ones.
+      // A rank above the last can be written only if the last is not all ones.
       for (let quarter = 0; quarter < 4 && (last + 1) >>> planes === 0; quarter++) {
         const above = columnsAbove(code, at + planesAt + quarter, planes, last);
         if (above !== 0) {
@@ -165,7 +169,7 @@ export function* validate(
 
 /** Returns the range of the columns of all ranges, which are those of pages. */
 export function rangeOf(ranges: readonly DepthRange[]): DepthRange {
-  // Depths at which columns never switch are no farthest ones.
+  // Leave out NEVER: it is not a farthest depth.
   const [nearest, farthest, hasNever] = ranges.reduce((all, [near, far, never]) => joined(all, [near, far === NEVER ? -1 : far, never]), NONE);
   return [nearest, farthest < 0 ? NEVER : farthest, hasNever];
 }
@@ -175,8 +179,8 @@ function joined(a: DepthRange, b: DepthRange): DepthRange {
 }
 
 /**
- * Returns which of sixteen columns have a rank above `last`. Bit p of their ranks is in half-word `plane + 4 p`. All are
- * compared at once, highest bit first.
+ * Returns which of sixteen columns have a rank above `last`. Bit p of their ranks is in half-word `plane + 4
+ * p`. All are compared at once, highest bit first.
  */
 function columnsAbove(code: Uint16Array, plane: number, planes: number, last: number): number {
   let above = 0;

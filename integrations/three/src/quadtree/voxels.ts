@@ -1,4 +1,5 @@
-// Look-ups of voxels in the quadtree. `spec/adumbra-file.md`, "Look-up of a point", has the steps and their names.
+// Look-ups of voxels in the quadtree. `spec/adumbra-file.md`, "Look-up of a point", has the steps and their
+// names.
 
 import { halvesOf } from './bits.js';
 import { NEVER, UNIFORM, depthOf, leafHead, rankOf, rise } from './leaf.js';
@@ -7,8 +8,8 @@ import { LEAF_LEVEL } from './quadtree.js';
 import type { Quadtree } from './quadtree.js';
 
 /**
- * Returns whether voxel (x, y, z), which must be in the grid, is lit. It remembers the block of its last look-up, so that
- * look-ups close to each other cost less.
+ * Returns whether voxel (x, y, z), which must be in the grid, is lit. It remembers the block of its last
+ * look-up, so that look-ups close to each other cost less.
  */
 export type Voxels = (x: number, y: number, z: number) => boolean;
 

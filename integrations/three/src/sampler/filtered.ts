@@ -27,7 +27,7 @@ export function filteredVisibility(
   const all = filter * filter;
   // Texels beside the grid are lit.
   let shadowed = 0;
-  // By blocks of 8 × 8 texels, since those share what the voxels remember.
+  // Go by blocks of 8 × 8 texels, which share the block that the voxels remember.
   for (let blockY = top; blockY <= bottom; blockY = blockEnd(blockY) + 1) {
     const endY = Math.min(blockEnd(blockY), bottom);
     for (let blockX = left; blockX <= right; blockX = blockEnd(blockX) + 1) {

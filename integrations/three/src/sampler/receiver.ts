@@ -1,6 +1,7 @@
-// Receivers: a point on a surface, moved by the bias and rounded to fixed point. From there on a look-up uses whole
-// numbers only, so that the CPU, the GPU and every other reader agree on every tap. `spec/adumbra-file.md`, "Look-up bias
-// and filters". Counterpart of `crates/adumbra/src/query/fixed.rs` and of `receiver` in `mod.rs`.
+// Receivers: a point on a surface, moved by the bias and rounded to fixed point. From there on a look-up uses
+// whole numbers only, so that the CPU, the GPU and every other reader agree on every tap.
+// `spec/adumbra-file.md`, "Look-up bias and filters". Counterpart of `crates/adumbra/src/query/fixed.rs` and
+// of `receiver` in `mod.rs`.
 //
 // Whole numbers here are below 2^53, so doubles hold them exactly, in grids of any size.
 
@@ -60,7 +61,7 @@ export function layerAt({ x, y, z, dx, dy }: Receiver, texelX: number, texelY: n
 
 /** Rounds a grid coordinate down to fixed point, near a grid of `side` voxels. */
 function fixed(voxels: number, side: number): number {
-  /** Points are held within this many voxels around the grid. */
+  /** Points are kept within this many voxels around the grid. */
   const MARGIN_VOXELS = 4096;
   return Math.min(Math.max(Math.floor(voxels * FIXED_ONE), -MARGIN_VOXELS * FIXED_ONE), (side + MARGIN_VOXELS) * FIXED_ONE);
 }

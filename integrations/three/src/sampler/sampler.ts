@@ -14,8 +14,8 @@ import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
 import { filteredVisibility } from './filtered.js';
 
 /**
- * Look-ups of points in a file, for game logic, light probes and tests. It keeps its last block of voxels, so points that
- * follow each other closely cost less.
+ * Look-ups of points in a file, for game logic, light probes and tests. It keeps its last block of voxels, so
+ * points that follow each other closely cost less.
  */
 export class Sampler {
   /** The file that is looked up in. */
@@ -43,8 +43,8 @@ export class Sampler {
   /**
    * Returns the visibility of a point in world space: 1 lit, 0 shadowed, between them the share of lit taps.
    *
-   * `normal` is the unit normal of the surface there, world space; without one the point is in the air. A point that is
-   * not finite is lit, a normal that is not finite counts as none.
+   * `normal` is the unit normal of the surface there, world space; without one the point is in the air. A
+   * point that is not finite is lit, a normal that is not finite counts as none.
    */
   visibility(point: PointLike, normal?: PointLike): number {
     return this.#filtered([point.x, point.y, point.z], normal && [normal.x, normal.y, normal.z]);
@@ -53,7 +53,7 @@ export class Sampler {
   /**
    * Returns the visibilities of points, like {@link Sampler.visibility}.
    *
-   * @param points Three numbers per point, world space. The rest of the division by three is left out.
+   * @param points Three numbers per point, world space. An incomplete last point is ignored.
    * @param normals Three numbers per point: the unit normals of the surfaces there, if they are known.
    */
   visibilities(points: ArrayLike<number>, normals?: ArrayLike<number>): Float32Array {
@@ -66,8 +66,8 @@ export class Sampler {
   }
 
   /**
-   * Returns whether a point in world space is lit, without filter and bias: 1 lit, 0 shadowed. Points beside the grid
-   * and sunward of it are lit.
+   * Returns whether a point in world space is lit, without filter and bias: 1 lit, 0 shadowed. Points beside
+   * the grid and sunward of it are lit.
    */
   pointVisibility(point: PointLike): 0 | 1 {
     const grid = this.#grid;

@@ -1,4 +1,4 @@
-// Where pages go among the words of a pool: the smallest gap that holds a page.
+// Allocates the words of a pool to pages. A page goes into the smallest gap that holds it.
 
 /** Pages begin at multiples of this many words. */
 export const GRANULE_WORDS = 64;
@@ -14,9 +14,9 @@ export function inGranules(words: number): number {
   return Math.ceil(words / GRANULE_WORDS) * GRANULE_WORDS;
 }
 
-/** Gives words of a range out, and takes them back. */
+/** Allocates words of a range, and frees them. */
 export class Allocator {
-  /** In the order of their places. No two touch. */
+  /** The gaps in the order of their places. No two touch. */
   readonly #gaps: Gap[];
   #freeWords: number;
 
@@ -32,7 +32,7 @@ export class Allocator {
     return this.#freeWords;
   }
 
-  /** Returns the place of as many words, which are not free any more, or `undefined` if no gap holds them. */
+  /** Allocates words, and returns their place, or `undefined` if no gap holds them. */
   allocate(words: number): number | undefined {
     const needed = inGranules(words);
     let best: Gap | undefined;
@@ -48,7 +48,7 @@ export class Allocator {
     return at;
   }
 
-  /** Frees as many words at a place that {@link Allocator.allocate} returned for as many. */
+  /** Frees words at a place that {@link Allocator.allocate} returned for the same number of words. */
   release(at: number, words: number): void {
     const gaps = this.#gaps;
     const given = inGranules(words);

@@ -47,7 +47,7 @@ export function distanceTo({ corner, edges: [ex, ey, ez], radius }: Box, p: Vec3
     const [x, y, z] = [outside(fx - share * gx, lx), outside(fy - share * gy, ly), fz - share * gz];
     return x * x + y * y + z * z;
   };
-  // The square is convex along the edge, so each step leaves out a third that cannot have the least.
+  // The square is convex along the edge, so each step drops a third that cannot have the minimum.
   const STEPS = 40;
   let [low, high] = [0, 1];
   for (let step = 0; step < STEPS; step++) {
@@ -55,7 +55,7 @@ export function distanceTo({ corner, edges: [ex, ey, ez], radius }: Box, p: Vec3
     if (squared(a) < squared(b)) high = b;
     else low = a;
   }
-  // Inside, the slice of the point itself is at a distance of 0, but for rounding.
+  // Inside the box, the slice of the point itself is at a distance of 0, up to rounding.
   const own = Math.min(Math.max(fz / gz, 0), 1) || 0;
   const distance = Math.sqrt(Math.min(squared((low + high) / 2), squared(own)));
   return distance < 1e-9 * radius ? 0 : distance;

@@ -1,4 +1,4 @@
-// The bundles of the levels in use, and what is known of each.
+// The bundles of the levels in use, and the state of each.
 
 import type { GridEntry } from '../file/directory.js';
 import type { BundleEntry } from '../file/table.js';
@@ -10,8 +10,8 @@ import type { LevelPlace } from './layout.js';
 import type { Waiting } from './retry.js';
 
 /**
- * What has become of a bundle: it is not here; it has been asked for; it has come, and waits until its words are in the pool;
- * look-ups read it.
+ * The state of a bundle: not loaded; requested; arrived, and waiting until its words are in the pool; or read
+ * by look-ups.
  */
 export type BundleState = 'absent' | 'requested' | 'arrived' | 'resident';
 
@@ -41,15 +41,21 @@ export interface Bundle extends Waiting {
   words: number;
   /** Where its pages are while they are in the pool. */
   pages: readonly PlacedPage[];
-  /** How much finer it is than what is shown without it, as of the last choice; wanted above 1. */
+  /**
+   * How many times coarser than wanted the picture is without it, as of the last choice. It is wanted above
+   * 1.
+   */
   need: number;
   /** Number of the last choice that it was part of. */
   chosenAt: number;
-  /** The share of its answers in 1/256, while it comes or goes. */
+  /** The share of its answers in 1/256, while it fades in or out. */
   weight: number;
-  /** Whether it goes. */
+  /** Whether it is fading out. */
   isLeaving: boolean;
-  /** It found no room when so many bundles had been given up. It is asked for again once there are more. */
+  /**
+   * How many bundles had been given up when it found no room. It is requested again once more have been given
+   * up.
+   */
   blockedAt: number;
 }
 

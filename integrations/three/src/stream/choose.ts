@@ -6,12 +6,13 @@ import type { Bundle } from './bundles.js';
 import { isSeen } from './views.js';
 import type { View } from './views.js';
 
-/** How much coarser what is not seen may be. */
+/** How many times coarser bundles outside of the view may be. */
 const UNSEEN = 4;
 
 /**
- * Returns the bundles that views need, the most needed first, as far as they fit so many words. `coarserTexel` is the size of a
- * texel of the level after a bundle's, world units; `detail` is the largest number of pixels that a texel may cover.
+ * Returns the bundles that views need, the most needed first, as far as they fit `words` words.
+ * `coarserTexel` is the size of a texel of the level after a bundle's, world units; `detail` is the largest
+ * number of pixels that a texel may cover.
  */
 export function choose(
   candidates: readonly Bundle[],
@@ -31,11 +32,11 @@ export function choose(
   return end < 0 ? wanted : wanted.slice(0, end);
 }
 
-/** Returns how many times as coarse as wanted a texel of `texel` world units is in a view. */
+/** Returns how many times coarser than wanted a texel of `texel` world units is in a view. */
 function needOf({ box }: Bundle, view: View, texel: number): number {
   const { position, pixel, pixelPerDistance } = view;
   const of = (d: number): number => texel / (pixel + pixelPerDistance * d);
-  // The ball is at most as far away as the box, and most bundles are left out by it.
+  // Test the ball first: it is at most as far away as the box, and rules out most bundles.
   const nearest = Math.max(apart(position, box.middle) - box.radius, 0);
   if (of(nearest) <= 1) return 0;
   return of(distanceTo(box, position)) / (isSeen(box, view) ? 1 : UNSEEN);

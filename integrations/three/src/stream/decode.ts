@@ -8,7 +8,7 @@ import { BUNDLE_SIDE } from '../quadtree/pages.js';
 import type { Page } from '../quadtree/pages.js';
 import { validate } from '../quadtree/validate.js';
 
-/** A common section to decode. Those of the bundles that follow need it. */
+/** A common section to decode. The jobs of the bundles that follow need it. */
 export interface CommonJob {
   readonly kind: 'common';
   readonly level: number;
@@ -30,7 +30,7 @@ export interface BundleJob {
 /** A part to decode. */
 export type DecodeJob = CommonJob | BundleJob;
 
-/** What is kept of a level. */
+/** The state of a level. */
 interface Level {
   readonly unpacker: Unpacker;
   readonly common: Uint32Array;
@@ -41,7 +41,7 @@ export class Decoding {
   readonly #levels = new Map<number, Level>();
 
   /**
-   * Decodes a part into words. Those of a bundle begin with three per page.
+   * Decodes a part into words. The words of a bundle begin with three per page.
    *
    * @throws ShadowFileError if the part is damaged.
    */
@@ -54,7 +54,7 @@ export class Decoding {
     const unpacker = isCoded ? codedUnpacker() : rawUnpacker();
     const common = yield* unpacker.common(stored, rawBytes, name);
     this.#levels.set(level, { unpacker, common });
-    // The caller may give its words away.
+    // Return a copy, because the caller may transfer its words.
     return common.slice();
   }
 

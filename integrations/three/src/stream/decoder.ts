@@ -1,17 +1,17 @@
-// Has parts decoded in a worker; where none can be had, in slices on the page.
+// Decodes parts in a worker; without a worker, in slices on the page.
 
 import { ShadowFileError } from '../error.js';
 import { runInSlices } from '../file/steps.js';
 import { Decoding } from './decode.js';
 import type { DecodeJob } from './decode.js';
 
-/** What the worker is asked. */
+/** A request to the worker. */
 export interface DecodeRequest {
   readonly id: number;
   readonly job: DecodeJob;
 }
 
-/** What it answers: words, or the parts of an error. */
+/** The worker's answer: words, or the parts of an error. */
 export interface DecodeAnswer {
   readonly id: number;
   readonly words?: Uint32Array;
@@ -69,7 +69,7 @@ export class Decoder {
     });
   }
 
-  /** Ends the worker. What is pending rejects with an `AbortError`. */
+  /** Ends the worker. Pending jobs reject with an `AbortError`. */
   dispose(): void {
     this.#worker?.terminate();
     this.#worker = null;
@@ -102,7 +102,7 @@ export class Decoder {
       .finally(() => this.#pending.delete(id));
   }
 
-  /** Does a job after all before it. */
+  /** Does a job after all earlier jobs. */
   #then(job: DecodeJob): Promise<Uint32Array> {
     const done = this.#last.then(() => runInSlices(this.#decoding.do(job), this.#over.signal));
     this.#last = done.catch(() => undefined);

@@ -1,4 +1,5 @@
-// Fetches what was chosen: common sections and bundles, a few requests at a time. What fails waits, and is asked for again.
+// Fetches the chosen common sections and bundles, a few requests at a time. Parts that fail are requested
+// again after a delay.
 
 import { ShadowFileError } from '../error.js';
 import type { GridEntry } from '../file/directory.js';
@@ -12,7 +13,7 @@ import type { Waiting } from './retry.js';
 import { changed } from './source.js';
 import type { Source } from './source.js';
 
-/** Most words that are asked for, or are being decoded, at a time: 8 MiB. */
+/** The most words that are requested, or are being decoded, at a time: 8 MiB. */
 const MAX_PENDING_WORDS = 2 ** 21;
 
 /** The common section of a level. */
@@ -20,19 +21,19 @@ interface Common extends Waiting {
   state: 'absent' | 'requested' | 'there';
 }
 
-/** What is done with what comes, and with what does not. */
+/** Callbacks for parts that arrive, and for parts that fail. */
 export interface FetchListener {
-  /** A common section has come. */
+  /** A common section has arrived. */
   onCommon(rank: number, words: Uint32Array): void;
-  /** A bundle has come. */
+  /** A bundle has arrived. */
   onBundle(bundle: Bundle, words: Uint32Array): void;
-  /** Parts with these names have not come. */
+  /** Parts with these names have failed. */
   onError(error: ShadowFileError, parts: readonly string[]): void;
-  /** The file is another now. */
+  /** The file has changed. */
   onChanged(error: ShadowFileError): void;
 }
 
-/** What is fetched from. */
+/** The file that parts are fetched from. */
 export interface FetchedFile {
   readonly source: Source;
   readonly decoder: Decoder;
@@ -54,7 +55,7 @@ export class Fetching {
   #pendingWords = 0;
   #isOver = false;
 
-  /** Begins with the common section of the coarsest level there. */
+  /** Begins with the common section of the coarsest level already loaded. */
   constructor(file: FetchedFile, listener: FetchListener) {
     this.#file = file;
     this.#listener = listener;
@@ -67,7 +68,7 @@ export class Fetching {
     return this.#underWay;
   }
 
-  /** Asks for the bundles that `isWanted` does not refuse, in their order, as far as requests are free. */
+  /** Requests the bundles that `isWanted` does not refuse, in order, as far as requests are free. */
   request(chosen: readonly Bundle[], isWanted: (bundle: Bundle) => boolean): void {
     const now = performance.now();
     const isDue = (bundle: Bundle): boolean => bundle.state === 'absent' && bundle.notBefore <= now && isWanted(bundle);
@@ -80,12 +81,12 @@ export class Fetching {
     }
   }
 
-  /** Has what failed asked for at once. */
+  /** Lets failed parts be requested again at once. */
   retry(): void {
     for (const each of [...this.#commons, ...this.#file.levels.flat()]) putOffNoMore(each);
   }
 
-  /** Asks for nothing more. */
+  /** Stops requesting. */
   end(): void {
     this.#isOver = true;
   }
@@ -128,7 +129,7 @@ export class Fetching {
     const { layout, decoder } = this.#file;
     const { entry, rank } = bundle;
     try {
-      // A part of its own, since a worker would get the whole buffer.
+      // Copy the part, because a worker would get the whole buffer.
       const stored = new Uint8Array(from.subarray(0, entry.storedBytes));
       const words = await decoder.decode({ kind: 'bundle', level: layout.levels[rank]!.level, stored, entry });
       putOffNoMore(bundle);
@@ -148,7 +149,7 @@ export class Fetching {
     }
   }
 
-  /** Has what failed wait, unless all is over: then nothing is said. */
+  /** Delays the next request of failed parts and reports the error. Does nothing once fetching has ended. */
   async #fail(error: unknown, what: readonly Waiting[], parts: readonly string[]): Promise<void> {
     if (this.#isOver) return;
     if (!(error instanceof ShadowFileError)) throw error;
@@ -164,7 +165,7 @@ export class Fetching {
     this.#listener.onChanged(error.kind === 'Changed' ? error : changed(source.url, 'its header is another', {}));
   }
 
-  /** Whether damage comes from a file that was replaced. */
+  /** Whether the file was replaced, which would explain the damage. */
   async #hasOtherHeader(source: Source, header: Uint8Array): Promise<boolean> {
     try {
       return !(await isSameHeader(source, header));

@@ -28,7 +28,7 @@ export function poolHeaders({ levels, width, height }: PoolLayout, grids: readon
     words[WORD_COUNT] = count;
     words[COARSER_COUNT] = coarser;
     words[COARSER_ROW] = coarser === 0 ? 0 : rank + 1;
-    // Table, number of coarser levels, that pages may be absent or that they fade, and code.
+    // The table, the number of coarser levels, 1 if pages may be absent or 2 if they fade, and the code.
     words.set([tableAt, coarser, weightsAt === undefined ? 1 : 2, commonAt], PARAMETERS_AT + 76);
     return Object.assign(header, { count });
   });

@@ -1,4 +1,5 @@
-// adumbra-three/stream: shadow files of any size, of which a limited part is held. The rules are in `spec/streaming.md`.
+// adumbra-three/stream: shadow files of any size, of which a limited part is held. The rules are in
+// `spec/streaming.md`.
 
 export type { LevelStats, StreamEvents, StreamOptions, StreamStats } from './streamed-shadow-file.js';
 export { StreamedShadowFile } from './streamed-shadow-file.js';

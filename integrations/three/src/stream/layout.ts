@@ -8,7 +8,7 @@ import type { Dims } from '../quadtree/pages.js';
 import { rootLevelOf } from '../quadtree/top.js';
 import { inGranules } from './allocator.js';
 
-/** Where the parts of a level are that do not come and go. */
+/** Where the permanent parts of a level are. */
 export interface LevelPlace {
   /** Number of the level in the file. */
   readonly level: number;
@@ -38,7 +38,7 @@ export interface PoolLayout {
   readonly height: number;
 }
 
-/** Returns a square-like texture of at most as many words, whose width is a power of two. */
+/** Returns the size of a nearly square texture of at most `words` words, whose width is a power of two. */
 export function poolSize(words: number): [width: number, height: number] {
   let width = 1;
   while (width * width < words) width *= 2;
@@ -46,7 +46,8 @@ export function poolSize(words: number): [width: number, height: number] {
 }
 
 /**
- * Lays out a pool of at most `budget` bytes. If levels fade, all but the coarsest have a weight for each page.
+ * Lays out a pool of at most `budget` bytes. If levels fade, all but the coarsest have a weight for each
+ * page.
  *
  * @throws ShadowFileError of the kind `TooLarge`, if the coarsest level does not fit.
  */
@@ -67,7 +68,7 @@ export function poolLayout(
     return { rootLevel, topDims, pageDims, blocks, weights, table: blocks + weights, common: commonRawBytes / 4 };
   });
   const ofPages = tables[coarsest]!.reduce((sum, { pageWords }) => sum + pageWords, 0);
-  /** The words of a level in use, with all coarser ones. */
+  /** The words of a level and of all coarser levels. */
   const needed = (level: number): number => sizes.slice(level).reduce((sum, { table, common }) => sum + table + common, ofPages);
   if (needed(coarsest) > words) throw tooSmall(budget, 4 * needed(coarsest));
   let finest = coarsest;

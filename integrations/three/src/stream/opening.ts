@@ -47,7 +47,7 @@ export async function isSameHeader(source: Source, header: Uint8Array): Promise<
   return now.every((byte, i) => byte === header[i]);
 }
 
-/** Returns the bytes of a file up to `end`, of which the first are there. */
+/** Returns the bytes of a file up to `end`. `first` are the bytes that have already been read. */
 export async function upTo(source: Source, first: Uint8Array, end: number): Promise<Uint8Array> {
   if (first.length >= end) return first;
   const rest = await source.read(first.length, end - first.length);

@@ -1,4 +1,5 @@
-// The words that look-ups read: tables, common sections, and the pages that are resident. `spec/streaming.md`, "The pool".
+// The words that look-ups read: tables, common sections, and the pages that are resident.
+// `spec/streaming.md`, "The pool".
 
 import { HEAD_WORDS } from '../file/table.js';
 import { halvesOf } from '../quadtree/bits.js';
@@ -13,7 +14,7 @@ import type { LevelPlace, PoolLayout } from './layout.js';
 
 /** In place of the address of a block whose page is not resident. */
 export const ABSENT = 0xfffffffe;
-/** The weight of a page that answers alone. With less, the next coarser level has the rest. */
+/** The weight of a page that answers alone. With less, the next coarser level has the remaining share. */
 export const WHOLE = 256;
 
 /** A bundle whose words are on their way into the pool. */
@@ -28,7 +29,7 @@ export interface Entering {
   from: number;
 }
 
-/** The words, with what is known of them. */
+/** The words of a pool, and their state. */
 export class Pool {
   /** All words, row by row of a texture. */
   readonly words: Uint32Array<ArrayBuffer>;
@@ -86,7 +87,7 @@ export class Pool {
     this.#write(commonAt, words);
   }
 
-  /** Finds room for a bundle that was decoded, or returns `undefined` if there is none. */
+  /** Finds room for a bundle that was decoded. Returns `undefined` if the pool has no room. */
   enter(bundle: Bundle, words: Uint32Array): Entering | undefined {
     const pages: PlacedPage[] = [];
     for (let head = 0; head < HEAD_WORDS; head += 3) {
@@ -102,8 +103,8 @@ export class Pool {
   }
 
   /**
-   * Copies pages of a bundle until all are there or `budget` words are used up, at least one. Look-ups read the bundle once all
-   * are. Returns the number of words, and whether all are there.
+   * Copies pages of a bundle, at least one, until all are copied or `budget` words are used up. Look-ups read
+   * the bundle once all are copied. Returns the number of copied words, and whether all pages are copied.
    */
   copy(entering: Entering, budget: number): { readonly words: number; readonly isDone: boolean } {
     const { words, pages } = entering;
@@ -141,7 +142,7 @@ export class Pool {
     }
   }
 
-  /** Takes a bundle from look-ups, and frees its words. */
+  /** Removes a bundle from look-ups, and frees its words. */
   giveUp(bundle: Bundle): void {
     this.#setBlocks(bundle, () => () => [ABSENT, 0]);
     this.#release(bundle.pages);

@@ -1,16 +1,16 @@
-// What is asked for together.
+// Which bundles are requested together.
 
 import type { Bundle } from './bundles.js';
 
-/** Most bytes of a request of several bundles. */
+/** The most bytes of a request of several bundles. */
 export const MAX_RUN_BYTES = 256 * 1024;
-/** Most requests that are under way at a time. */
+/** The most requests that are under way at a time. */
 export const MAX_REQUESTS = 6;
 
 /**
- * Returns the run of bundles around one in the order of the file, of at most {@link MAX_RUN_BYTES} if there are several.
- * `level` are all bundles of its level. A run ends at the first neighbour that `isWanted` refuses. Those without bytes are passed
- * over.
+ * Returns the run of bundles around one in the order of the file, of at most {@link MAX_RUN_BYTES} if there
+ * are several. `level` are all bundles of its level. A run ends at the first neighbour that `isWanted`
+ * refuses. Bundles without bytes are skipped.
  */
 export function runAround(bundle: Bundle, level: readonly Bundle[], isWanted: (bundle: Bundle) => boolean): Bundle[] {
   const run = [bundle];

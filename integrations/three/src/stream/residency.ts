@@ -1,5 +1,6 @@
-// Which bundles are in the pool: those that have come go in, and others make room. If levels fade, what comes and what goes
-// changes its weight by and by, and what needs the room of what goes waits for it.
+// Which bundles are in the pool: bundles that have arrived enter it, and others make room. If levels fade,
+// bundles that enter or leave change their weight step by step, and a bundle that needs the room of a leaving
+// one waits for it.
 
 import { HEAD_WORDS } from '../file/table.js';
 import { inGranules } from './allocator.js';
@@ -13,19 +14,19 @@ export class Residency {
   readonly #pool: Pool;
   /** The bundles that may be given up. */
   readonly #comers: readonly Bundle[];
-  /** The words of bundles that have come. */
+  /** The words of bundles that have arrived. */
   readonly #arrived = new Map<Bundle, Uint32Array>();
   /** A bundle some of whose pages are in the pool. */
   #entering: Entering | undefined;
   /** Bundles whose weight changes. */
   readonly #fading = new Set<Bundle>();
-  /** The change of a weight in an update. */
+  /** The change of a weight per update. */
   readonly #step: number;
   #choice = 0;
 
   /**
-   * Takes the bundles of all levels, the finest first, and the number of updates over which they come and go. The coarsest level
-   * is never given up.
+   * Takes the bundles of all levels, the finest first, and the number of updates over which they fade. The
+   * coarsest level is never given up.
    */
   constructor(pool: Pool, levels: readonly (readonly Bundle[])[], fadeUpdates: number) {
     this.#pool = pool;
@@ -38,7 +39,7 @@ export class Residency {
     }
   }
 
-  /** The bundles that come and go. */
+  /** The bundles that are loaded and given up. */
   get comers(): readonly Bundle[] {
     return this.#comers;
   }
@@ -48,7 +49,7 @@ export class Residency {
     return this.#fading.size;
   }
 
-  /** Takes a bundle of the coarsest level in, which stays. */
+  /** Adds a bundle of the coarsest level, which stays. */
   settle(bundle: Bundle, words: Uint32Array): void {
     const entering = this.#pool.enter(bundle, words);
     const { length } = this.#pool.words;
@@ -58,14 +59,17 @@ export class Residency {
     bundle.words = wordsOf(words);
   }
 
-  /** Puts a bundle that was decoded before the pool. */
+  /** Queues a decoded bundle for the pool. */
   arrive(bundle: Bundle, words: Uint32Array): void {
     bundle.state = 'arrived';
     bundle.words = wordsOf(words);
     this.#arrived.set(bundle, words);
   }
 
-  /** Brings what has come into the pool, up to about so many words. `choice` is the number of the last choice. */
+  /**
+   * Copies bundles that have arrived into the pool, up to about `words` words. `choice` is the number of the
+   * last choice.
+   */
   bringIn(words: number, choice: number): void {
     this.#choice = choice;
     this.#fade();
@@ -95,7 +99,7 @@ export class Residency {
     }
   }
 
-  /** Finds room for the bundle that is needed most of those that have come. Those without room are dropped. */
+  /** Finds room for the most needed bundle that has arrived. Bundles without room are dropped. */
   #next(): Entering | undefined {
     const waiting = [...this.#arrived].sort(([a], [b]) => b.chosenAt - a.chosenAt || b.need - a.need);
     for (const [bundle, words] of waiting) {
@@ -115,7 +119,10 @@ export class Residency {
     return undefined;
   }
 
-  /** Has bundles go for another one, which may have room once they are gone. Returns false if all others are needed more. */
+  /**
+   * Makes bundles leave for another one, which may have room once they are gone. Returns false if all others
+   * are needed more.
+   */
   #makeRoom(forBundle: Bundle): boolean {
     if (!this.#isChosen(forBundle)) return false;
     let leaving = 0;
@@ -133,13 +140,13 @@ export class Residency {
     return leaving > 0;
   }
 
-  /** Returns the bundle that is to go first for another one, if any is needed less. */
+  /** Returns the bundle that should leave first for another one, if any is needed less. */
   #victim(forBundle: Bundle): Bundle | undefined {
     let victim: Bundle | undefined;
     for (const bundle of this.#comers) {
       if (bundle.state !== 'resident' || bundle.isLeaving) continue;
       if (this.#isChosen(bundle) && bundle.need >= forBundle.need) continue;
-      // Those that were chosen least recently go first, and among these the least needed.
+      // Bundles that were chosen least recently leave first, and among these the least needed.
       if (victim === undefined || bundle.chosenAt < victim.chosenAt || (bundle.chosenAt === victim.chosenAt && bundle.need < victim.need)) victim = bundle;
     }
     return victim;
@@ -154,7 +161,7 @@ export class Residency {
     bundle.state = 'absent';
     bundle.isLeaving = false;
     this.#fading.delete(bundle);
-    // It was chosen in vain: there is no room for all.
+    // Although the bundle was chosen, there is no room for all chosen bundles.
     if (this.#isChosen(bundle)) bundle.blockedAt = this.#pool.givenUp;
   }
 }

@@ -1,4 +1,4 @@
-// Look-ups on the CPU in what is resident of a streamed file.
+// Look-ups on the CPU in the resident parts of a streamed file.
 
 import type { LightGrid } from '../grid/light-grid.js';
 import { placedGrid } from '../grid/placement.js';
@@ -12,7 +12,7 @@ import { PAGE_LEVEL } from '../quadtree/pages.js';
 import { ABSENT, WHOLE } from './pool.js';
 import type { Pool } from './pool.js';
 
-/** What look-ups need of a streamed file. */
+/** The parts of a streamed file that look-ups need. */
 export interface SampledFile {
   readonly pool: Pool;
   /** Placement of the levels in use, the finest first. */
@@ -21,8 +21,8 @@ export interface SampledFile {
 }
 
 /**
- * Look-ups of points in a streamed file, like those of `Sampler` in a whole one. Each has the answer of the finest level all of
- * whose pages under the filter are resident; while these fade, the next coarser level has a share.
+ * Look-ups of points in a streamed file, like those of `Sampler` in a whole file. The finest level with all
+ * pages under the filter resident answers; while these pages fade, the next coarser level has a share.
  */
 export class StreamedSampler {
   /** Width of the filter, texels. */
@@ -66,7 +66,7 @@ export class StreamedSampler {
     const n = normal && ([normal.x, normal.y, normal.z] as const);
     const sum = { rank: -1, visibility: 0 };
     let left = 1;
-    // The coarsest level is always there.
+    // The coarsest level is always resident.
     for (let rank = 0; left > 0 && rank < grids.length; rank++) {
       this.#isAbsent = false;
       this.#weight = WHOLE;
@@ -80,7 +80,10 @@ export class StreamedSampler {
     return sum;
   }
 
-  /** Returns the look-up of voxels in a level, which notes the weights of their pages, and if one is not resident. */
+  /**
+   * Returns the look-up of voxels in a level. It notes the weights of their pages, and whether a page is not
+   * resident.
+   */
   #voxelsOf(rank: number): Voxels {
     const { words, layout } = this.#file.pool;
     const { tableAt, weightsAt, pageDims, commonAt, rootLevel, topDims } = layout.levels[rank]!;

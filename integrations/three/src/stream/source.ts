@@ -3,7 +3,7 @@
 import { ShadowFileError } from '../error.js';
 import { warnOnce } from '../light/warn.js';
 
-/** What `fetch` is called with besides the range, such as `credentials` or `headers`. */
+/** Options of `fetch` besides the range, such as `credentials` or `headers`. */
 export type FetchOptions = Omit<RequestInit, 'signal' | 'method' | 'body'>;
 
 /** A file on a server. */
@@ -32,20 +32,20 @@ export class Source {
     return this.#requests;
   }
 
-  /** Number of bytes that have come so far. */
+  /** Number of bytes that have arrived so far. */
   get bytes(): number {
     return this.#bytes;
   }
 
-  /** Length of the file, bytes, if the server says it. */
+  /** Length of the file, bytes, if the server reports it. */
   get fileLength(): number | undefined {
     return this.#length;
   }
 
   /**
-   * Reads a part of the file, which is shorter only if the file ends before.
+   * Reads a part of the file. It is shorter than `length` only if the file ends before.
    *
-   * @throws ShadowFileError of the kind `Io` if it does not come, or `Changed` if the file is another than before.
+   * @throws ShadowFileError of the kind `Io` if it cannot be fetched, or `Changed` if the file has changed.
    */
   async read(offset: number, length: number): Promise<Uint8Array> {
     if (this.#whole !== undefined) return (await this.#whole).subarray(offset, offset + length);
@@ -89,7 +89,8 @@ export class Source {
     if (range !== null && Number(range[1]) !== offset) throw this.#failed(offset, length, `the server sent the bytes from ${range[1]} on`);
     const bytes = new Uint8Array(await response.arrayBuffer());
     this.#bytes += bytes.length;
-    // Only the first request may ask for more than there is. Servers of other origins may hide how much that is.
+    // Only the first request may ask for more bytes than the file has. Servers of other origins may hide its
+    // length.
     const end = this.#length === undefined ? Infinity : Math.max(this.#length - offset, 0);
     const isAll = bytes.length === Math.min(length, end) || (end === Infinity && offset === 0 && bytes.length < length);
     if (!isAll) throw this.#failed(offset, length, `the server sent ${bytes.length} bytes`);
@@ -112,7 +113,7 @@ export class Source {
     }
   }
 
-  /** Checks that a response is of the file that was first seen, as far as it tells. */
+  /** Checks that a response belongs to the file that was first seen, as far as its headers say. */
   #checkSame(response: Response, length: number | undefined): void {
     const etag = response.headers.get('ETag');
     if (etag !== null && this.#etag !== null && etag !== this.#etag) throw this.#changed('ETag', this.#etag, etag);
@@ -131,7 +132,7 @@ export class Source {
   }
 }
 
-/** Returns the error of a file that is not the one that was opened. */
+/** Returns the error of a file that has changed since it was opened. */
 export function changed(url: string, how: string, details: Record<string, number | string>): ShadowFileError {
   return new ShadowFileError('Changed', `has changed since it was opened: ${how}; open it again`, details, { url });
 }

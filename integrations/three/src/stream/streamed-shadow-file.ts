@@ -1,4 +1,4 @@
-// A shadow file of any size, of which a pool of limited size holds what cameras need.
+// A shadow file of any size. A pool of limited size holds the parts that cameras need.
 
 import { EventDispatcher } from 'three';
 import type { Camera } from 'three';
@@ -37,25 +37,42 @@ export interface StreamOptions {
   readonly detail?: number;
   /** Ends the opening, and later the streaming, once it aborts. */
   readonly signal?: AbortSignal;
-  /** What `fetch` is called with besides the range, such as `credentials`. */
+  /** Options of `fetch` besides the range, such as `credentials`. */
   readonly fetch?: FetchOptions;
   /** Seconds after which a request without an answer has failed; 30 by default. */
   readonly timeout?: number;
-  /** About the most bytes that an update brings into the pool, and so to the GPU; 256 KiB by default. */
+  /**
+   * The approximate limit of bytes that an update copies into the pool, and so to the GPU; 256 KiB by
+   * default.
+   */
   readonly bytesPerUpdate?: number;
-  /** Updates over which pages come and go, so that shadows do not jump; 0, the default, changes them at once. */
+  /**
+   * Number of updates over which pages fade in and out, so that shadows do not jump; 0, the default, switches
+   * them at once.
+   */
   readonly fadeUpdates?: number;
-  /** Whether a worker decodes, where one can be had: true by default. Otherwise the page does, in slices of ten milliseconds. */
+  /**
+   * Whether a worker decodes, if one is available: true by default. Otherwise the page decodes, in slices of
+   * ten milliseconds.
+   */
   readonly worker?: boolean;
 }
 
 /** The events of a {@link StreamedShadowFile}. */
 export interface StreamEvents {
-  /** Bundles have come. The next {@link StreamedShadowFile.update} takes them in, so a page that draws on demand should draw. */
+  /**
+   * Bundles have arrived. The next {@link StreamedShadowFile.update} uses them, so a page that draws on
+   * demand should draw.
+   */
   arrived: object;
-  /** Parts could not be fetched, or are damaged. A coarser level is shown there, and they are asked for again later. */
+  /**
+   * Parts could not be fetched, or are damaged. A coarser level is shown there, and they are requested again
+   * later.
+   */
   error: { readonly error: ShadowFileError; readonly parts: readonly string[] };
-  /** The file on the server is another than when it was opened. Nothing more is fetched, and what is there stays. */
+  /**
+   * The file on the server has changed since it was opened. Nothing more is fetched, and resident parts stay.
+   */
   changed: { readonly error: ShadowFileError };
 }
 
@@ -71,13 +88,13 @@ export interface LevelStats {
   readonly resident: number;
 }
 
-/** What was fetched and is held. */
+/** Statistics of fetched and resident data. */
 export interface StreamStats {
   /** Number of requests so far. */
   readonly requests: number;
   /** Number of requests that are under way. */
   readonly underWay: number;
-  /** Bytes that have come so far. */
+  /** Bytes that have arrived so far. */
   readonly fetchedBytes: number;
   /** Bytes of the pool. */
   readonly poolBytes: number;
@@ -85,7 +102,7 @@ export interface StreamStats {
   readonly usedBytes: number;
   /** Number of bundles that the last update chose. */
   readonly chosen: number;
-  /** How many of these are not there. */
+  /** How many of these are not resident. */
   readonly missing: number;
   /** Number of bundles that fade. As long as there are any, a page that draws on demand should go on. */
   readonly fading: number;
@@ -94,8 +111,9 @@ export interface StreamStats {
 }
 
 /**
- * A `.adumbra` file on a server with range requests. Lights take it as they take a whole file. The coarsest level is there from
- * the beginning; {@link StreamedShadowFile.update}, called before each frame, has what cameras need of the finer ones fetched.
+ * A `.adumbra` file on a server with range requests. Lights take it as they take a whole file. The coarsest
+ * level is resident from the beginning. {@link StreamedShadowFile.update}, called before each frame, fetches
+ * the parts of finer levels that cameras need.
  */
 export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements StreamedFile {
   /** Where the file is. */
@@ -119,7 +137,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
   readonly #wordsPerUpdate: number;
   readonly #signal: AbortSignal | undefined;
   readonly #onAbort = (): void => this.dispose();
-  /** What the lights of this file have. */
+  /** The words of the lights with this file. */
   readonly #lights = new Set<PoolWords>();
   #chosen: readonly Bundle[] = [];
   /** Number of the last choice. */
@@ -195,7 +213,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     });
   }
 
-  /** What was fetched and is held. */
+  /** Statistics of fetched and resident data. */
   get stats(): StreamStats {
     const { words, pageWords, layout } = this.#pool;
     const isResident = ({ state }: Bundle): boolean => state === 'resident';
@@ -218,8 +236,9 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
   }
 
   /**
-   * Chooses what cameras need, takes in what has come, and asks for more. Call it before each frame, outside of the renderer's
-   * own work. Cost: a pass over the bundles of the file, and what is taken in.
+   * Chooses the bundles that cameras need, copies arrived ones into the pool, and requests more. Call it
+   * before each frame, outside of the renderer's own work. Cost: a pass over the bundles of the file, and the
+   * copies.
    *
    * @param cameras One camera, or all that see the world in this frame. Of a camera array, name its cameras.
    * @param rows Rows of pixels of the picture; those of the page's window by default.
@@ -228,7 +247,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     if (this.#isDisposed) return;
     const { all } = this.#pool.pageWords;
     const coarsest = this.#levels.at(-1)!.reduce((sum, { words }) => sum + words, 0);
-    /** The share of the words for pages that what is chosen may take. */
+    /** The share of the words for pages that the chosen bundles may take. */
     const CHOSEN_SHARE = 0.9;
     this.#choice += 1;
     const placements = this.#lights.size === 0 ? [undefined] : [...this.#lights].map(({ lookUps }) => lookUps[0]!.placement);
@@ -244,13 +263,13 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     for (const light of this.#lights) light.upload();
   }
 
-  /** Has the next update ask for what failed at once, without waiting any longer. */
+  /** Lets the next update request failed parts again, without waiting any longer. */
   retry(): void {
     this.#fetching.retry();
   }
 
   /**
-   * Returns look-ups on the CPU in what is resident.
+   * Returns look-ups on the CPU in the resident parts.
    *
    * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17.
    */
@@ -266,7 +285,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     return words;
   }
 
-  /** Ends requests and the worker. Lights go on with what is resident. */
+  /** Ends requests and the worker. Lights go on with the resident parts. */
   dispose(): void {
     this.#isDisposed = true;
     this.#signal?.removeEventListener('abort', this.#onAbort);
@@ -292,7 +311,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
   }
 }
 
-/** Rows of pixels of the page's window, or of a common screen where there is none. */
+/** Rows of pixels of the page's window, or of a common screen if there is no window. */
 function windowRows(): number {
   const { innerHeight, devicePixelRatio } = globalThis as { innerHeight?: number; devicePixelRatio?: number };
   return innerHeight === undefined || devicePixelRatio === undefined ? 1080 : innerHeight * devicePixelRatio;

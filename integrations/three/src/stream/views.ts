@@ -1,4 +1,4 @@
-// What a camera sees, as far as the choice of pages needs it.
+// The view of a camera, as far as the choice of pages needs it.
 
 import { Matrix4, Vector3 } from 'three';
 import type { Camera } from 'three';
@@ -17,17 +17,18 @@ export interface Plane {
 /** A view of the world. */
 export interface View {
   readonly position: Vec3;
-  /** The planes that bound what is seen. */
+  /** The planes that bound the view. */
   readonly planes: readonly Plane[];
-  /** Size of a pixel in the world at the view, which a parallel projection has everywhere. */
+  /** Size of a pixel in the world at distance 0. A parallel projection has this size at every distance. */
   readonly pixel: number;
   /** By how much it grows per unit of distance. */
   readonly pixelPerDistance: number;
 }
 
 /**
- * Returns what a camera whose picture has so many rows of pixels sees of a file, which the app may have placed. All comes from the
- * product of its matrices: map libraries have the view in the projection.
+ * Returns the view of a camera whose picture has `rows` rows of pixels, in the coordinates of a file that the
+ * app may have placed. It is computed from the product of the camera's matrices, because map libraries have
+ * the view in the projection.
  */
 export function viewOf(camera: Camera, rows: number, placement?: WorldFromFile): View {
   camera.updateWorldMatrix(true, false);

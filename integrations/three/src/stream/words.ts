@@ -36,12 +36,12 @@ export class PoolWords implements StreamedWords {
     this.#rows = new RowUpload(this.texture);
   }
 
-  /** Has the texture follow the pool in a renderer, which is about to draw with it for the first time. */
+  /** Makes the texture follow the pool in a renderer, which is about to draw with it for the first time. */
   follow(renderer: AnyRenderer): void {
     if (!this.#revisions.has(renderer)) this.#revisions.set(renderer, this.#pool.revision);
   }
 
-  /** Uploads what has changed to all renderers that draw with it. Not while one draws. */
+  /** Uploads changed rows to all renderers that draw with the texture. Do not call it while one draws. */
   upload(): void {
     const { revision } = this.#pool;
     for (const [renderer, had] of this.#revisions) {

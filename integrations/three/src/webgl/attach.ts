@@ -22,12 +22,12 @@ export interface AttachedShadow extends BakedShadow {
   readonly skipped: readonly string[];
 }
 
-/** What ends the shadow that is attached to a light, in whatever scene. */
+/** The function that ends the shadow attached to a light, in any scene. */
 const attached = new WeakMap<SunLike, () => void>();
 
 type Uniforms = Record<string, IUniform>;
 
-/** A material that was met in none of so many drawings is let go. */
+/** A material that was met in none of this many drawings is released. */
 const LONG_DRAWINGS = 100;
 
 const NO_PART = 'attach shadows to the Scene that is drawn, not to a part of it';
@@ -36,12 +36,13 @@ const NO_PART = 'attach shadows to the Scene that is drawn, not to a part of it'
 const OLDEST = 166;
 
 /**
- * Gives all materials of a scene the shadows of a light from its files, those too that come later. Three's own shadow map goes on
- * working beside them, for what moves. The light need not cast for the baked shadows alone. Objects must have `receiveShadow`. What
- * was attached to the light before, in whatever scene, is disposed.
+ * Gives all materials of a scene, also those that are added later, the shadows of a light from its files.
+ * Three's own shadow map goes on working beside them, for objects that move. For the baked shadows alone, the
+ * light need not cast. Objects must have `receiveShadow`. A shadow that was attached to the light before, in
+ * any scene, is disposed.
  *
  * @throws MissingHookError if this version of three lacks what is needed.
- * @throws TypeError if the scene is none, or comes from another copy of three.
+ * @throws TypeError if `scene` is not a scene, or comes from another copy of three.
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU.
  * @throws RangeError if an option is out of its range.
  */
@@ -75,7 +76,10 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
   const skipped = new Set<string>();
   let drawings = 0;
 
-  /** Returns uniforms of a material with those of the light. Those that a `ShaderMaterial` was given stay as they are. */
+  /**
+   * Returns uniforms of a material with those of the light. Uniforms that a `ShaderMaterial` was given stay
+   * as they are.
+   */
   const withUniforms = (theirs: Uniforms, material: Material): Uniforms => {
     const isGiven = theirs === (material as { uniforms?: Uniforms }).uniforms;
     return Object.assign(isGiven ? (Object.create(theirs) as Uniforms) : theirs, uniforms);
@@ -109,7 +113,7 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     materials.set(material, drawings);
     if (!hasChange(material, change)) addChange(material, change);
   };
-  /** Three keeps a material's programs, but of their uniforms only those of the last one that it compiled. */
+  /** Three keeps all programs of a material, but only the uniforms of the program that it compiled last. */
   const giveUniforms = (properties: WebGLRenderer['properties']): void => {
     for (const material of materials.keys()) {
       const kept = properties.get(material) as { uniforms?: Uniforms; uniformsList?: unknown };
@@ -132,7 +136,7 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
       baked.update(renderer);
       baked.warnOfMoved(scene);
       bind();
-      // What a mask of all shadows has of it.
+      // The intensity of this shadow in a mask of all shadows.
       intensity.value = shines(light) && isIn(light, scene) && light.layers.test(camera.layers) ? light.shadow.intensity : 0;
       if (renderer.isWebGLRenderer !== true) {
         warnOnce('attachBakedShadow is for WebGLRenderer; with WebGPURenderer, use BakedShadowNode', 'renderer');
@@ -152,11 +156,12 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     if (!baked.dispose()) return;
     if (attached.get(light) === detach) attached.delete(light);
     for (const target of [...materials.keys()]) forget({ target });
-    // Three holds on to the uniforms.
+    // Drop the textures, because three keeps the uniforms.
     words.value = headers.value = null;
   };
   attached.set(light, detach);
-  // Once what was attached before has given the light back. What is compiled before it is drawn has the shadows as well.
+  // Update only after the previous shadow has restored the light. Materials that are compiled before the
+  // first drawing then have the shadows as well.
   baked.update();
   bind();
   forEachMaterial(scene, meet);

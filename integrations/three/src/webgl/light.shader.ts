@@ -1,6 +1,6 @@
 // The GLSL that multiplies a light's colour, or a mask of shadows, by the visibility from its files.
 
-/** What the main function uses. */
+/** The declarations that the main function uses. */
 export const DECLARATIONS = `uniform highp usampler2D adumbra_words;
 uniform highp usampler2D adumbra_headers;
 uniform vec3 adumbra_towards_light;
@@ -12,8 +12,8 @@ float adumbra_seen = -1.0;
 const SAME_LIGHT = '2e-3';
 
 /**
- * The shadow of a light. All cascades of a light have its direction, and one look-up serves them. A camera below a scaled parent
- * scales its view along its axes.
+ * The shadow of a light. All cascades of a light have its direction, and one look-up serves them. A camera
+ * below a scaled parent scales its view along its axes.
  */
 export function shadowOf(light: string): string {
   return `if ( receiveShadow && distance( ${light}.direction, normalize( ( viewMatrix * vec4( adumbra_towards_light, 0.0 ) ).xyz ) ) < ${SAME_LIGHT} ) {
@@ -28,12 +28,18 @@ export function shadowOf(light: string): string {
 }`;
 }
 
-/** Before a vertex shader, whose own main function gets another name: a world position for masks of shadows, of all lights. */
+/**
+ * Goes before a vertex shader, and renames its main function. Declares a world position for shadow masks of
+ * all lights.
+ */
 export const MASK_VERTEX = `varying highp vec3 bakedShadowPosition;
 #define main mainBeforeBakedShadow
 `;
 
-/** Behind it. The fourth part of the view position is set to 1, which it is but for rounding. */
+/**
+ * Goes after the vertex shader. Sets the fourth component of the view position to 1, which it is up to
+ * rounding.
+ */
 export const MASK_VERTEX_END = `
 #undef main
 void main() {
@@ -42,11 +48,14 @@ void main() {
 }
 `;
 
-/** In place of the head of a mask of shadows. */
+/** Replaces the head of a shadow mask. */
 export const MASK_HEAD = `float getShadowMask();
 float adumbra_mask() {`;
 
-/** The mask with the shadows of the files. Its surface is flat, for such a shader need not have a normal. */
+/**
+ * The mask with the shadows of the files. The surface counts as flat, because such a shader need not have a
+ * normal.
+ */
 export const MASK = `
 #ifndef BAKED_SHADOW_POSITION
 #define BAKED_SHADOW_POSITION

@@ -1,20 +1,20 @@
-// The hook in a material of WebGLRenderer, which changes its shader for one or several lights. Hooks of the app, earlier and later
-// ones, go on being called, before those changes.
+// The hook in a material of WebGLRenderer, which changes its shader for one or several lights. Hooks of the
+// app, earlier and later ones, are still called, before those changes.
 
 import { Material } from 'three';
 import type { WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
 
 import { wrap } from '../light/wrap.js';
 
-/** What a light does to shaders. */
+/** A light's change to shaders. */
 export interface ShaderChange {
-  /** Tells its shaders from others. */
+  /** Distinguishes its shaders from others. */
   readonly key: string;
   /** Changes a shader, unless it was changed before. */
   apply(shader: WebGLProgramParametersWithUniforms, material: Material): void;
 }
 
-/** What is hooked in a material. */
+/** The hook of a material. */
 interface Hook {
   readonly changes: Set<ShaderChange>;
   isInPlace(): boolean;
@@ -29,7 +29,7 @@ export function hasChange(material: Material, change: ShaderChange): boolean {
   return hook !== undefined && hook.changes.has(change) && hook.isInPlace();
 }
 
-/** Has a change made to a material's shader. */
+/** Adds a change to a material's shader. */
 export function addChange(material: Material, change: ShaderChange): void {
   let hook = hooks.get(material);
   if (hook?.isInPlace() !== true) {
@@ -40,7 +40,10 @@ export function addChange(material: Material, change: ShaderChange): void {
   material.needsUpdate = true;
 }
 
-/** Has a change made no more. After the last one the material is as the app left it. */
+/**
+ * Removes a change from a material's shader. After the last change is removed, the material is as the app
+ * left it.
+ */
 export function removeChange(material: Material, change: ShaderChange): void {
   const hook = hooks.get(material);
   if (hook?.changes.delete(change) !== true) return;

@@ -1,5 +1,6 @@
-// The change of three's shaders: behind a light's own information, its colour is multiplied by the visibility from the
-// files. Whatever follows there, three's own shadow map or nothing, goes on multiplying. So does a mask of all shadows.
+// The change of three's shaders: after a light's own information, its colour is multiplied by the visibility
+// from the files. Code that follows, such as three's own shadow map, goes on multiplying. A mask of all
+// shadows is changed in the same way.
 
 import { ShaderChunk, ShaderLib } from 'three';
 import type { WebGLProgramParametersWithUniforms } from 'three';
@@ -8,22 +9,24 @@ import type { Hooks } from '../light/three.js';
 import { withPrefix } from '../look-ups/look-up.js';
 import { DECLARATIONS, MASK, MASK_HEAD, MASK_VERTEX, MASK_VERTEX_END, shadowOf } from './light.shader.js';
 
-/** As three finds it: what is commented out is none. */
+/** Matches like three: an include that is commented out does not count. */
 const INCLUDE = /^[ \t]*#include +<lights_fragment_begin>/m;
 
 /** The head of a shader's main function. */
 const MAIN = /void\s+main\s*\(/;
 
 /**
- * Where three's chunk, or a shader with a loop of its own, has the information of a light, and the light's structure. Three
- * has one place for each kind of light, its addon CSM one for each way to blend cascades.
+ * Where three's chunk, or a shader with a custom loop, has the information of a light, and the light's
+ * structure. Three has one place for each kind of light, its addon CSM one for each way to blend cascades.
  */
 const PLACES = /get(?:Directional|Sun)LightInfo\( (\w+(?:\[0\])?), directLight \);/g;
 
-/** What a look-up needs around it: a light, the surface's point, and its normal without a normal map. */
+/**
+ * The code that a look-up needs around it: a light, the surface's point, and its normal without a normal map.
+ */
 const NEEDS = [PLACES, /^\s*vec3 geometryPosition/m, /^\s*#include <normal_fragment_begin>|vec3 nonPerturbedNormal/m];
 
-/** What is needed of three's own shaders: of all lit materials, and of chunks. */
+/** The parts of three's own shaders that are needed: of all lit materials, and of chunks. */
 const PARTS = [
   ['lights_fragment_begin', 'getDirectionalLightInfo.+directLight'],
   ['lights_fragment_begin', 'vec3 geometryPosition'],
@@ -32,7 +35,7 @@ const PARTS = [
   ['common', 'struct IncidentLight'],
 ] as const;
 
-/** Returns what is needed of three's own shaders. */
+/** Returns the parts of three's own shaders that are needed. */
 export function shaderHooks(): Hooks {
   const hooks: Record<string, boolean> = {
     'ShaderLib.lambert: <lights_fragment_begin>': INCLUDE.test(ShaderLib.lambert?.fragmentShader),
@@ -41,7 +44,7 @@ export function shaderHooks(): Hooks {
   return hooks;
 }
 
-/** Whether lights reach what a fragment shader draws. */
+/** Whether a fragment shader is lit. */
 export function isLit(fragmentShader: string): boolean {
   return /lights_(?:pars|fragment)_begin|directionalLights|getShadowMask/.test(fragmentShader);
 }
@@ -59,7 +62,7 @@ export function withLookUp({ fragmentShader, vertexShader, precision = 'highp' }
   const isMask = MASK_FUNCTION.test(text) && /#include +<lights_pars_begin>|uniform bool receiveShadow/.test(text);
   const hasLights = NEEDS.every((pattern) => text.search(pattern) !== -1);
   if (!isMask && !hasLights) return null;
-  // The look-up counts on 32 bits, whatever the app's own text gets along with.
+  // The look-up needs 32 bits, whatever precision the app's own text asks for.
   const from = (each: string): string => (precision === 'highp' ? '' : `precision ${each} float;\nprecision ${each} int;\n`);
   const own = withPrefix(DECLARATIONS + from('highp') + lookUp + (isMask ? MASK : '') + from(precision), prefix);
   const mask = isMask ? text.replace(MASK_FUNCTION, withPrefix(MASK_HEAD, prefix)) : text;

@@ -20,7 +20,10 @@ import type { Wrapped } from '../light/wrap.js';
 import { OLDEST, nodeHooks } from './hooks.js';
 import { visibilityNode } from './look-up-node.js';
 
-/** What casts besides the files: `'shadow'` for the light's own shadow map, a shadow node such as `CSMShadowNode`, or nothing. */
+/**
+ * The casters besides the files: `'shadow'` for the light's own shadow map, a shadow node such as
+ * `CSMShadowNode`, or nothing.
+ */
 export type Movers = 'shadow' | ShadowBaseNode;
 
 /** Options of a {@link BakedShadowNode}. */
@@ -28,13 +31,13 @@ export interface BakedShadowNodeOptions extends BakedShadowOptions {
   /** The light's file, or several. */
   file: FileChoice;
   /**
-   * What casts besides the files. Without it the light draws no shadow map. `'shadow'` is for a `DirectionalLight`; a
-   * `SunLight` takes `sunShadow(light)`, from three's addons.
+   * The casters besides the files. Without this option the light draws no shadow map. `'shadow'` is for a
+   * `DirectionalLight`; a `SunLight` takes `sunShadow(light)`, from three's addons.
    */
   movers?: Movers;
 }
 
-/** A builder with what its types leave out. */
+/** A builder with the members that its types leave out. */
 type ShaderBuilder = NodeBuilder & {
   addSequentialNode(node: Node): void;
   isFlatShading(): boolean;
@@ -52,22 +55,22 @@ const nodes = new WeakMap<SunLike, BakedShadowNode>();
 const Base = (WEBGPU.ShadowBaseNode ?? Object) as typeof ShadowBaseNode;
 
 /**
- * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The light must
- * cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind that the light had before is
- * disposed.
+ * The shadow of a light from its files: `light.shadow.shadowNode = new BakedShadowNode(light, { file })`. The
+ * light must cast (`light.castShadow`), and the renderer's shadow maps must be enabled. A node of this kind
+ * that the light had before is disposed.
  */
 export class BakedShadowNode extends Base implements BakedShadow {
   readonly #sun: SunLike;
   readonly #baked: BakedLight;
-  /** Whether three is about to rebuild the light's shadow, which disposes the one that it has. */
+  /** Whether three is about to rebuild the light's shadow, which disposes the present one. */
   #isRenewing = false;
   #isDisposed = false;
   #movers: Node | null;
   readonly #part: Part;
-  /** How many times over the light tells its listeners of its end, at the moment. */
+  /** How many `dispose` events of the light are being dispatched, one within the other. */
   #endings = 0;
   readonly #events: Wrapped<SunLike['dispatchEvent']>;
-  /** The scene that is drawn, and what leaves it. */
+  /** The scene that is drawn, and the function that leaves it. */
   #scene: Scene | null = null;
   #leave: (() => void) | null = null;
 
@@ -91,11 +94,11 @@ export class BakedShadowNode extends Base implements BakedShadow {
     this.#baked = bakedLight(light, file, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
     this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer) };
-    // What was in use until now is dropped, and materials are built anew.
+    // Drop the previous shadow, and rebuild materials.
     const before = light.shadow.shadowNode as unknown;
     const earlier = nodes.get(light);
     if (earlier) {
-      // It may have the same movers.
+      // Keep the movers if both nodes share them.
       if (earlier.#movers === this.#movers) earlier.#movers = null;
       earlier.dispose();
     } else if (before === undefined || before !== movers) forgetShadow(light);
@@ -109,7 +112,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
         this.#endings -= isEnd;
       }
     });
-    // Once it has given the light back.
+    // Update only after the earlier node has restored the light.
     this.#baked.update();
   }
 
@@ -118,13 +121,13 @@ export class BakedShadowNode extends Base implements BakedShadow {
     return this.#baked.status().filesInUse > 0;
   }
 
-  /** How the light and its files do. */
+  /** The state of the light and its files. */
   get status(): ShadowStatus {
     return this.#baked.status();
   }
 
   /**
-   * Changes options; what is left out stays. Nothing is compiled anew.
+   * Changes options; options that are left out stay. Nothing is recompiled.
    *
    * @throws RangeError if an option is out of its range. Nothing is changed then.
    */
@@ -133,8 +136,9 @@ export class BakedShadowNode extends Base implements BakedShadow {
   }
 
   /**
-   * Takes other files in place of those until now, such as tiles that come and go. Cost: one copy of the files' words, and their
-   * upload; if they are more than ever before, three builds its materials anew. The files until now need not be kept.
+   * Replaces the files, for example as tiles come and go. Cost: one copy of the files' words, and their
+   * upload; if they are larger than all before, three rebuilds its materials. The previous files need not be
+   * kept.
    *
    * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU. Nothing is changed then.
    * @throws RangeError if they are too many, or need another look-up, as a sun path does. Nothing is changed then.
@@ -143,7 +147,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
     const { words } = this.#baked.textures();
     this.#baked.setFiles(file);
     if (this.#baked.textures().words === words) return;
-    // Three binds the textures of an object that stays as it is only once.
+    // Three binds the textures of an unchanged object only once.
     this.#isRenewing = true;
     forgetShadow(this.#sun);
     this.#isRenewing = false;
@@ -159,7 +163,7 @@ export class BakedShadowNode extends Base implements BakedShadow {
   /** For three: the shadow's node in a material. */
   override setup(builder: NodeBuilder): Node {
     const { context, material } = builder as ShaderBuilder;
-    // A flat normal faces the camera as it is.
+    // A flat normal already faces the camera.
     const isFront = material.side === FrontSide || (builder as ShaderBuilder).isFlatShading();
     const normal = TSL.normalWorldGeometry;
     const baked = visibilityNode(builder, this.#baked, {
@@ -170,11 +174,11 @@ export class BakedShadowNode extends Base implements BakedShadow {
     const intensity = TSL.reference('intensity', 'float', this.#sun.shadow).setGroup(TSL.renderGroup) as Node<'float'>;
     const lit = TSL.mix(1, baked, intensity);
     const shadowed = (material.receivedShadowNode?.(lit) ?? lit) as Node<'float'>;
-    // Three's shadow nodes have done the same with the shadows of movers.
+    // Three's shadow nodes have already done the same with the shadows of movers.
     return this.#movers === null ? shadowed : shadowed.min(this.#movers as Node<'float'>);
   }
 
-  /** For three: takes part in the drawing of the scene. From then on its part is done around each drawing. */
+  /** For three: joins the drawing of the scene. From then on, its work is done around each drawing. */
   override updateBefore({ renderer, scene }: NodeFrame): undefined {
     if (this.#isDisposed) return;
     this.#baked.setIdle(false);
@@ -189,21 +193,22 @@ export class BakedShadowNode extends Base implements BakedShadow {
   #update(renderer: AnyRenderer | null): void {
     this.#baked.update(renderer);
     if (this.#scene !== null) this.#baked.warnOfMoved(this.#scene);
-    // Three binds the textures of an object that stays as it is only once, so it would not see the change of one.
+    // Three binds the textures of an unchanged object only once, so it would miss the change of a texture.
     const { words, headers } = this.#baked.textures();
     renderer?.initTexture?.(words);
     renderer?.initTexture?.(headers);
   }
 
-  /** Frees what the GPU holds, gives the light back as the app set it last, and leaves it. */
+  /** Frees GPU resources, restores the light as the app set it last, and leaves it. */
   override dispose(): void {
     if (this.#isRenewing) return;
-    // Three drops the shadow of a light that does not cast while it builds a material. The light may cast again.
+    // Three drops the shadow of a light that does not cast while it builds a material. The light may cast
+    // again.
     if (TSL.getCurrentStack() !== null) {
       this.#baked.setIdle(true);
       return;
     }
-    // Three drops the shadow of a light that is disposed, and must not do so again within.
+    // Three drops the shadow of a light that is disposed, and must not do so again from within that.
     const isEnding = this.#endings > 0;
     this.#isDisposed = true;
     this.#leave?.();
@@ -218,10 +223,10 @@ export class BakedShadowNode extends Base implements BakedShadow {
   }
 }
 
-/** Has three's node of a light drop its shadow, and materials built anew. */
+/** Makes three's node of a light drop its shadow and rebuild materials. */
 function forgetShadow(light: SunLike): void {
   light.dispatchEvent({ type: 'dispose' });
-  // Three does the rest from 0.187 on.
+  // From 0.187 on, three does the following itself.
   if (parseInt(REVISION, 10) >= 187) return;
   let root: Object3D = light;
   while (root.parent !== null) root = root.parent;

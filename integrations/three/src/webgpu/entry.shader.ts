@@ -1,4 +1,5 @@
-// The functions that three's nodes call. The first two parameters only bind the textures, which the text of a look-up names.
+// The functions that three's nodes call. The first two parameters only bind the textures, which the text of a
+// look-up names.
 
 /** In WGSL. */
 export const WGSL = `fn adumbra_entry(words: u32, headers: u32, p: vec3<f32>, n: vec3<f32>, at: vec2<f32>) -> f32 {

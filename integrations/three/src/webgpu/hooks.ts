@@ -1,5 +1,5 @@
-// What baked shadows need of three's nodes. Each name is written out, so that a bundler goes on leaving out what a page
-// does not use.
+// The parts of three's nodes that baked shadows need. Each name is written out, so that a bundler can still
+// leave out unused code.
 
 import * as TSL from 'three/tsl';
 import * as WEBGPU from 'three/webgpu';

@@ -8,7 +8,7 @@ import { withPrefix } from '../look-ups/look-up.js';
 import { GLSL, WGSL } from './entry.shader.js';
 import type { BakedLight } from '../light/baked-light.js';
 
-/** A point whose visibility is asked for. */
+/** A point whose visibility is looked up. */
 export interface LookedUp {
   /** World position. */
   readonly pWorld: Node<'vec3'>;

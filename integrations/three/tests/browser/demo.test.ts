@@ -1,4 +1,4 @@
-// The demo page, built and shown by a plain static server below a path of its own, as a visitor gets it.
+// The demo page, built and served by a plain static server below a path, as a visitor gets it.
 
 import { execFileSync } from 'node:child_process';
 import { createReadStream, existsSync, readFileSync, statSync } from 'node:fs';
@@ -37,7 +37,7 @@ let browser: Browser;
 let sent = 0;
 /** Requests of a range of bytes. */
 let ranges = 0;
-/** What would have been sent without compression. */
+/** Bytes that would have been sent without compression. */
 let plain = 0;
 
 beforeAll(async () => {
@@ -75,7 +75,9 @@ afterAll(async () => {
   await new Promise((done) => server.close(done));
 });
 
-/** Opens the page and waits for its first picture; what `options` does not say is as on a desk, with a mouse. */
+/**
+ * Opens the page and waits for its first picture. Without `options` the page is as on a desk, with a mouse.
+ */
 async function open(
   query: string,
   { before, path = '', ...options }: BrowserContextOptions & { before?: () => void; path?: string } = {},
@@ -187,7 +189,7 @@ test('moves its divider by keyboard, shows one kind of shadows alone, and goes o
 
 test('fits a phone, and changes its renderer', async () => {
   const { page, complaints } = await open(`renderer=webgl2&${SMALL}`, { viewport: PHONE });
-  /** What is wider inside than outside, and so would scroll or be cut off. */
+  /** The elements that are wider inside than outside, and so would scroll or be cut off. */
   const tooWide = (): Promise<string[]> =>
     page.evaluate(() =>
       ['html', 'body', 'aside', 'dialog', 'dialog pre']
@@ -286,12 +288,12 @@ test('counts wrong pixels against rays, of which the file has fewer', async () =
   await page.close();
 });
 
-/** Minutes each on a software renderer, so the others are tried with `ADUMBRA_FULL` alone. */
+/** Each takes minutes on a software renderer, so the others run only with `ADUMBRA_FULL`. */
 const STREAMING = IS_FULL ? ['webgpu', 'webgl2', 'webgl'] : ['webgpu'];
 
 test.each(STREAMING)('streams a city of 2 × 2 km with %s', async (renderer) => {
   ranges = 0;
-  // Still, so that all comes that this place needs.
+  // Without motion, so that everything that this place needs arrives.
   const { page, complaints } = await open(`renderer=${renderer}&pixels=0.1&haze=150&budget=8&seconds=40`, { path: 'metropolis.html', reducedMotion: 'reduce' });
   const said = (name: string): Promise<string | null> => page.locator(`#read-${name}`).textContent();
   const numbers = async (name: string): Promise<number[]> => (await said(name))!.match(/[\d.]+/g)!.map(Number);

@@ -1,5 +1,5 @@
-// How long loading a coded file keeps the page from anything else: printed, as that depends on the machine. That it is cut into
-// slices is tested in tests/unit/coder.test.ts. `ADUMBRA_SCENE` and `ADUMBRA_RESOLUTION` measure another file.
+// How long loading a coded file blocks the page. The time is only printed, because it depends on the machine.
+// tests/unit/coder.test.ts tests the slices. `ADUMBRA_SCENE` and `ADUMBRA_RESOLUTION` measure another file.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, statSync } from 'node:fs';

@@ -1,5 +1,5 @@
-// What three draws at moments of a sun path, compared with look-ups on the CPU, as keys come and go. A pixel may differ where a
-// position in 32-bit floats falls into the next texel.
+// Compares three's pictures at moments of a sun path with look-ups on the CPU, as keys come and go. A pixel
+// may differ where a position in 32-bit floats falls into the next texel.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -40,7 +40,7 @@ afterAll(async () => {
   rmSync(folder, { recursive: true, force: true });
 });
 
-/** Has rays be dark that both keys hide for a voxel or more, so that guesses are not rare. */
+/** Makes rays dark that both keys hide for a voxel or more, so that guesses are not rare. */
 function withGuesses(bytes: Buffer, { keys }: PathFront): Buffer {
   const [DARK_AFTER, CHECKSUM] = [4 * 39, 4 * 63];
   for (const { offset } of keys) {
@@ -50,7 +50,7 @@ function withGuesses(bytes: Buffer, { keys }: PathFront): Buffer {
   return bytes;
 }
 
-/** What the page says of a moment. */
+/** The page's results for a moment. */
 interface Drawn {
   found: string;
   expected: string;

@@ -1,6 +1,6 @@
-// What three draws with baked shadows, compared with look-ups on the CPU: three back ends, all settings,
-// materials, kinds of objects and depth buffers. A pixel may differ where a position in 32-bit floats falls into the next
-// texel: at most 0.2 % of them, by at most one row of taps.
+// Compares three's pictures with baked shadows with look-ups on the CPU: three back ends, all settings,
+// materials, kinds of objects and depth buffers. A pixel may differ where a position in 32-bit floats falls
+// into the next texel: at most 0.2 % of them, by at most one row of taps.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -21,7 +21,7 @@ const SIDE = 256;
 const BACKENDS = ['webgpu', 'webgl2', 'webgl'] as const;
 const SUN = '0.5,0.8,0.35';
 
-/** What a page draws. */
+/** The picture that a page should draw. */
 interface Task {
   backend: (typeof BACKENDS)[number];
   files: string[];
@@ -129,7 +129,9 @@ function read(name: string): BakedShadowFile {
   return new BakedShadowFile(bytes);
 }
 
-/** The visibility of each pixel's point, by look-ups on the CPU. The points are placed as the file is. */
+/**
+ * The visibility of each pixel's point, by look-ups on the CPU. The points have the placement of the file.
+ */
 function expected(file: BakedShadowFile, options: LookUpOptions): Float32Array {
   const sampler = new Sampler(file, options);
   const across = (n: number) => ((n + 0.5) / SIDE - 0.5) * SQUARE.width;
@@ -177,7 +179,10 @@ function expectAlike(found: Float32Array, wanted: Float32Array, filter: number):
 const alike = (name: string, found: Float32Array, filter: FilterWidth, bias?: Bias): void =>
   expectAlike(found, expected(read(name), bias === undefined ? { filter } : { filter, bias }), filter);
 
-/** The WebGL2 fallback of WebGPURenderer builds its materials from the same nodes as WebGPU, so it is tried with all of them with `ADUMBRA_FULL` alone. */
+/**
+ * The WebGL2 fallback of WebGPURenderer builds its materials from the same nodes as WebGPU, so it runs with
+ * all of them only with `ADUMBRA_FULL`.
+ */
 const KINDS_OF_FALLBACK: Partial<Task>[] = [{ material: 'physical' }, { object: 'batched' }, { depth: 'logarithmic' }, { depth: 'reversed' }];
 const KINDS: Partial<Task>[] = [
   ...KINDS_OF_FALLBACK,
@@ -220,7 +225,8 @@ describe.each(BACKENDS)('%s', (backend) => {
     const task = { backend, files: ['tower.adumbra'], lookUp: 'soft', settings, height: 0 };
     const found = (await draw(task)).pictures[0]!;
     const wanted = rendered();
-    // The noise of penumbrae turns with the pixel, which WebGL counts from the bottom: there it differs, its means do not.
+    // The noise of penumbrae turns with the pixel, which WebGL counts from the bottom: there it differs, its
+    // means do not.
     const block = backend === 'webgpu' ? 1 : 8;
     const [a, b] = [means(found, block), means(wanted, block)];
     let [off, most, partial, compared] = [0, 0, 0, 0];
@@ -240,7 +246,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     expect({ off, compared }).toSatisfy(() => off * 500 <= compared);
   });
 
-  test('joins tiles', async () => {
+  test('joins tiles without a seam', async () => {
     const files = ['low.adumbra', 'high.adumbra'];
     const { pictures } = await draw({ backend, files, lookUp: 'filtered', settings: { filter: 5 } });
     const [low, high] = files.map((name) => expected(read(name), { filter: 5 }));
@@ -248,7 +254,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     const half = (keep: (x: number) => boolean) => (_: number, i: number) => keep(i % SIDE);
     expectAlike(found.filter(half((x) => x < 120)), low!.filter(half((x) => x < 120)), 5);
     expectAlike(found.filter(half((x) => x > 136)), high!.filter(half((x) => x > 136)), 5);
-    // No seam: where they meet, the tiles, which have grids of their own, answer as one file of the whole does.
+    // No seam: where they meet, the tiles, which have separate grids, answer like one file of the whole.
     const seam = half((x) => x >= 120 && x <= 136);
     const whole = expected(read('city.adumbra'), { filter: 5 }).filter(seam);
     const off = found.filter(seam).filter((value, i) => !(Math.abs(value - whole[i]!) < 0.5)).length;

@@ -1,5 +1,5 @@
-// The guide's example for React Three Fiber: bundled as an app bundles it, drawn in a browser, with its file changed and
-// its light taken away.
+// The guide's example for React Three Fiber: bundled as an app bundles it, drawn in a browser, with its file
+// changed and its light taken away.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
@@ -57,7 +57,7 @@ async function brightness(page: Page): Promise<{ west: number; east: number; awa
   return { west: at(-2.5, -5), east: at(2.5, -5), away: at(0, 5) };
 }
 
-test.each(['webgpu', 'webgl'])('the sun of the example for %s has the shadows of its file, of another, and goes', async (renderer) => {
+test.each(['webgpu', 'webgl'])('the example for %s has the shadows of a file, another, and none', async (renderer) => {
   const { page, complaints } = await stage.open(VERSIONS['0.187.0'], `/files/app/app.js&renderer=${renderer}`);
   const seen = (url: string | null) => ({
     async toBe(west: boolean, east: boolean, away: boolean): Promise<void> {

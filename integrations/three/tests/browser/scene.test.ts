@@ -1,5 +1,6 @@
-// Baked shadows in whole scenes, in three back ends: beside what moves, with lights that turn, with hooks of others in
-// materials, from glTF files, and with files that are no shadow files. `page/scene.js` has the world and its plays.
+// Baked shadows in whole scenes, in three back ends: beside moving objects, with lights that turn, with
+// foreign hooks in materials, from glTF files, and with files that are no shadow files. `page/scene.js` has
+// the world and its plays.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
@@ -14,7 +15,10 @@ import { Stage, VERSIONS } from './stage.js';
 import { WALL_AND_GROUND } from './worlds.js';
 
 const IS_FULL = process.env['ADUMBRA_FULL'] !== undefined;
-/** WebGL2 under WebGPURenderer draws the same nodes as WebGPU: points, streams and paths are compared on it always, scenes with `ADUMBRA_FULL`. */
+/**
+ * WebGL2 under WebGPURenderer draws the same nodes as WebGPU: points, streams and paths are always compared
+ * on it, scenes only with `ADUMBRA_FULL`.
+ */
 const BACKENDS = IS_FULL ? (['webgpu', 'webgl2', 'webgl'] as const) : (['webgpu', 'webgl'] as const);
 const NODE_BACKENDS = ['webgpu', 'webgl2'] as const;
 
@@ -23,7 +27,7 @@ type SceneFactors = Record<'wallA' | 'wallB' | 'wallNone' | 'boxA' | 'boxB' | 'b
   casters: { wall: number; mover: number };
 };
 
-/** What a load was rejected with. */
+/** The error that a load was rejected with. */
 interface Rejection {
   name: string;
   kind?: string;
@@ -90,7 +94,7 @@ const PNG = Buffer.from(
   'base64',
 );
 
-/** What plays of three 0.187.0 had for results; older versions are compared with them. */
+/** The results of plays with three 0.187.0; older versions are compared with them. */
 const played = new Map<string, unknown>();
 
 async function play<T>(name: string, ...options: unknown[]): Promise<T> {
@@ -114,7 +118,7 @@ function expectShadows(seen: Partial<SceneFactors>, ...shadowed: string[]): void
 }
 
 describe.each(BACKENDS)('%s', (backend) => {
-  test('what moves casts beside the file, and alone in the shadow map', async () => {
+  test('only moving objects cast in the shadow map, beside the file', async () => {
     const { beside, half, cast, gone } = await play<Record<'beside' | 'half' | 'gone', SceneFactors> & { cast: boolean }>('movers', backend);
     expectShadows(beside, 'wallA', 'boxA');
     expect(beside.casters.mover).toBeGreaterThan(0);
@@ -144,7 +148,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     states.forEach(({ isActive: _, ...seen }, i) => expectShadows(seen, ...shadowed[i]!));
   });
 
-  test('what comes below a static root casts no more, and casts again once it goes', async () => {
+  test('objects rest below a static root, and cast again once removed', async () => {
     const states = await play<SceneFactors[]>('comingAndGoing', backend);
     states.forEach((seen) => expectShadows(seen, 'wallA', 'boxA'));
     expect(states.map(({ casters }) => casters.wall > 0)).toEqual([false, false, true]);
@@ -236,7 +240,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     expect(off).toBeLessThanOrEqual(pixels / 500);
   });
 
-  test('what is no shadow file is refused by name, and drawing goes on', async () => {
+  test('refuses files that are no shadow files, and goes on drawing', async () => {
     const wanted = {
       'empty.adumbra': 'Truncated',
       'header.adumbra': 'Truncated',
@@ -265,7 +269,7 @@ describe.each(BACKENDS)('%s', (backend) => {
 });
 
 describe.each(NODE_BACKENDS)('%s', (backend) => {
-  test('CSMShadowNode has the shadows of what moves', async () => {
+  test('CSMShadowNode has the shadows of moving objects', async () => {
     const { beside, turned, gone, lightsLeft } = await play<{ beside: SceneFactors; turned: SceneFactors; gone: SceneFactors; lightsLeft: number }>(
       'cascades',
       backend,
@@ -288,12 +292,12 @@ describe.each(NODE_BACKENDS)('%s', (backend) => {
     expect(again!.casters.mover).toBeGreaterThan(0);
   });
 
-  test('compiles beforehand', async () => {
+  test('has the shadows after compileAsync', async () => {
     expectShadows(await play<SceneFactors>('compileAsync', backend), 'wallA');
   });
 });
 
-test.each(Object.entries(VERSIONS).filter(([version]) => IS_FULL || version !== '0.183.0'))('CSM of the addons of %s has the shadows of what moves', async (_, three) => {
+test.each(Object.entries(VERSIONS).filter(([version]) => IS_FULL || version !== '0.183.0'))('CSM of the addons of %s has the shadows of moving objects', async (_, three) => {
   // It changes three's chunks for the whole page.
   const other = await stage.open(three, 'scene.js');
   const seen = await playOn<Record<'beside' | 'faded' | 'alone' | 'turned' | 'gone', SceneFactors>>(other.page, 'cascadesOfWebGL');
@@ -311,7 +315,9 @@ test.each(Object.entries(VERSIONS).filter(([version]) => IS_FULL || version !== 
   await other.page.close();
 });
 
-/** Plays that take long and find little beyond those in other renderers, with `ADUMBRA_FULL` alone. */
+/**
+ * Plays that take long and find little beyond those in other renderers. They run only with `ADUMBRA_FULL`.
+ */
 const LONG = [
   ['0.183.0', 'movers', 'webgl'],
   ['0.183.0', 'runTime', 'webgpu'],
@@ -338,7 +344,7 @@ test.each([
   ['0.166.0', 'gltf', 'webgl', 'city.glb'],
   ['0.166.0', 'shaderMaterials'],
   ['0.166.0', 'loading'],
-] as const)('three %s plays %s as 0.187.0 does, on %s', async (version, name, ...options) => {
+] as const)('three %s has the results of 0.187.0 in the play %s, on %s', async (version, name, ...options) => {
   const other = await stage.open(VERSIONS[version], 'scene.js');
   for (const on of [other.page, page]) await on.route('**/never*', () => undefined);
   const found = await playOn(other.page, name, ...options);
@@ -360,7 +366,7 @@ test('hooks of others in a material are called', async () => {
   }
 });
 
-test('the shadows of two lights go in either order', async () => {
+test('the shadows of two lights may be disposed in either order', async () => {
   const { states, isRestored } = await play<{ states: number[][]; isRestored: boolean }>('disposalOrders');
   expect(states).toEqual([[0, 0], [1, 0], [1, 1], [0, 0], [0, 1], [1, 1]]);
   expect(isRestored).toBe(true);

@@ -20,7 +20,7 @@ const TYPES: Record<string, string> = {
 };
 
 /**
- * What draws without a GPU, by `ADUMBRA_DRIVERS`:
+ * The drivers that draw without a GPU, by `ADUMBRA_DRIVERS`:
  *
  * - Without it, SwiftShader, Chromium's own software renderer, which needs no display.
  * - `webgl`: the machine's OpenGL draws WebGL, and SwiftShader WebGPU.
@@ -118,8 +118,8 @@ export class Stage {
   }
 
   /**
-   * Opens a page of a version of three, with a script of `tests/browser/page` or of a path. Its errors and warnings are
-   * collected in `complaints`.
+   * Opens a page of a version of three, with a script of `tests/browser/page` or of a path. Its errors and
+   * warnings are collected in `complaints`.
    */
   async open(three: string, script: string): Promise<{ page: Page; complaints: string[] }> {
     const page = await this.#browser.newPage();
@@ -156,7 +156,7 @@ export function send(request: IncomingMessage, response: ServerResponse, file: s
   createReadStream(file, { start, end }).pipe(response);
 }
 
-/** What a software adapter says of itself. */
+/** Whether a message is about the machine, such as those of a software adapter. */
 function isOfTheMachine(message: string): boolean {
   return ['GPU stall due to ReadPixels', 'software WebGL', 'SwiftShader', 'favicon.ico'].some((part) => message.includes(part));
 }

@@ -1,5 +1,5 @@
-// Streamed files in three's renderers: what is wholly there has the very pixels of the file itself, what is partly there those
-// of look-ups on the CPU, and no task of the page takes 50 ms meanwhile.
+// Streamed files in three's renderers: a fully resident file has the same pixels as the whole file, a partly
+// resident file those of look-ups on the CPU, and no task of the page takes 50 ms meanwhile.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
@@ -12,21 +12,24 @@ import { afterAll, beforeAll, describe, expect, test } from 'vitest';
 import type { StreamStats } from '../../src/stream/index.js';
 import { Stage, VERSIONS } from './stage.js';
 
-/** The WebGL2 fallback of WebGPURenderer has the look-up of WebGLRenderer, so it is tried with `ADUMBRA_FULL` alone. */
+/**
+ * The WebGL2 fallback of WebGPURenderer has the look-up of WebGLRenderer, so it runs only with
+ * `ADUMBRA_FULL`.
+ */
 const BACKENDS = process.env['ADUMBRA_FULL'] === undefined ? (['webgpu', 'webgl'] as const) : (['webgpu', 'webgl2', 'webgl'] as const);
 const SQUARE = { height: 0.25, middle: [0, 0], width: 120 };
 const MIB = 1024 * 1024;
 /** So fine that all of a file is wanted. */
 const ALL = 1e-9;
 
-/** What a page has drawn. */
+/** The pictures that a page has drawn. */
 interface Drawn {
   /** The first picture, then one of each place. */
   visibility: string[];
   places: Place[];
 }
 
-/** A place that was drawn, once all was there that fits. */
+/** A place that was drawn, once everything that fits was resident. */
 interface Place {
   answers: string;
   levels: Record<string, number>;
@@ -89,7 +92,7 @@ function expectAlike(found: Float32Array, wanted: Float32Array, filter: number):
 }
 
 describe.each(BACKENDS)('%s', (backend) => {
-  test('what is wholly there has the pixels of the file itself', async () => {
+  test('a fully resident file has the pixels of the whole file', async () => {
     const settings = { filter: 5 };
     const whole = await draw({ backend, settings });
     const streamed = await draw({ backend, settings, stream: { budget: 8 * MIB, detail: ALL } });
@@ -104,8 +107,8 @@ describe.each(BACKENDS)('%s', (backend) => {
     expectSame(streamed.visibility[1]!, whole.visibility[0]!);
   });
 
-  // Few pixels, because a software renderer has the page wait for pixels where it uploads.
-  // A machine that is busy with other work may stop the page: one run of three without a long task counts.
+  // Few pixels, because with a software renderer, uploads make the page wait for pixels. A machine that is
+  // busy with other work may stop the page: one run of three without a long task counts.
   test.each([true, false])('no task takes 50 ms while frames are drawn, worker %s', { retry: 2 }, async (worker) => {
     const stream = { budget: 32 * MIB, detail: ALL, worker };
     const { places } = await draw({ backend, settings: { filter: 5 }, stream, shown: 1 });
@@ -115,7 +118,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     expect(longestTask).toBeLessThan(50);
   });
 
-  test('penumbrae of what is wholly there have the pixels of the file itself', async () => {
+  test('penumbrae of a fully resident file equal the whole file’s', async () => {
     // Few pixels: a software renderer takes a second for a frame of all.
     const task = { backend, lookUp: 'soft', settings: { sunDegrees: 2 }, pixelsAcross: 96 };
     const whole = await draw(task);
@@ -123,7 +126,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     expectSame(streamed.visibility[1]!, whole.visibility[0]!);
   });
 
-  test('what is partly there has the pixels of look-ups on the CPU, at one place after the other', async () => {
+  test('a partly resident file has the pixels of look-ups on the CPU', async () => {
     const stream = { budget: MIB, detail: 0.02 };
     const places = [[-60, -60], [60, 60], [-60, 60]];
     const found = await draw({ backend, settings: { filter: 5 }, stream, width: 200, places });
@@ -132,7 +135,7 @@ describe.each(BACKENDS)('%s', (backend) => {
       expect(Object.keys(levels).length).toBeGreaterThan(1);
       expectAlike(floats(found.visibility[i + 1]!), floats(answers), 5);
     });
-    // Some bundles came twice.
+    // Some bundles were loaded twice.
     const { levels, requests } = found.places.at(-1)!.atLast;
     expect(requests).toBeGreaterThan(6);
     expect(levels[0]!.resident).toBeLessThan(levels[0]!.bundles / 2);
@@ -151,7 +154,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   });
 });
 
-test('the page decodes where the worker cannot be loaded', async () => {
+test('the page decodes if the worker cannot be loaded', async () => {
   const other = await stage.open(VERSIONS['0.187.0'], 'points.js');
   await other.page.route('**/stream/worker.js', (route) => route.abort());
   const { places } = await draw({ backend: 'webgl', settings: { filter: 1 }, stream: { budget: 8 * MIB, detail: ALL }, shown: 1 }, other.page);

@@ -1,5 +1,5 @@
-// Three draws the views of another renderer's truth images, and that renderer's rays judge. Skipped where these are
-// absent, see CONTRIBUTING.md. Counterpart of `integrations/bevy_adumbra/tests/gpu/truth.rs`.
+// Compares the views that three draws with another renderer's ray-traced truth images. Skipped if the images
+// are absent, see CONTRIBUTING.md. Counterpart of `integrations/bevy_adumbra/tests/gpu/truth.rs`.
 
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdtempSync, readFileSync, rmSync, symlinkSync } from 'node:fs';
@@ -15,7 +15,7 @@ import { Npz } from './npz.js';
 import type { TruthCamera } from './npz.js';
 import { drivers, Stage, VERSIONS } from './stage.js';
 
-/** The views, and the most that look-ups at the truth's own points may have wrong, %. */
+/** The views, and the largest percentage of look-ups at the truth's own points that may be wrong. */
 const VIEWS = { 'kaykit_city_21': 0.4, 'box-city-5k': 0.25, 'zdm2': 0.1, 'alpine-2': 0.2, 'auster': 0.05, 'dragon_202k': 0.05 };
 
 const BACKENDS = ['webgpu', 'webgl', 'webgl2'];
@@ -54,8 +54,8 @@ function sceneFile(name: string): string {
 }
 
 /**
- * Errors of the pixels with n·l > 0.1, %: the share on the wrong side of 1/2, the mean difference, and the share where
- * nothing was drawn, along outlines, which counts as lit.
+ * Errors of the pixels with n·l > 0.1, %: the share on the wrong side of 1/2, the mean difference, and the
+ * share where nothing was drawn, along outlines, which counts as lit.
  */
 function errors(found: Float32Array, sun: Float32Array, nDotL: Float32Array): { wrong: number; mean: number; empty: number } {
   let [compared, wrong, sum, empty] = [0, 0, 0, 0];
@@ -76,7 +76,7 @@ async function draw(backend: string, scene: string, file: string, { eye, target,
   return new Float32Array(Uint8Array.from(Buffer.from(text, 'base64')).buffer);
 }
 
-test.for(Object.entries(VIEWS))('%s is as right as its file', async ([name, limit], { skip }) => {
+test.for(Object.entries(VIEWS))('%s is drawn as accurately as its file answers', async ([name, limit], { skip }) => {
   skip(!isThere, `${SHARED} has no truth and scenes; set ADUMBRA_SHARED`);
   skip(drivers !== 'opengl', 'SwiftShader moves corners, and with them shadows, by up to 1/32 of a pixel; run with ADUMBRA_DRIVERS=opengl and a display');
   const scene = sceneFile(name);
@@ -86,7 +86,7 @@ test.for(Object.entries(VIEWS))('%s is as right as its file', async ([name, limi
   const baked = join(folder, `${name}.adumbra`);
   const options = ['--resolution', '16384', '--sun', camera.sun.join(','), '--ignore-alpha', '--progress', 'none'];
   execFileSync(program!, ['bake', join(SHARED, 'scenes', scene), ...options, '-o', baked], { stdio: 'pipe' });
-  // What the file answers at the points that the other renderer saw.
+  // The file's visibility at the points that the other renderer saw.
   const sampler = new Sampler(new BakedShadowFile(readFileSync(baked)), { filter: 1 });
   const byFile = errors(sampler.visibilities(truth.floats('pos'), truth.floats('normal')), sun, nDotL).wrong;
   expect(byFile).toBeLessThan(limit);

@@ -1,4 +1,5 @@
-// What apps do with lights, files and options: clones, shared materials, mistakes, objects that they go on using.
+// Situations with lights, files and options in apps: clones, shared materials, mistakes, objects that apps go
+// on using.
 
 import { DirectionalLight, Group, Mesh, MeshLambertMaterial, Object3D, OrthographicCamera, Scene, SpotLight } from 'three';
 import { describe, expect, test } from 'vitest';
@@ -32,9 +33,10 @@ describe.each(RENDERERS)('%s', (name, show) => {
   const isClean = (scene: Scene, light: object): boolean =>
     !Object.hasOwn(scene, 'onBeforeRender') && !Object.hasOwn(scene, 'onAfterRender') && !Object.hasOwn(light, 'dispatchEvent');
 
-  // Right: the clone is a light without a file. WebGPURenderer draws its map by itself, so all casts there; with WebGLRenderer it has the
-  // file's shadow, for it has its direction. Neither hurts the other.
-  test('light.clone() beside the sun', () => {
+  // Expected: the clone is a light without a file. WebGPURenderer draws its map separately, so all objects
+  // cast there. With WebGLRenderer it has the file's shadow, because it has the same direction. Neither light
+  // disturbs the other.
+  test('light.clone() beside the sun is a light without a file', () => {
     const [city, house] = [new Group(), caster()];
     const shown = show({ statics: city.add(house) });
     shown.light.castShadow = true;
@@ -57,8 +59,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(house.castShadow).toBe(true);
   });
 
-  // Right: a scene without a file; in it all cast, and its hooks are three's.
-  test('scene.clone(), drawn by itself', () => {
+  // Expected: a scene without a file. All objects in it cast, and its hooks are three's.
+  test('scene.clone() drawn by itself is a scene without a file', () => {
     const [city, house] = [new Group(), caster('house')];
     const shown = show({ statics: city.add(house) });
     shown.frame();
@@ -73,8 +75,9 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([house.castShadow, twin.castShadow]).toEqual([true, true]);
   });
 
-  // Right: a preview of one house has no shadows of the city, though its sun shines from the same direction.
-  test('a material that is shared with a scene without a file', () => {
+  // Expected: a preview of one house has no shadows of the city, although its sun shines from the same
+  // direction.
+  test('a material shared with a scene without a file has no shadow there', () => {
     if (!isWebGL) return; // Materials are built for each scene's lights.
     const material = new MeshLambertMaterial();
     const [scene, preview, sun, other] = [new Scene(), new Scene(), new DirectionalLight(), new DirectionalLight()];
@@ -93,8 +96,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(seen).toEqual([1, 0, 1]);
   });
 
-  // Right: it is refused, or warned of, by name; shadows do not just go.
-  test('a SpotLight that is the sun of an older app', () => {
+  // Expected: an error or a warning names it; shadows do not disappear without a message.
+  test('a SpotLight is named in an error or a warning', () => {
     const [scene, spot, city] = [new Scene(), new SpotLight(), new Group()];
     scene.add(spot, spot.target, city.add(caster()));
     let refused: unknown;
@@ -110,8 +113,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(isClean(scene, spot)).toBe(true);
   });
 
-  // Right: as after setFiles([]), for the first tile comes later.
-  test('no file yet: an empty list when it is attached', () => {
+  // Expected: the same as after setFiles([]), because the first tile comes later.
+  test('attaches with an empty list, and takes files later', () => {
     const [tile, house] = [new Group(), caster()];
     const shown = show({}, []);
     shown.scene.add(tile.add(house));
@@ -121,12 +124,12 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(castIn(shown, house)).toEqual([false]);
   });
 
-  // Right: an error that names what is missing, when it is attached, or a scene that goes on. Not a TypeError in every frame, and not a file that
-  // is somewhere else.
+  // Expected: an error on attaching that names the missing object, or a scene that goes on. Not a TypeError
+  // in every frame, and not a file in a wrong place.
   test.each([
     ['in statics', (world: Scene) => ({ statics: [world.getObjectByName('city'), world.getObjectByName('town')] }), () => file, /statics/],
     ['as a root', () => ({}), (world: Scene) => ({ file, root: world.getObjectByName('town') }), /root is undefined/],
-  ] as const)('getObjectByName finds nothing: undefined %s', (_, options, files, said) => {
+  ] as const)('undefined %s is named (getObjectByName found nothing)', (_, options, files, said) => {
     const [scene, light] = [new Scene(), new DirectionalLight()];
     scene.add(light, light.target, Object.assign(new Group(), { name: 'city' }).add(caster()));
     let refused: unknown;
@@ -142,8 +145,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(isClean(scene, light)).toBe(true);
   });
 
-  // Right: the error says that it is no file (or to await it), and nothing is changed.
-  test('await is forgotten: a promise of a file', () => {
+  // Expected: the error says that it is not a file (or to await it), and nothing is changed.
+  test('refuses a promise of a file (await is forgotten)', () => {
     const [scene, light] = [new Scene(), new DirectionalLight()];
     scene.add(light, light.target);
     const promise = Promise.resolve(file) as unknown as typeof file;
@@ -158,8 +161,9 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(String(refused)).toMatch(/await|promise|shadow file|BakedShadowFile|ShadowFileLoader/i);
   });
 
-  // Right: nothing changes until setOptions, whatever a panel of controls does to the object that was given.
-  test('the options’ object is changed later', () => {
+  // Expected: nothing changes until setOptions, whatever a panel of controls does to the object that the app
+  // gave.
+  test('changes to the options’ object have no effect before setOptions', () => {
     const city = new Group();
     const options = { filter: 5 as 5 | 9, bias: { constantTexels: 1, slopeTexels: 2, normalOffsetTexels: 1 } };
     const shown = show(options, { file, root: city });
@@ -170,7 +174,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     city.position.x += 1;
     shown.frame();
     expect.soft([wordsOf(shown)[FILTER], wordsOf(shown)[BIAS]]).toEqual(before);
-    // A slider on its way.
+    // A slider in between.
     options.filter = 4 as 5;
     city.position.x += 1;
     shown.frame();
@@ -179,8 +183,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(wordsOf(shown)[FILTER]).toBe(9);
   });
 
-  // Right: nothing changes until setFiles; frames in between are drawn as before.
-  test('the app’s own tiles { file, root, … }, which it uses again or empties', () => {
+  // Expected: nothing changes until setFiles; frames in between are drawn as before.
+  test('changes to the app’s own tiles have no effect before setFiles', () => {
     const [a, b, house, barn] = [new Group(), new Group(), caster(), caster()];
     b.position.x = 40;
     const tile: { file: typeof file; root: Group; name: string } = { file, root: a.add(house), name: '3/7' };
@@ -199,8 +203,9 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(anchorX(shown) - x).toBeCloseTo(40, 3);
   });
 
-  // Right: each casts or not once, and all is the app's afterwards; a root that is stretched casts though it is in statics.
-  test('statics that are nested, given twice, the scene itself, and the root of a file', () => {
+  // Expected: each object rests once, and is restored afterwards. A stretched root casts, although it is in
+  // statics.
+  test('nested and repeated statics rest once and are restored', () => {
     const [scene, light, city, street, house, car, tent] = [new Scene(), new DirectionalLight(), new Group(), new Group(), caster(), caster(), caster()];
     car.userData['adumbra'] = { cast: true };
     scene.add(light, light.target, city.add(street.add(house, car)), tent);
@@ -211,7 +216,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     city.scale.x = 2;
     drawOf(scene, light, shadow);
     expect(shadow.status).toMatchObject({ filesInUse: 1, missing: 1 });
-    // What is above it in statics must not silence it.
+    // An ancestor in statics must not make it rest.
     expect(castsOf(scene, light, shadow, house, car)).toEqual([true, true]);
     city.scale.x = 1;
     expect(castsOf(scene, light, shadow, house, car, tent)).toEqual([false, true, false]);
@@ -220,11 +225,11 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(isClean(scene, light)).toBe(true);
   });
 
-  // Right: the light has the sun of the root wherever that goes, and is given back.
+  // Expected: the light has the sun of the root wherever the root goes, and is restored.
   test.each([
     ['carries its target', true],
     ['has its target nowhere', false],
-  ])('a sun below the root of its file, which is added after it was attached, and %s', (_, carries) => {
+  ])('a sun below the root of its file follows it, and %s', (_, carries) => {
     const [scene, light, model, node, house] = [new Scene(), new DirectionalLight(), new Group(), new Group(), caster()];
     light.target.position.set(0, 0, -1);
     if (carries) light.add(light.target);
@@ -249,11 +254,11 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(castsOf(scene, light, shadow, house)).toEqual([true]);
   });
 
-  // Right: each has its own options, words and end, in either order.
-  test.each(['first', 'second'])('one file on two lights of a scene, with and without a root; the %s ends first', (early) => {
+  // Expected: each has its own options, words and end, in either order.
+  test.each(['first', 'second'])('two lights with one file are independent; the %s ends first', (early) => {
     const [city, district, house, barn] = [new Group(), new Group(), caster(), caster()];
     const shown = show({ statics: city.add(house) }, file);
-    // The helper returns the texture that was uploaded last, of whatever light.
+    // The helper returns the texture that was uploaded last, of any light.
     const words0 = wordsOf(shown);
     const [light, { scene }] = [new DirectionalLight(), shown];
     district.rotation.y = 1.2;

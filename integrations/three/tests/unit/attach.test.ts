@@ -1,4 +1,4 @@
-// What attaching a file does to lights, materials and scenes of WebGLRenderer, without a GPU.
+// Effects of attaching a file on lights, materials and scenes of WebGLRenderer, without a GPU.
 
 import {
   DirectionalLight,
@@ -47,7 +47,7 @@ function world(material: Material = new MeshLambertMaterial()) {
   return { scene, mesh, material };
 }
 
-/** What three would compile. */
+/** The shader that three would compile. */
 function compiled(material: Material, fragmentShader = LAMBERT, vertexShader = 'void main() {}') {
   const shader = { fragmentShader, vertexShader, uniforms: {} as Record<string, { value: unknown }> };
   material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
@@ -59,7 +59,7 @@ function lookUps(fragmentShader: string, prefix = 'adumbra1'): number {
   return fragmentShader.split(`${prefix}_visibility( ${prefix}_p`).length - 1;
 }
 
-test('isActive leaves the direction that is drawn', () => {
+test('isActive does not change the direction that is drawn', () => {
   const { scene, material } = world();
   const light = new DirectionalLight();
   const shadow = attachBakedShadow(scene, light, file);
@@ -87,7 +87,7 @@ test.each([
   expect(towards.distanceTo(new Vector3(...file.grid.sun))).toBeLessThan(1e-6);
 });
 
-test('what is attached after dispose stays as it is', () => {
+test('nothing is hooked again after dispose', () => {
   const { scene, material } = world();
   const shadow = attach(scene);
   expect(lookUps(compiled(material).fragmentShader)).toBeGreaterThan(0);
@@ -98,7 +98,7 @@ test('what is attached after dispose stays as it is', () => {
   expect(material.onBeforeCompile).toBe(Material.prototype.onBeforeCompile);
 });
 
-test('a scene is as it was, in whatever order its shadows come and go', () => {
+test('the scene is restored in whatever order its shadows end', () => {
   const { scene } = world();
   const { onBeforeRender, onAfterRender } = scene;
   let last = attach(scene);
@@ -127,14 +127,14 @@ test.each([
   mesh.material = make(material, new MeshLambertMaterial());
   frame(scene);
   expect(lookUps(compiled(mesh.material).fragmentShader)).toBe(2);
-  // Whatever a page copies.
+  // A page may copy the hook too.
   const copied = Object.assign(material.clone(), { onBeforeCompile: material.onBeforeCompile });
   mesh.material = copied;
   frame(scene);
   expect(lookUps(compiled(copied).fragmentShader)).toBe(2);
 });
 
-test('copies of hooks tell the programs of their materials apart', () => {
+test('copied hooks keep the programs of their materials apart', () => {
   const { scene, mesh, material } = world();
   const { mesh: other, material: second } = world();
   scene.add(other);
@@ -150,17 +150,17 @@ test('copies of hooks tell the programs of their materials apart', () => {
   expect(compiled(green!).fragmentShader).toContain('// green');
 });
 
-test('a hook that somebody deletes is there again in the next frame', () => {
+test('a deleted hook is restored in the next frame', () => {
   const { scene, material } = world();
   attach(scene);
-  // As three's addon CSM does when it goes.
+  // As three's addon CSM does on dispose.
   delete (material as Partial<Material>).onBeforeCompile;
   expect(lookUps(compiled(material).fragmentShader)).toBe(0);
   frame(scene);
   expect(lookUps(compiled(material).fragmentShader)).toBe(2);
 });
 
-test('uniforms may be spread by a later hook', () => {
+test('a later hook may replace the uniforms by a copy', () => {
   const { scene, material } = world();
   attach(scene);
   const ours = material.onBeforeCompile;
@@ -173,7 +173,7 @@ test('uniforms may be spread by a later hook', () => {
   expect(Object.keys(shader.uniforms)).toEqual(expect.arrayContaining(['diffuse', 'adumbra1_words', 'time']));
 });
 
-test('materials that are missing are no fault, and that of a whole scene has the shadows', () => {
+test('missing materials are skipped, and overrideMaterial has the shadows', () => {
   const { scene, mesh } = world();
   attach(scene);
   Object.assign(mesh, { material: [undefined, new MeshLambertMaterial()] });
@@ -183,7 +183,7 @@ test('materials that are missing are no fault, and that of a whole scene has the
   expect(lookUps(compiled(scene.overrideMaterial).fragmentShader)).toBe(2);
 });
 
-test('a material that is met no more is let go in the end', () => {
+test('a material that is no longer drawn is released', () => {
   const { scene, mesh, material } = world();
   attach(scene);
   scene.remove(mesh);
@@ -194,7 +194,7 @@ test('a material that is met no more is let go in the end', () => {
   expect(lookUps(compiled(material).fragmentShader)).toBe(2);
 });
 
-test('another renderer and another kind of shadow on the same light are no fault', () => {
+test('another renderer or kind of shadow on the light does no harm', () => {
   const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
   const { scene } = world();
   const light = new DirectionalLight();
@@ -205,14 +205,14 @@ test('another renderer and another kind of shadow on the same light are no fault
   drawWithWebGL(scene, {});
   expect(warn.mock.calls.filter(([text]) => String(text).includes('is for WebGLRenderer'))).toHaveLength(1);
   node.dispose();
-  // What three may still call does not bring it back.
+  // A late call from three does not hook the scene again.
   node.updateBefore({ renderer: null, scene } as unknown as NodeFrame);
   attached.pop()!.dispose();
   expect(Object.hasOwn(scene, 'onBeforeRender')).toBe(false);
   warn.mockRestore();
 });
 
-test('a material that is disposed is let go, and has the shadows again if it is drawn again', () => {
+test('a disposed material is released, and hooked again when drawn', () => {
   const { scene, mesh, material } = world();
   attach(scene);
   const { length } = listenersOf(material);
@@ -227,7 +227,7 @@ test('a material that is disposed is let go, and has the shadows again if it is 
   expect(lookUps(compiled(material).fragmentShader)).toBe(2);
 });
 
-/** What listens to the end of a material. */
+/** The listeners to a material's `dispose` event. */
 function listenersOf(material: Material): unknown[] {
   return (material as unknown as { _listeners?: Record<string, unknown[]> })._listeners?.['dispose'] ?? [];
 }
@@ -243,7 +243,7 @@ test('materials are not disposed, and are as they were after dispose', () => {
   expect(listenersOf(material)).toHaveLength(1);
 });
 
-test('a program that three has kept gets the uniforms of a shadow that comes again', () => {
+test('a kept program gets the uniforms of a shadow attached again', () => {
   const { scene, material } = world();
   const renderer = webglRenderer();
   const first = attach(scene);
@@ -252,7 +252,7 @@ test('a program that three has kept gets the uniforms of a shadow that comes aga
   kept['uniforms'] = uniforms;
   first.dispose();
   expect(uniforms['adumbra1_words']!.value).toBeNull();
-  // Three compiles the material without it meanwhile, or it does not.
+  // Three may or may not compile the material without the shadow in between.
   for (const between of [{ diffuse: { value: 1 } }, uniforms]) {
     kept['uniforms'] = between;
     kept['uniformsList'] = [];
@@ -266,14 +266,14 @@ test('a program that three has kept gets the uniforms of a shadow that comes aga
   }
 });
 
-test('the uniforms of a ShaderMaterial stay as they are, and a clone of it has the shadows', () => {
+test('a ShaderMaterial keeps its uniforms, and its clone has the shadows', () => {
   const { scene, mesh, material } = world(new ShaderMaterial({ lights: true, uniforms: { height: { value: 3 } } }));
   const shadow = attach(scene);
   const { uniforms } = material as ShaderMaterial;
   const shader = { fragmentShader: OWN_LOOP, vertexShader: '', uniforms };
   material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
   expect(Object.keys(uniforms)).toEqual(['height']);
-  // What the page sets later is what three finds.
+  // Three finds the value that the page sets later.
   uniforms['height'] = { value: 4 };
   expect(shader.uniforms['height']).toBe(uniforms['height']);
   expect(shader.uniforms).toHaveProperty('adumbra1_words');
@@ -298,7 +298,7 @@ test('a light that is attached again has its shadow once', () => {
   expect(second!.isActive).toBe(true);
 });
 
-test('what is no scene, or of another three, is refused by name', () => {
+test('refuses a part of a scene, and a scene of another three', () => {
   const light = new DirectionalLight();
   expect(() => attachBakedShadow(new Group() as unknown as Scene, light, file)).toThrow(/to the Scene that is drawn/);
   const { scene } = world();
@@ -321,7 +321,7 @@ test('hooks that a page gives a material later are called, and stay after dispos
   expect(material.onBeforeCompile).toBe(theirs);
 });
 
-test('there is no second look-up where a later hook calls the earlier one', () => {
+test('a later hook that calls the earlier one adds no second look-up', () => {
   const { scene, material } = world();
   attach(scene);
   const once = lookUps(compiled(material).fragmentShader);
@@ -330,7 +330,7 @@ test('there is no second look-up where a later hook calls the earlier one', () =
   expect(lookUps(compiled(material).fragmentShader)).toBe(once);
 });
 
-test('hooks of others between those of two lights tell programs apart', () => {
+test('foreign hooks between those of two lights keep programs apart', () => {
   const scene = new Scene();
   const materials = ['red', 'green'].map((name) => {
     const { mesh, material } = world();
@@ -360,7 +360,7 @@ void main() {
   getDirectionalLightInfo( directionalLight, directLight );
 }`;
 
-test('a shader with a loop of its own has one look-up, whatever is commented out', () => {
+test('a shader with a custom loop has one look-up, despite comments', () => {
   const { scene, material } = world(new ShaderMaterial({ lights: true }));
   attach(scene);
   const { fragmentShader } = compiled(material, OWN_LOOP);
@@ -372,7 +372,7 @@ test.each([
   ['no normal', OWN_LOOP.replace('#include <normal_fragment_begin>', 'vec3 normal = vNormal;')],
   ['no position', OWN_LOOP.replace('vec3 geometryPosition', 'vec3 p')],
   ['no light', OWN_LOOP.replace(/getDirectionalLightInfo.*/, '')],
-])('a shader with %s is left alone, and named', (_, text) => {
+])('a shader with %s is not changed, and is listed in skipped', (_, text) => {
   const { scene, material } = world(new ShaderMaterial({ lights: true, name: 'theirs' }));
   const shadow = attach(scene);
   const { fragmentShader, uniforms } = compiled(material, text);
@@ -404,7 +404,7 @@ test.each([
   }
 });
 
-/** A shader with a mask, as the addon `Water` has one. */
+/** A shader with a mask, as in the addon `Water`. */
 const WATER = `
 #include <lights_pars_begin>
 #include <shadowmask_pars_fragment>
@@ -422,7 +422,7 @@ test.each([
   for (const prefix of ['adumbra1', 'adumbra2']) {
     expect(fragmentShader.split(`${prefix}_visibility( bakedShadowPosition`)).toHaveLength(2);
     expect(uniforms).toHaveProperty(`${prefix}_headers`);
-    // What was called until now goes on being called.
+    // The original mask is still called.
     expect(fragmentShader).toContain(`float ${prefix}_mask() {`);
     expect(fragmentShader).toContain(`return ${prefix}_mask() * mix`);
   }
@@ -453,7 +453,7 @@ test('a mask has no shadow of a sun that does not shine', () => {
   expect(intensities()).toEqual([0, 0]);
 });
 
-test('materials without lights are left alone, and not listed', () => {
+test('materials without lights are neither changed nor listed', () => {
   const { scene, material } = world(new ShaderMaterial());
   const shadow = attach(scene);
   for (const name of ['basic', 'points', 'sprite'] as const) {
@@ -472,7 +472,7 @@ test('a material that is skipped is warned of once', () => {
   warn.mockRestore();
 });
 
-test('the look-up asks for 32 bits, and gives the rest of a shader its precision back', () => {
+test('the look-up asks for 32 bits, and restores the precision', () => {
   const { scene, material } = world(new MeshLambertMaterial({ precision: 'mediump' }));
   attach(scene);
   const shader = { fragmentShader: LAMBERT, vertexShader: 'void main() {}', uniforms: {}, precision: 'mediump' };
@@ -483,7 +483,7 @@ test('the look-up asks for 32 bits, and gives the rest of a shader its precision
   expect([high! >= 0, high! < look!, look! < back!, back! < main!]).toEqual([true, true, true, true]);
 });
 
-/** The position and the direction that the GLSL computes from what three gives it, of a view matrix. */
+/** The position and the direction that the GLSL computes from three's values, for a view matrix. */
 function worldFromView(view: Matrix4, pView: Vector3, nView: Vector3): { p: Vector3; n: Vector3 } {
   const m = new Matrix3().setFromMatrix4(view);
   const columns = [0, 1, 2].map((i) => new Vector3().fromArray(m.elements, 3 * i));
@@ -507,7 +507,7 @@ test('a camera below a scaled rig has the same positions and normals', () => {
   const found = worldFromView(view, p.clone().applyMatrix4(view), nView);
   expect(found.p.distanceTo(p)).toBeLessThan(1e-9);
   expect(found.n.distanceTo(n)).toBeLessThan(1e-9);
-  // What is computed above is what the shader has.
+  // The shader has the formulas computed above.
   const { fragmentShader } = compiled(attachedWorld());
   for (const line of [
     'mat3 adumbra1_m = mat3( viewMatrix );',

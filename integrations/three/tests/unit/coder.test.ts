@@ -1,5 +1,5 @@
-// Coded files: they have the words of their raw twins, whatever the bytes are nothing but a ShadowFileError is thrown, and
-// loading them does not stop the page.
+// Coded files: they have the words of their raw twins, any bytes throw nothing but a ShadowFileError, and
+// loading them does not block the page.
 
 import { afterEach, describe, expect, it, vi } from 'vitest';
 
@@ -21,7 +21,7 @@ const fail = (): never => {
   throw new Fault();
 };
 
-/** A coded common section and the coded bundles behind it, with their numbers of words. */
+/** A coded common section and the coded bundles after it, with their numbers of words. */
 interface CodedLevel {
   readonly common: readonly [stored: Uint8Array, words: number];
   readonly bundles: readonly (readonly [stored: Uint8Array, words: number])[];
@@ -66,12 +66,12 @@ it.each(CODED)('%s has the words of its raw twin', (name) => {
   }
 });
 
-it('there are coded files with common sections, and with several bundles', () => {
+it('the vectors cover coded common sections and several bundles', () => {
   expect(LEVELS.some(({ common: [stored] }) => stored.length > 0)).toBe(true);
   expect(Math.max(...LEVELS.map(({ bundles }) => bundles.length))).toBeGreaterThan(1);
 });
 
-it('what a decoder decoded before changes nothing', () => {
+it('earlier decodings do not affect a result', () => {
   for (const { common, bundles } of LEVELS) {
     const decoder = new PartDecoder();
     run(decoder.common(...common, fail));
@@ -81,7 +81,7 @@ it('what a decoder decoded before changes nothing', () => {
   }
 });
 
-describe('garbage is refused, or has as many words as it should', () => {
+describe('garbage is refused or gives the expected number of words', () => {
   const random = scatter(20_261_126);
   const below = (n: number): number => Math.floor(random() * n);
   const noise = (length: number): Uint8Array => Uint8Array.from({ length }, () => below(256));
@@ -118,7 +118,7 @@ describe('garbage is refused, or has as many words as it should', () => {
   });
 });
 
-it('a part that claims to be long takes no more steps or memory than its bytes allow', () => {
+it('steps and memory are bounded by the bytes of a part', () => {
   let allocated = 0;
   const counted = <C extends new (...args: any[]) => ArrayBufferView>(array: C): C =>
     class extends array {
@@ -159,7 +159,7 @@ describe('in slices', () => {
     expect(Object.isFrozen(file)).toBe(true);
   });
 
-  it('each slice is of ten milliseconds, and the event loop goes on between them', async () => {
+  it('takes ten milliseconds each, with the event loop in between', async () => {
     let [clock, reads, turns, isOver] = [0, 0, 0, false];
     const work = function* (): Generator<void, string> {
       for (let step = 0; step < 100; step++) {
@@ -192,7 +192,7 @@ describe('in slices', () => {
     expect(error).toEqual(caught(() => new BakedShadowFile(bytes)));
   });
 
-  it('ends with the reason of its signal', async () => {
+  it('rejects with the reason of its signal', async () => {
     const controller = new AbortController();
     const parsing = BakedShadowFile.parseAsync(validBytes(CODED[0]!), { signal: controller.signal });
     controller.abort(new Error('enough'));

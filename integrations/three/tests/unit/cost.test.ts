@@ -1,4 +1,4 @@
-// What a shadow costs when nothing changes: no object, material or program is touched for nothing.
+// The cost of a shadow when nothing changes: no object, material or program is touched without need.
 
 import { BufferGeometry, DirectionalLight, Group, Mesh, MeshLambertMaterial, Scene } from 'three';
 import { expect, test } from 'vitest';
@@ -10,7 +10,7 @@ import { validBytes } from './vectors.js';
 
 const [OBJECTS, MATERIALS, DRAWINGS] = [10_000, 500, 60];
 
-test('a scene that stays as it is is walked over, and no more', () => {
+test('an unchanged scene is only traversed', () => {
   const [scene, city, sun] = [new Scene(), new Group(), new DirectionalLight()];
   const materials = Array.from({ length: MATERIALS }, () => new MeshLambertMaterial());
   const geometry = new BufferGeometry();

@@ -5,12 +5,12 @@ import { expect, it } from 'vitest';
 import { crc32 } from '../../src/file/crc32.js';
 import { scatter } from './vectors.js';
 
-it('the check value of the specification', () => {
+it('gives the check value of the specification', () => {
   expect(crc32(new TextEncoder().encode('123456789'))).toBe(0xcbf43926);
   expect(crc32(new Uint8Array(0))).toBe(0);
 });
 
-it('bytes of any length at any place in their buffer', () => {
+it('takes bytes of any length at any offset in their buffer', () => {
   const random = scatter(1);
   const bytes = Uint8Array.from({ length: 300 }, () => 256 * random());
   for (let from = 0; from < 9; from++) {

@@ -1,4 +1,4 @@
-// Damages files, and repairs their checksums so that the fault is found behind them.
+// Damages files, and repairs their checksums, so that readers get past them to the fault.
 
 import { crc32 } from '../../src/file/crc32.js';
 import { parseDirectory, partsOf } from '../../src/file/directory.js';
@@ -16,7 +16,7 @@ const BUNDLE_BYTES = 24;
 const GRIDS_AT = 24;
 const DIRECTORY_CHECKSUM_AT = 132;
 
-/** Words that mean something special in a quadtree, and others that are out of range everywhere. */
+/** Words with a special meaning in a quadtree, and others that are out of range everywhere. */
 const SPECIAL = [0, 1, 2, 0x41, 0x200, 0x8000, 0xffff, 0x10000, 0x7fffffff, 0x80000000, 0xfffffffe, 0xffffffff];
 
 /** Returns the parts of a valid file in file order: the directory, tables, common sections and bundles. */
@@ -64,7 +64,7 @@ export function mutate(valid: Uint8Array<ArrayBuffer>, random: () => number): Ui
   const below = (n: number) => Math.floor(random() * n);
   let bytes = valid.slice();
   for (let faults = 1 + below(4); faults > 0; faults--) {
-    // Three of four faults go behind the header and the first directory entry, where more can go wrong.
+    // Three of four faults go after the header and the first directory entry, where more can go wrong.
     const from = below(4) === 0 ? 0 : Math.min(HEADER_BYTES + GRID_BYTES, bytes.length);
     const at = from + below(bytes.length - from);
     const word = at & ~3;

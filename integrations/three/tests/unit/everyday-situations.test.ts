@@ -1,4 +1,4 @@
-// What ordinary apps do over several frames, drawn by three's own renderers.
+// Situations of ordinary apps over several frames, drawn by three's own renderers.
 
 import {
   Bone,
@@ -38,7 +38,7 @@ import { recordingCanvas } from './recording-gl.js';
 import type { Draw, Program } from './recording-gl.js';
 import { file, keepWarnings } from './situations.js';
 
-/** What both renderers have. */
+/** The members that both renderers have. */
 interface Renderer {
   readonly shadowMap: { enabled: boolean };
   init(): Promise<unknown>;
@@ -53,7 +53,7 @@ interface Renderer {
 type Box = Mesh<BoxGeometry, Material>;
 
 const warnings = keepWarnings();
-/** What three asked to have called in the next frame. */
+/** The callbacks that three has requested for the next frame. */
 let asked: (() => void)[] = [];
 beforeEach(() => {
   asked = [];
@@ -64,7 +64,7 @@ beforeEach(() => {
 });
 afterEach(() => vi.unstubAllGlobals());
 
-/** A renderer, and what draws a frame with it and returns what was drawn. */
+/** A renderer, and a function that draws a frame with it and returns the draws. */
 async function rendererOf(isWebGL: boolean) {
   const { canvas, context, programs, draws } = recordingCanvas();
   const parameters = { canvas, context } as object;
@@ -93,10 +93,10 @@ async function rendererOf(isWebGL: boolean) {
 }
 
 let boxes = 0;
-/** A box that has another number of indices than all others, by which its drawings are known. */
+/** A box with a unique number of indices, which identifies its draws. */
 const box = () => new BoxGeometry(1, 1, 1, (boxes += 1), 1, 1);
 
-/** Has an object cast, receive, and drawn wherever it is. */
+/** Makes an object cast, receive, and be drawn wherever it is. */
 const shown = <T extends Mesh>(object: T): T => Object.assign(object, { castShadow: true, receiveShadow: true, frustumCulled: false });
 const meshOf = (): Box => shown(new Mesh(box(), new MeshLambertMaterial()));
 const meshesBelow = (root: Object3D): Box[] => {
@@ -107,7 +107,7 @@ const meshesBelow = (root: Object3D): Box[] => {
   return meshes;
 };
 
-/** Disposes of what is below an object, as apps do. */
+/** Disposes everything below an object, as apps do. */
 function disposeBelow(root: Object3D): void {
   for (const { geometry, material } of meshesBelow(root)) {
     geometry.dispose();
@@ -116,7 +116,10 @@ function disposeBelow(root: Object3D): void {
 }
 
 const looksUp = ({ fragment }: Program): boolean => /adumbra\d+_visibility/.test(fragment);
-/** Whether a program draws shadow maps: WebGLRenderer names the material, and WebGPURenderer's has nothing of light or of the screen in it. */
+/**
+ * Whether a program draws shadow maps: WebGLRenderer names the material, and WebGPURenderer's program does
+ * not use light or the screen.
+ */
 const isOfMaps = ({ fragment }: Program): boolean => /MeshDepthMaterial/.test(fragment) || !/directDiffuse|gl_FragCoord/.test(fragment);
 const ofMesh = (draws: Draw[], { geometry }: Mesh): Draw[] => draws.filter(({ count }) => count === geometry.index!.count);
 
@@ -168,7 +171,7 @@ describe.each([
   ['WebGLRenderer', true],
   ['WebGPURenderer', false],
 ] as const)('%s', (_, isWebGL) => {
-  test('the file arrives after frames were drawn', async () => {
+  test('a file that arrives after frames were drawn is used at once', async () => {
     const { programs, attach, frame, houseAndCar } = await worldOf(isWebGL);
     const before = { maps: 1, withFile: 0, without: 1, total: 1 };
     for (let i = 0; i < 3; i += 1) expect(houseAndCar(frame())).toEqual([before, before]);
@@ -181,7 +184,7 @@ describe.each([
   });
 
   const methods = ['compile', 'compileAsync'] as const;
-  test.each(isWebGL ? methods : methods.slice(1))('a loading screen that compiles beforehand (%s)', async (method) => {
+  test.each(isWebGL ? methods : methods.slice(1))('a loading screen compiles beforehand, and only once (%s)', async (method) => {
     const { renderer, programs, scene, house, camera, attach, frame, houseAndCar } = await worldOf(isWebGL);
     attach();
     await renderer[method](scene, camera);
@@ -193,7 +196,7 @@ describe.each([
     expect(warnings()).toBe('');
   });
 
-  test('overrideMaterial in every frame', async () => {
+  test('overrideMaterial has the shadows, and builds no program anew', async () => {
     const { programs, scene, house, attach, frame, houseAndCar } = await worldOf(isWebGL);
     attach();
     const [normals, clay] = [new MeshNormalMaterial(), new MeshLambertMaterial()];
@@ -212,7 +215,7 @@ describe.each([
     expect([house.castShadow, warnings()]).toEqual([true, '']);
   });
 
-  test('textures, fog and environments that arrive later', async () => {
+  test('shadows stay when textures, fog and environments arrive later', async () => {
     const { scene, house, attach, frame, houseAndCar } = await worldOf(isWebGL);
     const material = new MeshStandardMaterial();
     house.material = material;
@@ -240,7 +243,7 @@ describe.each([
     expect(house.castShadow).toBe(true);
   });
 
-  test('floors on layers', async () => {
+  test('floors on layers rest and have the shadows', async () => {
     const { city, camera, attach, frame, houseAndCar } = await worldOf(isWebGL);
     const floor = meshOf();
     floor.layers.set(2);
@@ -258,7 +261,7 @@ describe.each([
     expect([floor.castShadow, warnings()]).toEqual([true, '']);
   });
 
-  test('clones of what moves', async () => {
+  test('clones of movers cast and have the shadows', async () => {
     const { city, car, attach, frame, house } = await worldOf(isWebGL);
     car.userData['adumbra'] = { cast: true };
     const geometry = box();
@@ -284,7 +287,7 @@ describe.each([
     expect([house, car, skin].map((each) => drawn(draws, each))).toEqual([RESTS, CASTS, CASTS]);
   });
 
-  test('a reload with setFiles', async () => {
+  test('a reload with setFiles shows the new file in the next frame', async () => {
     const { scene, city, house, car, attach, frame, houseAndCar } = await worldOf(isWebGL);
     const shadow = attach({ file, root: city }, {});
     expect(houseAndCar(frame())).toEqual([RESTS, CASTS]);
@@ -305,16 +308,17 @@ describe.each([
     }
     expect(anchors[1]! - anchors[0]!).toBeCloseTo(10, 3);
     expect(anchors[2]! - anchors[1]!).toBeCloseTo(10, 3);
-    // The first root is used elsewhere.
+    // The first root is used again, without a file.
     scene.add(city);
     expect(drawn(frame(), house)).toEqual(CASTS);
     expect([house.castShadow, warnings()]).toEqual([true, '']);
   });
 
-  test('another renderer after the first one is disposed', async () => {
+  test('another renderer draws the same after the first is disposed', async () => {
     const { renderer, scene, house, camera, attach, frame, houseAndCar } = await worldOf(isWebGL);
     attach();
-    // Three's own shadow node skips the map of a frame that has the number of the last one, as after a single frame.
+    // Three's own shadow node skips the map of a frame with the number of the last one, as after a single
+    // frame.
     for (let i = 0; i < 3; i += 1) frame();
     renderer.dispose();
     const next = await rendererOf(isWebGL);
@@ -325,7 +329,7 @@ describe.each([
     expect([house.castShadow, warnings()]).toEqual([true, '']);
   });
 
-  test('everything is gone before dispose', async () => {
+  test('dispose restores everything although all else is gone before', async () => {
     const { renderer, scene, sun, house, car, attach, frame } = await worldOf(isWebGL);
     const shadow = attach();
     frame();
@@ -343,7 +347,7 @@ describe.each([
     expect([shadow.isActive, warnings()]).toEqual([false, '']);
   });
 
-  test('a root whose matrix the app writes', async () => {
+  test('a file follows a root whose matrix the app writes', async () => {
     const { sun, city, house, attach, frame, houseAndCar } = await worldOf(isWebGL);
     city.matrixAutoUpdate = false;
     city.matrix.makeTranslation(3, 0, 0);
@@ -368,7 +372,7 @@ describe.each([
     expect(warnings()).toBe('');
   });
 
-  test('a minimap into a target', async () => {
+  test('a minimap into a target has the same shadows', async () => {
     const { renderer, programs, draws: recorded, inFrame, scene, house, car, camera, attach, houseAndCar } = await worldOf(isWebGL);
     const marker = meshOf();
     marker.layers.set(1);
@@ -401,7 +405,7 @@ describe.each([
     expect(warnings()).toBe('');
   });
 
-  test('a menu of shadow map sizes', async () => {
+  test('shadow map sizes may change at any time', async () => {
     const { sun, house, attach, frame, houseAndCar } = await worldOf(isWebGL);
     sun.shadow.mapSize.set(512, 512);
     attach();

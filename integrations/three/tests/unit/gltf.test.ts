@@ -1,4 +1,4 @@
-// Lights of glTF files whose shadow file is not there.
+// Lights of glTF files whose shadow file is missing.
 
 import { DirectionalLight, Group, LoadingManager, Object3D } from 'three';
 import type { GLTF, GLTFParser } from 'three/addons/loaders/GLTFLoader.js';
@@ -17,7 +17,7 @@ function city() {
   return { sun, gltf: { animations: [], scenes: [scene] } as unknown as GLTF };
 }
 
-test('go on without it, and say why', async () => {
+test('a light whose shadow file is missing loads without it', async () => {
   const { sun, gltf } = city();
   const [attach, onError] = [vi.fn<(shadow: NamedShadow) => void>(), vi.fn<(error: unknown, light: unknown) => void>()];
   await new GLTFBakedShadow(parser, attach, onError).afterRoot(gltf);
@@ -29,7 +29,7 @@ test('go on without it, and say why', async () => {
   printed.mockRestore();
 });
 
-test('end the load, if the page says so', async () => {
+test('the load of the glTF file is rejected if onError throws', async () => {
   const { gltf } = city();
   const strict = new GLTFBakedShadow(parser, () => undefined, (error) => {
     throw error;

@@ -133,7 +133,7 @@ it('a later version is named with the versions that are read', () => {
   expect(errorOf(faulty(LIGHT, (h) => h.u32(2, 5)))).toMatchObject({ kind: 'FutureVersion', details: { version: 5, supported: 4 } });
 });
 
-it('other bytes are no shadow file', () => {
+it('refuses bytes without the magic', () => {
   const text = new TextEncoder().encode('ADUMBRA\r\n and more');
   expect(errorOf(text)).toMatchObject({ kind: 'Magic', details: { found: 'ADUMBRA\r' } });
 });
@@ -150,9 +150,9 @@ it.each([
   ['bundles', 0, 'offset', 53, 2],
   ['table', 1, 'length', 42, 24],
   ['common section', 2, 'offset', 46, 4],
-  // What a part of a coarser level has more moves those of the finer ones.
+  // A longer part of a coarser level moves the parts of the finer ones.
   ['common section', 0, 'offset', [54, 1], 4],
-] as const)('the %s of level %i has a wrong %s', (section, level, field, word, more) => {
+] as const)('refuses the %s of level %i with a wrong %s', (section, level, field, word, more) => {
   const [at, of] = typeof word === 'number' ? [word, level] : word;
   expect(errorOf(faultyEntry(LEVELS, (e) => e.add(at, more), of))).toMatchObject({
     kind: 'SectionBounds',
@@ -160,14 +160,14 @@ it.each([
   });
 });
 
-it('a part that goes on behind the file is cut off', () => {
+it('a part that extends beyond the file is Truncated', () => {
   const bytes = faultyEntry(LIGHT, (e) => e.add(54, 8));
   new Fields(bytes, 0).add(34, 8);
   repair(bytes);
   expect(errorOf(bytes)).toMatchObject({ kind: 'Truncated', details: { what: 'bundles of level 0', needed: LIGHT.length + 8 } });
 });
 
-it('a file that goes on behind its last part is named', () => {
+it('bytes after the last part are TrailingBytes', () => {
   expect(errorOf(Uint8Array.of(...LIGHT, 0))).toMatchObject({ kind: 'TrailingBytes', details: { end: LIGHT.length } });
 });
 
@@ -180,15 +180,15 @@ it.each<[what: string, fault: Fault]>([
   ['more raw than stored bytes', (t) => t.add(1, 4)],
   ['no bytes, but raw ones', (t) => t.u32(0, 0)],
   ['no bytes, but two depths', (t) => [0, 1, 2].forEach((word) => t.u32(word, 0))],
-])('the entry of a bundle has %s', (_, fault) => {
+])('refuses the entry of a bundle with %s', (_, fault) => {
   expect(errorOf(faulty(LIGHT, fault, TABLE))).toMatchObject({ kind: 'Bundle', details: { section: 'bundle 0 of level 0' } });
 });
 
-it('an entry of a table has reserved bits', () => {
+it('refuses reserved bits in an entry of a table', () => {
   expectField(faulty(LIGHT, (t) => t.u32(5, 2), TABLE), 'reserved bits of bundle 0 of level 0');
 });
 
-it('bundles that are not as long together as the directory says are named', () => {
+it('refuses bundles whose total length is not the directory’s', () => {
   const fault: Fault = (t) => [0, 1].forEach((word) => t.add(word, -4));
   expect(errorOf(faulty(LIGHT, fault, TABLE))).toMatchObject({ kind: 'Bundle', details: { section: 'table of level 0' } });
 });

@@ -22,7 +22,7 @@ it('each level is a file with the levels coarser than it', () => {
   expect(file.level(-1)).toBeUndefined();
 });
 
-it('a file of one level has no other', () => {
+it('a file of one level has no coarser level', () => {
   const one = new BakedShadowFile(validBytes('sphere_depths'));
   expect(one.levelCount).toBe(1);
   expect(one.level(1)).toBeUndefined();

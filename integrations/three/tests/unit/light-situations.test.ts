@@ -1,4 +1,4 @@
-// What apps do with the light: where it is, what carries it, and when it does not shine.
+// Situations of the light in apps: where it is, which objects carry it, and when it does not shine.
 
 import { DirectionalLight, Group, Scene } from 'three';
 import { describe, expect, test } from 'vitest';
@@ -12,7 +12,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
   const isWebGL = name === 'WebGLRenderer';
 
   describe('the light', () => {
-    test('a black sun holds nothing', () => {
+    test('a black sun lets statics cast', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       shown.light.color.set(0);
@@ -20,15 +20,15 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(shown.shadow.isActive).toBe(false);
     });
 
-    test('a sun that has gone to another scene holds nothing in this one', () => {
+    test('a sun moved to another scene lets statics cast in the first', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       new Scene().add(shown.light);
       expect(castIn(shown, house)).toEqual([true]);
     });
 
-    // With WebGPURenderer its map is not drawn then.
-    test.runIf(isWebGL)('a sun on a layer that the camera does not draw holds nothing', () => {
+    // WebGPURenderer does not draw the sun's map then.
+    test.runIf(isWebGL)('a sun on a layer that the camera does not draw lets statics cast', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       shown.light.layers.set(1);
@@ -51,7 +51,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     test.each([
       ['stretched', [1, 2, 3]],
       ['mirrored', [-1, 1, 1]],
-    ] as const)('%s parent of a light that carries its target', (_, scale) => {
+    ] as const)('a light that carries its target is aligned below a %s parent', (_, scale) => {
       const light = new DirectionalLight();
       light.add(light.target);
       light.target.position.set(0, 0, -1);
@@ -65,7 +65,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(shown.shadow.isActive).toBe(true);
     });
 
-    test('a target that goes from the world to the light and back', () => {
+    test('a light is aligned while its target moves below it and back', () => {
       const light = new DirectionalLight();
       light.position.set(5, 5, 0);
       const shown = show({}, file, light);
@@ -83,7 +83,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(light.quaternion.toArray()).toEqual([0, 0, 0, 1]);
     });
 
-    test('a light below its own target, which turns', () => {
+    test('a light below its own target stays aligned while that turns', () => {
       const light = new DirectionalLight();
       const shown = show({}, file, light);
       const player = new Group();
@@ -99,7 +99,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(towards(light).length()).toBeLessThan(3);
     });
 
-    test('a light in a group that has no size for a while', () => {
+    test('a light in a group that has no size for a while stays finite', () => {
       const light = new DirectionalLight();
       light.position.set(0, 30, 40);
       const shown = show({}, file, light);
@@ -119,7 +119,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(light.position.toArray()).toEqual([0, 30, 40]);
     });
 
-    test('a position that is no number for a frame', () => {
+    test('alignment recovers from a NaN position', () => {
       const shown = show({});
       shown.light.position.set(NaN, 0, 0);
       shown.frame();
@@ -127,7 +127,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect([shown.shadow.isActive, offSun(shown.light) < 1e-5]).toEqual([true, true]);
     });
 
-    test('a shadow of the light that the app replaces, as light.copy does', () => {
+    test('a light.shadow that the app replaces is respected', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       shown.frame();

@@ -61,7 +61,7 @@ it('loads a file, with path, header and progress', async () => {
   expect(progress.mock.lastCall?.[0].loaded).toBe(GOOD.length);
 });
 
-it('loads a coded file, which is not over for the manager before it is decoded', async () => {
+it('the manager waits until a coded file is decoded', async () => {
   const manager = new LoadingManager();
   const order: string[] = [];
   manager.onLoad = () => order.push('manager');
@@ -98,7 +98,7 @@ it('an invalid file is a ShadowFileError that names the URL', async () => {
   expect(manager.onError).toHaveBeenCalledWith(url);
 });
 
-it('a file that is not there is a ShadowFileError of the kind Io', async () => {
+it('a missing file is a ShadowFileError of the kind Io', async () => {
   const url = `${address}/city/missing.adumbra`;
   const error: unknown = await new ShadowFileLoader().loadAsync(url).catch((e: unknown) => e);
   expect(error).toBeInstanceOf(ShadowFileError);
@@ -146,7 +146,7 @@ it('loads again in the same tick as it aborts, as React does', async () => {
   expect((await second).byteLength).toBe(GOOD.length);
 });
 
-it.each([0, 1])('one of two loads of a URL is aborted, and the other goes on: the one numbered %s', async (which) => {
+it.each([0, 1])('aborting load %s of two of a URL lets the other go on', async (which) => {
   const loaders = [new ShadowFileLoader(), new ShadowFileLoader()];
   const loads = loaders.map((loader) => loader.loadAsync(`${address}/city/good.adumbra`));
   loaders[which]!.abort();
@@ -161,7 +161,7 @@ it('two loads of a URL are both aborted by their manager', async () => {
   for (const load of loads) await expect(load).rejects.toMatchObject({ name: 'AbortError' });
 });
 
-it('outside of browsers, which alone have what three loads files with, says what to do', async () => {
+it('outside of browsers, the error says what to do', async () => {
   vi.stubGlobal('ProgressEvent', undefined);
   const error = await new ShadowFileLoader().loadAsync(`${address}/city/good.adumbra`).catch((reason: unknown) => reason);
   expect(error).toMatchObject({ name: 'ShadowFileError', kind: 'Io', url: `${address}/city/good.adumbra` });

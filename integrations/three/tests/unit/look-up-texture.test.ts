@@ -1,4 +1,5 @@
-// The look-up texture equals that of the Rust crate, whose headers and checksums are in `tests/golden/`, in every bit.
+// The look-up texture equals that of the Rust crate, whose headers and checksums are in `tests/golden/`, in
+// every bit.
 
 import { readFileSync } from 'node:fs';
 
@@ -48,7 +49,7 @@ it('all levels are compared', () => {
 });
 
 describe.each(LEVELS)('$name, level $level', ({ name, level, golden: { size, checksum, headers } }) => {
-  it('is the texture of the Rust crate', () => {
+  it('equals the texture of the Rust crate', () => {
     const file = vector(name, level);
     const texture = new LookUpTexture(file, 4096, OPTIONS[0]);
     expect([texture.width, texture.height]).toEqual(size);
@@ -62,7 +63,7 @@ describe.each(LEVELS)('$name, level $level', ({ name, level, golden: { size, che
     expect([...texture.header]).toEqual(headers[0]);
   });
 
-  it('has the words of the file and zeros behind them', () => {
+  it('has the words of the file and zeros after them', () => {
     const file = vector(name, level);
     const { words } = new LookUpTexture(file, 4096, OPTIONS[0]);
     const all = [...file.top, ...file.code];
@@ -109,7 +110,7 @@ it.each([
   ['filter', { filter: 3, penumbra: { sunDegrees: 0.5, maxRadiusTexels: 8 } }],
   ['angular diameter', { filter: 1, penumbra: { sunDegrees: 21, maxRadiusTexels: 8 } }],
   ['radius', { filter: 1, penumbra: { sunDegrees: 0.5, maxRadiusTexels: 65 } }],
-] satisfies [string, GpuLookUpOptions][])('%s out of its range: %o', (name, options) => {
+] satisfies [string, GpuLookUpOptions][])('refuses %s out of its range: %o', (name, options) => {
   const file = vector('sphere_depths');
   const error = caught(() => new LookUpTexture(file, 4096, options));
   expect(error).toBeInstanceOf(RangeError);

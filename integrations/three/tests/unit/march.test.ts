@@ -41,7 +41,7 @@ describe.each(GOLDEN)('$files', ({ files, darkAfterVoxels, sun, points, answers 
   const keys = keysWith(darkAfterVoxels);
   const all = (part: 0 | 1): Float32Array => new Float32Array(points.flatMap((one) => one[part]));
 
-  it.each([1, 5] as const)('with a filter of %i', (filter) => {
+  it.each([1, 5] as const)('equals the answers of the Rust crate with a filter of %i', (filter) => {
     const answersOf = ([first, second]: typeof keys) =>
       new PathSampler({ towardsSun: sun, parts: [first!, second!], isExact: true }, { filter }).visibilities(all(0), all(1));
     const expected = Float32Array.from(answers[filter === 1 ? 0 : 1]);
@@ -50,7 +50,7 @@ describe.each(GOLDEN)('$files', ({ files, darkAfterVoxels, sun, points, answers 
     expect(new Set(expected).size).toBeGreaterThan(1);
   });
 
-  it('marches within reach of the sun only', () => {
+  it('has no slope towards a sun out of reach', () => {
     const { grid } = keys[0]!.file;
     const [x, y, z] = grid.sun;
     expect(marchSlope(grid, [-x, -y, -z])).toBeUndefined();

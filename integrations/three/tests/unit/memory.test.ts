@@ -1,4 +1,5 @@
-// What a file takes in memory: it is known before it is decoded, and lists of shapes take little more than their half-words.
+// The memory that a file takes: it is known before the file is decoded, and lists of shapes take little more
+// than their half-words.
 
 import { expect, it } from 'vitest';
 
@@ -15,7 +16,7 @@ function neededOf(bytes: Uint8Array): number {
   return error.details['needed'] as number;
 }
 
-it.each(validNames())('%s is refused within a byte of what it needs', async (name) => {
+it.each(validNames())('%s is accepted within its limit, and refused one byte below', async (name) => {
   const bytes = validBytes(name);
   const needed = neededOf(bytes);
   expect(needed).toBeGreaterThan(bytes.length);
@@ -37,7 +38,7 @@ it('a file that is too large is not decoded', () => {
   expect(caught(() => new BakedShadowFile(bytes, { limitBytes: needed }))).toMatchObject({ kind: 'SectionChecksum' });
 });
 
-/** Sixteen children: a shape and what is added to its base. */
+/** Sixteen children: a shape and the difference of its base. */
 const ALL = (shape: number, delta: number): Int32Array => Int32Array.from({ length: NODE }, (_, i) => (i % 2 === 0 ? shape : delta));
 
 it.each([

@@ -1,4 +1,4 @@
-// A file that was baked for static receivers gives wrong answers on what moves, which is warned of once.
+// A file that was baked for static receivers gives wrong answers on moving objects; one warning says so.
 
 import { DirectionalLight, Group, Mesh, Scene, SkinnedMesh } from 'three';
 import type { NodeFrame } from 'three/webgpu';
@@ -52,7 +52,7 @@ it('the files are what the tests need', () => {
   expect([ofStatics.settings.receivers, ofAll.settings.receivers]).toEqual(['static', 'all']);
 });
 
-it.each(EACH)('with %s what is beside the statics and receives is named, once', async (_, show) => {
+it.each(EACH)('with %s, a receiver outside of the statics is named once', async (_, show) => {
   const w = world();
   await show(w, ofStatics, w.statics);
   await show(w, ofStatics, w.statics);
@@ -61,17 +61,17 @@ it.each(EACH)('with %s what is beside the statics and receives is named, once', 
   expect(warn.mock.calls[0]![0]).toContain('--receivers static');
 });
 
-it.each(EACH)('with %s there is no warning without a mover that receives, or of a file for all receivers', async (_, show) => {
+it.each(EACH)('with %s, no warning without moving receivers or for other files', async (_, show) => {
   const w = world();
   await show(w, ofAll, w.statics);
-  // Nothing tells what moves.
+  // Without statics, nothing says which objects move.
   await show(w, ofStatics);
   w.car.receiveShadow = false;
   await show(w, ofStatics, w.statics);
   expect(warn).not.toHaveBeenCalled();
 });
 
-it.each(EACH)('with %s skinned meshes move, and what is marked as a caster below a static root', async (_, show) => {
+it.each(EACH)('with %s, skinned meshes and marked casters count as movers', async (_, show) => {
   const w = world();
   const skinned = Object.assign(new SkinnedMesh(), { receiveShadow: true, name: 'walker' });
   w.scene.add(skinned);

@@ -1,4 +1,4 @@
-// What three's node of a light does with a shadow node, without a GPU.
+// How three's node of a light handles a shadow node, without a GPU.
 
 import { DirectionalLight, Mesh, PerspectiveCamera, Scene } from 'three';
 import { AnalyticLightNode } from 'three/webgpu';
@@ -13,7 +13,7 @@ import { validBytes } from './vectors.js';
 
 const file = new BakedShadowFile(validBytes('upright_depths'));
 
-/** What the types leave out. */
+/** Members that the types leave out. */
 type LightNode = AnalyticLightNode<DirectionalLight> & { shadowNode: unknown; colorNode: unknown; setupShadow(builder: object): void };
 
 /** A light with a shadow, and three's node of it after its first build. */
@@ -35,7 +35,7 @@ test.each([
   ['somebody says so to its listeners', ({ light }: ReturnType<typeof built>) => light.dispatchEvent({ type: 'dispose' })],
   ['the shadow is disposed', ({ shadow }: ReturnType<typeof built>) => shadow.dispose()],
   ['another shadow takes its place', ({ light }: ReturnType<typeof built>) => void (light.shadow.shadowNode = new BakedShadowNode(light, { file }))],
-])('three goes on after %s', (_, end) => {
+])('three goes on without the shadow after %s', (_, end) => {
   const parts = built();
   const { light, shadow, node, lit, build } = parts;
   expect(node.shadowNode).toBe(shadow);
@@ -49,7 +49,7 @@ test.each([
   expect(Object.hasOwn(light, 'dispatchEvent')).toBe(false);
 });
 
-test('a light is at the sun of its file at once, whatever it had before', () => {
+test('a new node aligns the light at once, whatever it had before', () => {
   const { light } = built();
   const where = light.position.clone();
   const again = new BakedShadowNode(light, { file });
@@ -59,14 +59,14 @@ test('a light is at the sun of its file at once, whatever it had before', () => 
   expect(light.position.toArray()).toEqual([0, 1, 0]);
 });
 
-test('a shadow that ends while the light tells of something else is dropped by three', () => {
+test('three drops a shadow that ends within another event', () => {
   const { light, shadow, node, lit } = built();
   light.addEventListener('removed', () => shadow.dispose());
   light.removeFromParent();
   expect([node.shadowNode, node.colorNode]).toEqual([null, lit]);
 });
 
-test('the camera of a lamp is none of the sun, wherever it looks', () => {
+test('a lamp’s camera is never taken for the sun’s shadow camera', () => {
   const { light, shadow } = built();
   const scene = light.parent as Scene;
   const house = Object.assign(new Mesh(), { castShadow: true });
@@ -86,7 +86,7 @@ test('the camera of a lamp is none of the sun, wherever it looks', () => {
   shadow.dispose();
 });
 
-test('a light that has no shadow any more gets no second event', () => {
+test('a light without a shadow gets no second dispose event', () => {
   const { light, shadow } = built();
   const listener = vi.fn();
   light.addEventListener('dispose', listener);
@@ -96,14 +96,14 @@ test('a light that has no shadow any more gets no second event', () => {
   expect(listener).toHaveBeenCalledTimes(1);
 });
 
-test('a backend that says that it is none of WebGPU gets GLSL', () => {
+test('a backend other than WebGPU gets GLSL', () => {
   const texts: string[] = [];
   const lookUp = { name: 'filtered', isSoft: false, get wgsl() { return texts.push('wgsl'), ''; }, get glsl() { return texts.push('glsl'), ''; } };
   for (const backend of [{ isWebGPUBackend: true }, { isWebGPUBackend: false }, {}]) {
     try {
       visibilityNode({ renderer: { backend } } as unknown as NodeBuilder, { lookUp, prefix: 'adumbra1', textures: () => ({}) } as unknown as BakedLight, {} as never);
     } catch {
-      // There are no nodes.
+      // Expected: this test has no nodes.
     }
   }
   expect(texts).toEqual(['wgsl', 'glsl', 'glsl']);

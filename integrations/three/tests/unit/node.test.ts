@@ -34,14 +34,14 @@ function codeOf(forms: typeof FORMS): Uint16Array {
 }
 
 it.each(FORMS.map((form, index) => [form[0], index] as const))('%s', (_, index) => {
-  // Behind the fields of all children before it.
+  // After the fields of all earlier children.
   expect(childrenOf(codeOf(FORMS))(NODE, index)).toMatchObject(FORMS[index]![5]);
   // As the last of sixteen.
   const last = [...Array(15).fill(FORMS[0]), FORMS[index]!] as typeof FORMS;
   expect(childrenOf(codeOf(last))(NODE, 15)).toMatchObject(FORMS[index]![5]);
 });
 
-it('fields are as long together as they are one by one', () => {
+it('fieldsLength is the sum of the fields of the children', () => {
   const code = codeOf(FORMS);
   const [low, high, kind] = code.subarray(NODE) as unknown as [number, number, number];
   FORMS.forEach((_, child) => {
@@ -50,7 +50,7 @@ it('fields are as long together as they are one by one', () => {
   });
 });
 
-it('a descent ends at a block without a shape, modulo 2^32', () => {
+it('descend ends at blocks without a shape; bases wrap at 2^32', () => {
   const children = childrenOf(codeOf(FORMS));
   const index = (name: string): number => FORMS.findIndex(([form]) => form === name);
   const towards = (name: string): [number, number] => descend(children, [NODE, 1], 5, 3, 8 * (index(name) & 3), 8 * (index(name) >> 2));

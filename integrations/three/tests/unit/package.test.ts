@@ -1,4 +1,4 @@
-// What the package says of itself to Node and to bundlers.
+// The exports of the package, as Node and bundlers see them.
 
 import { readFileSync } from 'node:fs';
 import { fileURLToPath } from 'node:url';
@@ -17,7 +17,7 @@ test('every entry is found under every condition, by `require` too', () => {
   expect(itself).toBe('./package.json');
   for (const [name, conditions] of Object.entries(entries)) {
     const folder = name === '.' ? '' : `${name.slice(2)}/`;
-    // Types come first, as TypeScript wants it, and what holds always comes last.
+    // Types come first, as TypeScript wants it, and `default` comes last.
     expect(Object.entries(conditions)).toEqual([
       ['types', `./dist/${folder}index.d.ts`],
       ['default', `./dist/${folder}index.js`],

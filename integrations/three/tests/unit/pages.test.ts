@@ -30,7 +30,7 @@ describe('bundles', () => {
     expect(order.every(([x, y]) => x >= 0 && x < across && y >= 0 && y < down)).toBe(true);
   });
 
-  it('of a narrow grid do not cost the square around it', () => {
+  it('of a narrow grid are found without visiting the square around', () => {
     expect(bundleOrder([2 ** 20, 1]).length).toBe(2 ** 20);
   });
 });
@@ -92,7 +92,7 @@ describe('the table of blocks', () => {
   });
 });
 
-it('the range of pages that never switch has no farthest depth of theirs', () => {
+it('pages that never switch do not count for the farthest depth', () => {
   expect(rangeOf([[NEVER, NEVER, true], [3, 9, false]])).toEqual([3, 9, true]);
   expect(rangeOf([[5, 5, false], [0, 0, false]])).toEqual([0, 5, false]);
   expect(rangeOf([[NEVER, NEVER, true]])).toEqual([NEVER, NEVER, true]);

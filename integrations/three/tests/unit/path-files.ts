@@ -13,7 +13,7 @@ export type PathStep = readonly [seconds: number, towardsSun: Vec3];
 /** A moment and the bytes of its shadow file. */
 export type Key = readonly [seconds: number, bytes: Uint8Array];
 
-/** Returns a path file of no place. */
+/** Returns a path file without a place. */
 export function pathFile(steps: readonly PathStep[], keys: readonly Key[]): Uint8Array<ArrayBuffer> {
   const aligned = (at: number): number => Math.ceil(at / 8) * 8;
   const frontBytes = HEADER_BYTES + ENTRY_BYTES * (steps.length + keys.length);

@@ -1,4 +1,4 @@
-// What is checked of a path file's header and tables, and where its sun is.
+// Checks of a path file's header and tables, and the position of its sun.
 
 import { describe, expect, it, test } from 'vitest';
 
@@ -58,20 +58,20 @@ describe('faults', () => {
     expect(error.message).toMatch(message);
   });
 
-  it.each([['steps', 20], ['keys', 24]] as const)('no %s', (_, at) => {
+  it.each([['steps', 20], ['keys', 24]] as const)('refuses a file without %s', (_, at) => {
     const bytes = VALID.slice();
     new DataView(bytes.buffer).setUint32(at, 0, true);
     repairPath(bytes);
     expect(caught(() => parse(bytes))).toMatchObject({ kind: 'HeaderField' });
   });
 
-  it.each([[60, 'HeaderChecksum'], [130, 'SectionChecksum']] as const)('a bit in byte %i', (at, kind) => {
+  it.each([[60, 'HeaderChecksum'], [130, 'SectionChecksum']] as const)('finds a flipped bit in byte %i', (at, kind) => {
     const bytes = VALID.slice();
     bytes[at]! ^= 1;
     expect(caught(() => parse(bytes))).toMatchObject({ kind });
   });
 
-  it.each([0, 7, 15, 127, 128, KEYS_AT])('nothing behind byte %i', (length) => {
+  it.each([0, 7, 15, 127, 128, KEYS_AT])('a file of %i bytes is Truncated', (length) => {
     expect(caught(() => parse(VALID.subarray(0, length)))).toMatchObject({ kind: 'Truncated' });
   });
 });
@@ -112,7 +112,7 @@ describe('the sun', () => {
     expect([x, y, z]).toEqual([expect.closeTo(Math.sin(half), 12), expect.closeTo(Math.cos(half), 12), 0]);
   });
 
-  it.each([-1, 200, 201, NaN])('is not there at %d', (seconds) => {
+  it.each([-1, 200, 201, NaN])('is undefined at %d', (seconds) => {
     expect(sunAt(front, seconds)).toBeUndefined();
     expect(keysAt(front, seconds)).toBeUndefined();
   });

@@ -1,5 +1,6 @@
-// Look-ups at moments of a sun path against the Rust crate, bit for bit: `adumbra query --time` answers the same points. Runs where
-// the environment variable ADUMBRA_BIN names the program, such as `target/release/adumbra` of the repository.
+// Look-ups at moments of a sun path against the Rust crate, bit for bit: `adumbra query --time` answers the
+// same points. Runs where the environment variable ADUMBRA_BIN names the program, such as
+// `target/release/adumbra` of the repository.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';

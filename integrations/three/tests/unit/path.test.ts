@@ -1,4 +1,4 @@
-// Sun paths key by key: what is loaded, what answers meanwhile, and what lights get.
+// Sun paths key by key: which keys are loaded, which ones answer meanwhile, and the words that lights get.
 
 import { DirectionalLight, Scene, Vector3 } from 'three';
 import type { Texture } from 'three';
@@ -23,7 +23,7 @@ const ASIDE = ((): Vec3 => {
   return [x, y, z];
 })();
 const TIMES = [0, 100, 200, 300, 400];
-/** The sun stands still, but is aside at 250, and down at 500. */
+/** The sun does not move, but is aside at 250, and down at 500. */
 const BYTES = pathFile(
   [[0, SUN], [200, SUN], [250, ASIDE], [300, SUN], [400, SUN], [500, [1, 0, 0]]],
   TIMES.map((seconds) => [seconds, KEY]),
@@ -34,7 +34,7 @@ afterEach(() => {
   vi.restoreAllMocks();
 });
 
-/** Lets what is loading come, and takes it in. */
+/** Waits for keys that are loading, and takes them in. */
 async function settle(file: SunPathFile, seconds: number): Promise<void> {
   file.update(seconds);
   for (let i = 0; i < 200 && (i < 3 || file.stats.loading.length > 0); i++) {
@@ -44,7 +44,7 @@ async function settle(file: SunPathFile, seconds: number): Promise<void> {
 }
 
 describe('loading', () => {
-  it('begins with one key, and asks for no more than it needs', async () => {
+  it('begins with one key, and requests no more than it needs', async () => {
     const served = serve(BYTES);
     const file = await SunPathFile.open('day', { seconds: 10 });
     expect(served.ranges[0]).toEqual([0, 65_535]);
@@ -95,10 +95,10 @@ describe('loading', () => {
     file.dispose();
   });
 
-  it('asks again for a key that failed', async () => {
+  it('requests a failed key again', async () => {
     vi.spyOn(console, 'warn').mockImplementation(() => {});
     const served = serve(BYTES);
-    // The front and the first key come.
+    // The front and the first key arrive.
     served.faults.answer = ({ number }) => (number < 2 ? undefined : new Response(null, { status: 500 }));
     const file = await SunPathFile.open('failing-day');
     const errors: unknown[] = [];
@@ -125,7 +125,7 @@ describe('loading', () => {
     file.dispose();
   });
 
-  it('refuses a key of other words than the path says', async () => {
+  it('refuses a key with more or fewer words than the path says', async () => {
     vi.spyOn(console, 'warn').mockImplementation(() => {});
     const bytes = BYTES.slice();
     const view = new DataView(bytes.buffer);
@@ -211,7 +211,7 @@ describe('look-ups', () => {
 describe('a light', () => {
   const wordsOf = (texture: Texture): Uint32Array => (texture.image as { data: Uint32Array }).data;
 
-  it('gets both keys and the way to the sun', async () => {
+  it('gets both keys and the slope towards the sun', async () => {
     serve(BYTES);
     const file = await SunPathFile.open('day');
     const { texture, lookUps } = file.openWords({ filter: 5 }, 8192);

@@ -1,5 +1,5 @@
-// Points and normals that exercise look-ups in a file: near the depths at which columns switch, all over the grid and
-// outside of it, with normals of every kind.
+// Points and normals that exercise look-ups in a file: near the depths at which columns switch, all over the
+// grid and outside of it, with normals of every kind.
 
 import { Sampler, toWorld } from '../../src/index.js';
 import type { BakedShadowFile, Vec3 } from '../../src/index.js';

@@ -1,4 +1,5 @@
-// A WebGL2 context that draws nothing and records what three compiles, uploads and draws, so that three's own renderers run in Node.
+// A WebGL2 context that draws nothing and records what three compiles, uploads and draws, so that three's own
+// renderers run in Node.
 
 /** A program, and the texture unit of each of its samplers. */
 export interface Program {
@@ -6,7 +7,7 @@ export interface Program {
   readonly units: Map<string, number>;
 }
 
-/** A drawing: how many indices, and what was uploaded last to each texture of integers that its program has. */
+/** A drawing: the number of indices, and the last upload to each texture of integers that its program has. */
 export interface Draw {
   readonly program: Program;
   readonly count: number;
@@ -30,7 +31,10 @@ interface Location {
 /** Three looks this type up by its number. The other constants only have to differ. */
 const UNSIGNED_INT_SAMPLER_2D = 0x8dd2;
 
-/** Returns what numbers constants by their names, leaving room for those that three counts on from one, such as TEXTURE0. */
+/**
+ * Returns a function that numbers constants by their names. It leaves gaps, because three adds to some of
+ * them, such as TEXTURE0.
+ */
 function constants(): (name: string) => number {
   const numbers = new Map<string, number>();
   return (name) => {
@@ -94,7 +98,7 @@ export function recordingCanvas() {
       if (name in target) return target[name];
       if (typeof name === 'symbol') return undefined;
       if (/^[A-Z0-9_]+$/.test(name)) return constant(name);
-      // The rest does nothing.
+      // Other members do nothing.
       return name.startsWith('create') ? () => ({}) : () => undefined;
     },
   });

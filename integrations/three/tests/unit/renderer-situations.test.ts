@@ -1,4 +1,4 @@
-// Several renderers and scenes, materials of all kinds, and what a glTF file animates.
+// Several renderers and scenes, materials of all kinds, and objects that a glTF file animates.
 
 import { AnimationClip, DirectionalLight, Group, Mesh, MeshLambertMaterial, NumberKeyframeTrack, OrthographicCamera, PerspectiveCamera, RawShaderMaterial, Scene, ShaderLib } from 'three';
 import type { Material, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
@@ -69,7 +69,7 @@ describe('several renderers and scenes', () => {
 });
 
 describe('WebGPURenderer alone', () => {
-  /** A light with a shadow node, in its place as an app has it. */
+  /** A light with a shadow node, attached as in an app. */
   function nodeWorld() {
     const [scene, light, city, house] = [new Scene(), new DirectionalLight(), new Group(), caster()];
     light.castShadow = true;
@@ -90,7 +90,7 @@ describe('WebGPURenderer alone', () => {
     return { scene, light, house, node, frame };
   }
 
-  test('compileAsync, which draws nothing and ends no drawing', async () => {
+  test('castShadow is restored after compileAsync, which ends no drawing', async () => {
     const { scene, light, house, node, frame } = nodeWorld();
     frame(light);
     const camera = new OrthographicCamera();
@@ -120,7 +120,7 @@ describe('materials of WebGLRenderer', () => {
     expect(count).toBe(2);
   });
 
-  test('GLSL of WebGL 1 in a RawShaderMaterial is left alone, for it has no integer textures', () => {
+  test('GLSL of WebGL 1 in a RawShaderMaterial is not changed', () => {
     const material = new RawShaderMaterial({ lights: true });
     const { shadow } = world(material);
     const text = 'precision highp float;\n#include <common>\n#include <lights_pars_begin>\nvoid main() {\n  vec3 geometryPosition = vec3( 0.0 );\n  vec3 nonPerturbedNormal = vec3( 0.0 );\n  #include <lights_fragment_begin>\n}';
@@ -130,7 +130,7 @@ describe('materials of WebGLRenderer', () => {
     expect([fragmentShader, skipped]).toEqual([text, ['RawShaderMaterial']]);
   });
 
-  test('a derived material, as troika makes it', () => {
+  test('a derived material, as troika makes it, has the look-up', () => {
     const base = new MeshLambertMaterial();
     const { scene, mesh, shadow } = world(base);
     const theirs = function (this: Material, shader: WebGLProgramParametersWithUniforms, renderer: WebGLRenderer): void {
@@ -159,7 +159,7 @@ describe('materials of WebGLRenderer', () => {
     expect(count).toBe(2);
   });
 
-  test('materials of a list that grows, and customDepthMaterial', () => {
+  test('a growing list of materials is hooked, customDepthMaterial not', () => {
     const [first, second, depth] = [new MeshLambertMaterial(), new MeshLambertMaterial(), new MeshLambertMaterial()];
     const { scene, mesh, shadow } = world(first);
     const list = [first];
@@ -174,7 +174,7 @@ describe('materials of WebGLRenderer', () => {
   });
 });
 
-test('nodes that a glTF file animates are in no bake, so they cast below a static root', async () => {
+test('nodes that a glTF file animates are marked as movers', async () => {
   const scene = new Group();
   const mill = caster('mill');
   scene.add(mill);

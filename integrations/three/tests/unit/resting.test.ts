@@ -1,4 +1,5 @@
-// What is in the files does not cast into shadow maps while a file is in use, and is the app's own at any other time.
+// Objects in the files do not cast into shadow maps while a file is in use. At any other time, `castShadow`
+// is as the app set it.
 
 import { DirectionalLight, Group, Mesh, Scene, SkinnedMesh } from 'three';
 import type { Object3D } from 'three';
@@ -21,7 +22,7 @@ function castIn(shown: Shown, ...objects: Object3D[]): boolean[] {
   let casts: boolean[] = [];
   const before = objects.map(({ castShadow }) => castShadow);
   shown.frame(() => (casts = objects.map(({ castShadow }) => castShadow)));
-  // They are the app's again.
+  // `castShadow` is restored.
   expect(objects.map(({ castShadow }) => castShadow)).toEqual(before);
   return casts;
 }
@@ -30,7 +31,7 @@ function castIn(shown: Shown, ...objects: Object3D[]): boolean[] {
 const turnAway = (shown: Shown): void => void shown.light.position.negate();
 
 describe.each(RENDERERS)('%s', (name, show) => {
-  test('what is below a static root rests, whenever it was added or given castShadow', () => {
+  test('statics rest, whenever they were added or given castShadow', () => {
     const [city, street, house, lamp] = [new Group(), new Group(), caster(), caster()];
     const shown = show({ statics: city.add(street) });
     street.add(house.add(lamp));
@@ -46,7 +47,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(castIn(shown, house, lamp, late)).toEqual([true, true, true]);
   });
 
-  test('what the app sets is what it finds, clones and writes', () => {
+  test('castShadow reads, clones and serialises as the app set it', () => {
     const [city, house] = [new Group(), caster()];
     const shown = show({ statics: city.add(house) });
     shown.frame();
@@ -57,7 +58,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(house.castShadow).toBe(false);
   });
 
-  test('what moves casts below a static root', () => {
+  test('moving objects cast below a static root', () => {
     const city = new Group();
     const shown = show({ statics: city });
     const [walker, car, wheel, glass] = [Object.assign(new SkinnedMesh(), { castShadow: true }), caster(), caster(), new Mesh()];
@@ -73,7 +74,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(castIn(shown, lamp)).toEqual([true]);
   });
 
-  test('what the app draws and sets before a drawing is done before', () => {
+  test('the app’s onBeforeRender runs before objects rest', () => {
     const [city, house, barn] = [new Group(), caster(), caster()];
     const shown = show({ statics: city.add(house, barn) });
     let isNested = false;
@@ -81,7 +82,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       barn.castShadow = false;
       if (isNested) return;
       isNested = true;
-      // As for a map in a corner.
+      // As an app does for a map in a corner.
       shown.frame();
     };
     const seen: boolean[][] = [];
@@ -90,7 +91,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([house.castShadow, barn.castShadow]).toEqual([true, false]);
   });
 
-  test('a light that is elsewhere needs what casts', () => {
+  test('statics cast while the light is away from the file’s sun', () => {
     const [city, house] = [new Group(), caster()];
     const shown = show({ statics: city.add(house), align: false });
     expect(castIn(shown, house)).toEqual([true]);
@@ -105,7 +106,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     ['is in a group that is not visible', ({ light, scene }: Shown) => void scene.add(Object.assign(new Group().add(light), { visible: false }))],
     ['has no intensity', ({ light }: Shown) => void (light.intensity = 0)],
     ['has shadows without intensity', ({ light }: Shown) => void (light.shadow.intensity = 0)],
-  ])('a sun that %s holds nothing', (_, put) => {
+  ])('a sun that %s lets statics cast', (_, put) => {
     const [city, house] = [new Group(), caster()];
     const shown = show({ statics: city.add(house) });
     expect([castIn(shown, house), shown.shadow.isActive, shown.shadow.status.filesInUse]).toEqual([[false], true, 1]);
@@ -114,7 +115,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([shown.shadow.isActive, shown.shadow.status.filesInUse]).toEqual([false, 0]);
   });
 
-  test('a sun that is in no scene holds nothing', () => {
+  test('a sun that is in no scene lets statics cast', () => {
     const [city, house] = [new Group(), caster()];
     const shown = show({ statics: city.add(house) });
     expect(castIn(shown, house)).toEqual([false]);
@@ -122,7 +123,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(castIn(shown, house)).toEqual([true]);
   });
 
-  test('what is below the root of a file rests while that file is in use', () => {
+  test('objects below the root of a file rest while that file is in use', () => {
     const [here, there, house, barn] = [new Group(), new Group(), caster(), caster()];
     there.rotation.y = 0.5;
     const shown = show({ align: false }, [{ file, root: here.add(house) }, { file, root: there.add(barn) }]);
@@ -132,7 +133,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(castIn(shown, house, barn)).toEqual([true, false]);
   });
 
-  test('a root that another light needs casts, with what is above and below it', () => {
+  test('the root of a file not in use casts, also below a root in use', () => {
     const [city, street, house] = [new Group(), new Group(), caster()];
     const shown = show({ align: false }, [{ file, root: city.add(street.add(house)) }, { file, root: street }]);
     street.rotation.y = 0.5;
@@ -141,7 +142,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(shown.shadow.status).toMatchObject({ filesInUse: 1, missing: 0 });
   });
 
-  test('maps that the app has frozen are drawn anew when other things cast', () => {
+  test('maps that the app has frozen are redrawn when casters change', () => {
     const shown = show({ statics: new Group().add(caster()), align: false });
     shown.light.position.set(...file.grid.sun);
     shown.light.shadow.autoUpdate = false;
@@ -159,7 +160,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([isRedrawn(), isRedrawn()]).toEqual([yes, [false, false]]);
     turnAway(shown);
     expect(isRedrawn()).toEqual(yes);
-    // Whatever goes first.
+    // Also when the light is removed before the shadow.
     const { light, scene } = shown;
     const lamp = new DirectionalLight();
     lamp.shadow.autoUpdate = false;
@@ -168,7 +169,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([lamp.shadow.needsUpdate, shown.renderer.shadowMap.needsUpdate ?? false]).toEqual(yes);
   });
 
-  test('whatever a drawing throws, what casts is the app’s again', async () => {
+  test('castShadow is restored whatever a drawing throws', async () => {
     const house = caster();
     const shown = show({ statics: new Group().add(house) });
     const fault = new Error('lost context');
@@ -221,7 +222,7 @@ describe('the light of an app', () => {
       }
       expect(warn.mock.calls.filter(([text]) => /'sun' was turned.*0\.\d+.*align: false/.test(String(text)))).toHaveLength(1);
       shown.shadow.dispose();
-      // The app has set this last.
+      // The app set this position last.
       expect(light.position.toArray()).toEqual([33, 8, 5]);
       warn.mockRestore();
     });

@@ -16,7 +16,7 @@ type Part = Pick<ReturnType<typeof partsOfFile>[0], 'name' | 'offset' | 'length'
 
 const endOf = ({ offset, length }: Part): number => offset + length;
 
-/** Reads a file; where it is taken, looks points up in it. Returns the fault, or `undefined`. */
+/** Reads a file; if it is accepted, looks points up in it. Returns the fault, or `undefined`. */
 function exercise(bytes: Uint8Array, seed: number): string | undefined {
   let file;
   try {
@@ -75,7 +75,7 @@ it('mutations are refused or can be looked up in', () => {
   expect(all.filter((fault) => !found.has(fault))).toEqual([]);
 });
 
-it('damaged voxels that were not verified still end every look-up', () => {
+it('look-ups end in damaged voxels that were not verified', () => {
   const random = scatter(3);
   let read = 0;
   for (let seed = 0; seed < 2500 * ROUNDS; seed++) {
@@ -105,7 +105,7 @@ it.each([
   expect(caught(() => new BakedShadowFile(bytes, { verify: 'header' }))).toMatchObject({ kind });
 });
 
-it('a file keeps nothing of the bytes that it was made from', () => {
+it('a file does not keep the bytes that it was made from', () => {
   const bytes = validBytes('upright_depths');
   const file = new BakedShadowFile(bytes);
   const expected = new LookUpTexture(file, 4096, { filter: 3 }).words;

@@ -1,5 +1,6 @@
-// Look-ups on the CPU against the Rust crate, bit for bit: `adumbra query` answers the same points. Runs where the
-// environment variable ADUMBRA_BIN names the program, such as `target/release/adumbra` of the repository.
+// Look-ups on the CPU against the Rust crate, bit for bit: `adumbra query` answers the same points. Runs
+// where the environment variable ADUMBRA_BIN names the program, such as `target/release/adumbra` of the
+// repository.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';

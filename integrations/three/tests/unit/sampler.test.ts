@@ -36,7 +36,7 @@ describe('a receiver', () => {
     expect([6, 7, 8].map((x) => layerAt(receiver, x, 3))).toEqual([19, 20, 20]);
   });
 
-  it('is held near the grid, and before it if it is not finite', () => {
+  it('is clamped near the grid, and before it if it is not finite', () => {
     const place = (p: [number, number, number]) => {
       const receiver = receiverAt(plainGrid([8, 16, 516_096]), NO_BIAS, p, undefined);
       return [texel(receiver.x), texel(receiver.y), layerAt(receiver, 0, 0)];

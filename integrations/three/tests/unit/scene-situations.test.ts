@@ -1,4 +1,4 @@
-// What apps do with objects, files and hooks: another order, another kind, several of one thing.
+// Situations with objects, files and hooks in apps: another order, another kind, several of one thing.
 
 import { DirectionalLight, Group, LOD, OrthographicCamera, Scene } from 'three';
 import { describe, expect, test, vi } from 'vitest';
@@ -18,14 +18,14 @@ describe.each(RENDERERS)('%s', (name, show) => {
   const wordsOf = (shown: Shown) => shown.headers().image.data as Uint32Array;
 
   describe('objects', () => {
-    test('userData that is null', () => {
+    test('objects with null userData rest', () => {
       const [city, house, odd] = [new Group(), caster(), caster()];
       Object.assign(odd, { userData: null });
       const shown = show({ statics: city.add(house, odd) });
       expect(castIn(shown, house, odd)).toEqual([false, false]);
     });
 
-    test('an object whose castShadow is a getter', () => {
+    test('an object whose castShadow is a getter does not stop the others', () => {
       // Three itself cannot draw an object that is frozen: it writes matrixWorldNeedsUpdate.
       const [city, house, odd] = [new Group(), caster(), caster()];
       const shown = show({ statics: city.add(odd, house) });
@@ -35,7 +35,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(during).toBe(false);
     });
 
-    test('whatever a walk over the statics throws, what casts is the app’s again', async () => {
+    test('castShadow is restored whatever a walk over the statics throws', async () => {
       const [city, house, odd] = [new Group(), caster(), caster()];
       const shown = show({ statics: city.add(house, odd) });
       let value = true;
@@ -49,13 +49,13 @@ describe.each(RENDERERS)('%s', (name, show) => {
       try {
         shown.frame();
       } catch {
-        // Of the app.
+        // The error of the app.
       }
       await Promise.resolve();
       expect(house.castShadow).toBe(true);
     });
 
-    test('castShadow that is only truthy stays what it is', () => {
+    test('a castShadow that is only truthy keeps its value', () => {
       const [city, house] = [new Group(), caster()];
       Object.assign(house, { castShadow: 1 });
       const shown = show({ statics: city.add(house) });
@@ -72,18 +72,18 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(castIn(shown, near, far)).toEqual([false, false]);
     });
 
-    test('statics that are missing, as a ref of React before it is set', () => {
+    test('missing statics, as an unset ref of React, do no harm', () => {
       let shown: Shown | undefined;
       try {
         shown = show({ statics: null as unknown as Group });
       } catch (error) {
-        // It may be refused, but by name.
+        // It may be refused, but the error must name the option.
         expect(String(error)).toMatch(/statics/);
       }
       expect(() => shown?.frame()).not.toThrow();
     });
 
-    test('a reflector, a cube camera or a picture in a corner, drawn from within an object', () => {
+    test('statics rest in a reflector, a cube camera and other nested draws', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       const seen: boolean[] = [];
@@ -97,7 +97,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(castIn(shown, house)).toEqual([false]);
     });
 
-    test('the app’s own orthographic camera looks as the sun shines', () => {
+    test('the app’s own orthographic camera may look as the sun shines', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       shown.frame();
@@ -111,7 +111,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
   });
 
   describe('files', () => {
-    test('the last tile goes: an empty list', () => {
+    test('setFiles([]) when the last tile goes leaves no file in use', () => {
       const [tile, house] = [new Group(), caster()];
       const shown = show({}, { file, root: tile.add(house) });
       shown.frame();
@@ -124,7 +124,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(castIn(shown, house)).toEqual([false]);
     });
 
-    test('several times before the first frame, and the same again', () => {
+    test('the last of several setFiles before the first frame counts', () => {
       const [a, b] = [new Group(), new Group()];
       b.position.x = 40;
       const shown = show({}, file);
@@ -141,7 +141,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(anchor - new Float32Array(wordsOf(shown).buffer)[4]!).toBeCloseTo(40, 3);
     });
 
-    test('during a drawing', () => {
+    test('setFiles during a drawing takes effect in the next', () => {
       const [a, b, house, barn] = [new Group(), new Group(), caster(), caster()];
       const shown = show({}, { file, root: a.add(house) });
       shown.scene.add(b.add(barn));
@@ -150,7 +150,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(castIn(shown, house, barn)).toEqual([true, false]);
     });
 
-    test('in the app’s onBeforeRender, for the same frame', () => {
+    test('setFiles in the app’s onBeforeRender takes effect in that frame', () => {
       const [a, b, house, barn] = [new Group(), new Group(), caster(), caster()];
       const shown = show({}, { file, root: a.add(house) });
       shown.scene.add(b.add(barn));
@@ -205,7 +205,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(() => shown.frame()).not.toThrow();
     });
 
-    test('a root without size, and with it again', () => {
+    test('the file of a root without size is not in use until it has one', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({}, { file, root: city.add(house) });
       expect(castIn(shown, house)).toEqual([false]);
@@ -217,8 +217,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
     });
 
     test.each([
-      ['two negative scales, which are a turn', [-1, 1, -1], 1],
-      ['three negative scales, which mirror', [-2, -2, -2], 0],
+      ['two negative scales, which are a turn, are followed', [-1, 1, -1], 1],
+      ['three negative scales, which mirror, are not followed', [-2, -2, -2], 0],
     ] as const)('%s', (_, scale, count) => {
       const [city, house] = [new Group(), caster()];
       city.scale.fromArray([...scale]);
@@ -228,7 +228,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       if (count === 1) expect(towards(shown.light).normalize().distanceTo({ x: -SUN.x, y: SUN.y, z: -SUN.z })).toBeLessThan(1e-5);
     });
 
-    test('a root that is taken out and put below something else follows it', () => {
+    test('a file follows a root taken out and put below something else', () => {
       const [city, ship] = [new Group(), new Group()];
       const shown = show({}, { file, root: city });
       shown.frame();
@@ -242,7 +242,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(towards(shown.light).normalize().distanceTo({ x: sun[0], y: sun[1], z: sun[2] })).toBeLessThan(1e-5);
     });
 
-    test('a scene that three does not update (matrixWorldAutoUpdate = false)', () => {
+    test('a file follows its root with matrixWorldAutoUpdate = false', () => {
       const city = new Group();
       const shown = show({}, { file, root: city });
       shown.scene.matrixWorldAutoUpdate = false;
@@ -270,7 +270,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
   });
 
   describe('order', () => {
-    test('dispose during a drawing, and within the app’s own hook', () => {
+    test('dispose during a drawing or in the app’s hook restores casters', () => {
       for (const isHook of [false, true]) {
         const [city, house] = [new Group(), caster()];
         const shown = show({ statics: city.add(house) });
@@ -287,7 +287,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       }
     });
 
-    test('a hook of the scene that somebody deletes is there again, or was never lost', () => {
+    test('a hook of the scene that somebody deletes is restored', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house), align: false });
       shown.light.position.set(...file.grid.sun);

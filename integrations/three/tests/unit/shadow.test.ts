@@ -1,4 +1,4 @@
-// What a shadow does with either renderer, without a GPU: both are the same to a page.
+// Behaviour of a shadow with either renderer, without a GPU: both are the same to a page.
 
 import { Group } from 'three';
 import { describe, expect, test, vi } from 'vitest';
@@ -63,7 +63,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     },
   );
 
-  test('isActive tells where the light is, and changes nothing', () => {
+  test('isActive follows the light, and changes nothing', () => {
     const shown = show({ align: false });
     const { shadow, light, headers } = shown;
     light.position.set(...file.grid.sun);
@@ -99,14 +99,15 @@ describe.each(RENDERERS)('%s', (name, show) => {
       return [...new LookUpTexture(file, 8192, { filter: 5, placement }).header.subarray(0, 104)];
     };
     expect([...wordsOf(shown).subarray(0, 104)]).toEqual(expected());
-    // It moves on, and options stay apart from where it is.
+    // The root moves on, and options do not affect its placement.
     city.position.x += 5;
     city.scale.setScalar(3);
     shown.frame();
     expect([...wordsOf(shown).subarray(0, 104)]).toEqual(expected());
     shown.shadow.setOptions({ filter: 5 });
     expect([...wordsOf(shown).subarray(0, 104)]).toEqual(expected());
-    // The sun turns with it, and the light, which the app has not turned.
+    // The sun and the light turn with the root. There is no warning, because the app has not turned the
+    // light.
     const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
     city.rotation.y += 0.3;
     shown.frame();
@@ -133,7 +134,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     shown.shadow.dispose();
   });
 
-  test('other files take the place of those until now', () => {
+  test('other files take the place of the earlier ones', () => {
     const shown = show({ filter: 3 }, [file, file]);
     const [city, turned] = [new Group(), new Group()];
     turned.rotation.y = 0.5;
@@ -151,9 +152,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     const before = shown.headers();
     expect(() => shown.shadow.setFiles(Array.from({ length: 9 }, () => file))).toThrow(/up to 8 files/);
     expect(shown.headers()).toBe(before);
-    // There is room for fewer in the textures that there are, and not for more.
-    expect(shown.headers()).toBe(before);
-    // Nothing is in use that has another sun.
+    // A file with another sun is not in use.
     shown.shadow.setFiles([file, { file, root: turned }]);
     shown.light.position.set(...file.grid.sun);
     shown.frame();
@@ -163,7 +162,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(shown.shadow.status.filesInUse).toBe(0);
   });
 
-  test('a root that is stretched while it runs leaves the others alone', () => {
+  test('a root that is stretched later does not affect the others', () => {
     const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
     const [here, there] = [new Group(), new Group()];
     const shown = show({}, [{ file, root: here }, { file, root: there }]);
@@ -182,7 +181,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     warn.mockRestore();
   });
 
-  test('a static root that is not at rest is warned of, unless a file follows it', () => {
+  test('a moved static root is warned of, unless a file follows it', () => {
     const warn = vi.spyOn(console, 'warn').mockImplementation(() => undefined);
     const said = (): number => warn.mock.calls.filter(([text]) => String(text).includes("in statics is moved, turned or scaled")).length;
     const [still, small] = [new Group(), new Group()];
@@ -195,7 +194,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     const shown = show({ statics: [still, small] });
     shown.frame();
     shown.frame();
-    // Once in a page, with whichever renderer.
+    // Once per page, whichever the renderer.
     expect(said()).toBe(name === 'WebGLRenderer' ? 1 : 0);
     shown.shadow.dispose();
     warn.mockRestore();

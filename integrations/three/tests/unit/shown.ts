@@ -1,4 +1,5 @@
-// A baked shadow in a scene of its own, and drawings of it without a GPU: what three calls around and within a drawing.
+// A baked shadow in a separate scene, and drawings of it without a GPU, which make three's calls around and
+// within a drawing.
 
 import { DirectionalLight, Mesh, MeshLambertMaterial, OrthographicCamera, Scene } from 'three';
 import type { Camera, DataTexture, Object3D, Texture, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
@@ -14,20 +15,20 @@ import { validBytes } from './vectors.js';
 
 const upright = new BakedShadowFile(validBytes('upright_depths'));
 
-/** A shadow in a scene of its own. */
+/** A shadow in a separate scene. */
 export interface Shown {
   readonly scene: Scene;
   readonly shadow: BakedShadow;
   readonly light: DirectionalLight;
   /** Returns the texture of parameters that the GPU has. */
   headers(): DataTexture;
-  /** What stands for the renderer. */
+  /** A stand-in for the renderer. */
   readonly renderer: { shadowMap: { needsUpdate?: boolean } };
-  /** Draws. Has `drawMap` done where three would draw the light's shadow map. */
+  /** Draws. Calls `drawMap` where three would draw the light's shadow map. */
   frame(drawMap?: () => void): void;
 }
 
-/** What stands for a WebGLRenderer, with what it keeps of materials. */
+/** A stand-in for a WebGLRenderer, with the properties that it keeps of materials. */
 export function webglRenderer() {
   const kept = new WeakMap<object, object>();
   const get = (material: object): Record<string, unknown> => {
@@ -37,7 +38,7 @@ export function webglRenderer() {
   return { isWebGLRenderer: true, shadowMap: {}, properties: { get } };
 }
 
-/** Has a scene drawn from a camera, and something done meanwhile. */
+/** Draws a scene from a camera, and calls `meanwhile` within the drawing. */
 function draw(scene: Scene, renderer: object, camera: Camera, meanwhile?: () => void): void {
   const hooks = scene as unknown as Record<'onBeforeRender' | 'onAfterRender', (renderer: object, scene: Scene, camera: Camera) => void>;
   hooks.onBeforeRender(renderer, scene, camera);
@@ -45,13 +46,16 @@ function draw(scene: Scene, renderer: object, camera: Camera, meanwhile?: () => 
   hooks.onAfterRender(renderer, scene, camera);
 }
 
-/** Has a scene drawn as WebGLRenderer does: once for all maps. */
+/** Draws a scene as WebGLRenderer does: once for all maps. */
 export function drawWithWebGL(scene: Scene, renderer: object, drawMap?: () => void): void {
   scene.updateMatrixWorld();
   draw(scene, renderer, new OrthographicCamera(), drawMap);
 }
 
-/** Has a scene drawn as WebGPURenderer does: each map by itself, within the drawing of the scene, from the light's camera. */
+/**
+ * Draws a scene as WebGPURenderer does: each map separately, within the drawing of the scene, from the
+ * light's camera.
+ */
 export function drawWithWebGPU(scene: Scene, renderer: object, node: BakedShadowNode, light: DirectionalLight, drawMap?: () => void): void {
   scene.updateMatrixWorld();
   draw(scene, renderer, new OrthographicCamera(), () => {
@@ -61,7 +65,7 @@ export function drawWithWebGPU(scene: Scene, renderer: object, node: BakedShadow
   });
 }
 
-/** Adds what an app has in its scene: the light, and roots that are nowhere yet. */
+/** Returns a scene as an app has it, with the light, and with roots that have no parent yet. */
 function sceneOf(light: DirectionalLight, files: FileChoice, options: BakedShadowOptions): Scene {
   const roots: Object3D[] = [...asPlaced(files).flatMap(({ root }) => root ?? []), ...[options.statics ?? []].flat()];
   return new Scene().add(light, light.target, ...roots.filter(({ parent }) => parent === null)) as Scene;

@@ -1,4 +1,4 @@
-// What tests of situations have in common: casters, drawings without a GPU, warnings.
+// Shared by tests of situations: casters, drawings without a GPU, warnings.
 
 import { Mesh, ShaderLib } from 'three';
 import type { DirectionalLight, Material, Object3D, Scene, WebGLProgramParametersWithUniforms, WebGLRenderer } from 'three';
@@ -11,7 +11,7 @@ import { validBytes } from './vectors.js';
 export const file = new BakedShadowFile(validBytes('upright_depths'));
 export const SUN = { x: file.grid.sun[0], y: file.grid.sun[1], z: file.grid.sun[2] };
 
-/** Keeps the warnings of each test, and returns what returns them. */
+/** Records the warnings of each test. Returns a function that returns them. */
 export function keepWarnings(): () => string {
   let warn: ReturnType<typeof vi.spyOn>;
   beforeEach(() => {
@@ -35,7 +35,7 @@ export function castIn(shown: Shown, ...objects: Object3D[]): boolean[] {
   return casts;
 }
 
-/** From the target to the light, in the world, as three will have it. */
+/** The vector from the target to the light, in the world, as three will have it. */
 export function towards(light: DirectionalLight) {
   light.updateWorldMatrix(true, true);
   light.target.updateWorldMatrix(true, false);

@@ -1,6 +1,6 @@
-// What the package adds to a page, with one renderer or with both: at most 25 KB gzip without shaders, 35 KB with one,
-// and nothing but three besides. The aim is 17 KB. Reading, decoding and checking files are some six
-// tenths of it, and a tenth are the texts of errors.
+// The size that the package adds to a page, with one renderer or with both: at most 25 KB gzip without
+// shaders, 35 KB with one, and no import but three. The aim is 17 KB. Reading, decoding and checking files
+// are some six tenths of it, and a tenth are the texts of errors.
 
 import { mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
@@ -32,7 +32,7 @@ async function bundled(text: string, external: RegExp[]): Promise<{ bytes: numbe
   const outputs = (Array.isArray(built) ? built : [built]).flatMap((one) => ('output' in one ? one.output : []));
   const chunks = outputs.filter((one) => one.type === 'chunk');
   return {
-    // Without the folder of this checkout, which is in the paths of what stays outside.
+    // Remove the folder of this checkout from the paths of external modules.
     bytes: gzipSync(chunks.map((chunk) => chunk.code.replace(/"[^"]*\/(generated|webgl|webgpu)\//g, '"./$1/')).join('\n'), { level: 9 }).length,
     imports: chunks.flatMap((chunk) => chunk.imports),
   };
@@ -50,7 +50,7 @@ const PAGES = {
   'both renderers': ['index.ts', 'gltf/index.ts', 'webgpu/index.ts', 'webgl/index.ts'],
 };
 
-/** The files whose text is GLSL or WGSL: look-ups, and what calls them. */
+/** The files whose text is GLSL or WGSL: look-ups, and the code that calls them. */
 const SHADERS = [/generated/, /\.shader\.js$/];
 
 test.each(Object.entries(PAGES))('all of %s takes at most 25 KB, 35 KB with a shader', async (page, names) => {

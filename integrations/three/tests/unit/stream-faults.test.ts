@@ -1,5 +1,5 @@
-// What servers and networks do wrong while a file is streamed: the coarser level stays, an event names it, and what failed is
-// asked for again.
+// Faults of servers and networks while a file is streamed: the coarser level stays, an event names the fault,
+// and failed parts are requested again.
 
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
@@ -28,7 +28,7 @@ function listen(file: StreamedShadowFile) {
   return heard;
 }
 
-/** Updates a few times, and lets go on what is under way. */
+/** Updates a few times, and lets pending work go on. */
 async function frames(file: StreamedShadowFile, count = 40): Promise<void> {
   for (let i = 0; i < count; i++) {
     file.update(cameraAt(0, 10, 0), 1080);
@@ -120,7 +120,7 @@ describe('a request that fails', () => {
     file.dispose();
   });
 
-  it('is given up if it is too slow', async () => {
+  it('fails if it is too slow', async () => {
     const served = serve(bytes, later(({ signal }) => new Promise((_, reject) => signal!.addEventListener('abort', () => reject(signal!.reason)))));
     const file = await StreamedShadowFile.open('u', { ...OPTIONS, timeout: 0.02 });
     const heard = listen(file);
@@ -161,7 +161,7 @@ describe('a file that is replaced', () => {
       /its header is another/,
     ],
   ];
-  it.each(replaced)('is noticed by its %s: nothing more is asked for, and what is there stays', async (_, replace, said) => {
+  it.each(replaced)('is noticed by its %s: requests end, and resident parts stay', async (_, replace, said) => {
     const served = serve(bytes, { isHidden: said.source.includes('header') });
     const file = await StreamedShadowFile.open('u', OPTIONS);
     const heard = listen(file);
@@ -192,7 +192,7 @@ it('a server without ranges is read once, with one warning', async () => {
   file.dispose();
 });
 
-it('a server of another origin that shows neither ETag nor length will do', async () => {
+it('works with another origin that shows neither ETag nor length', async () => {
   serve(bytes, { isHidden: true });
   const file = await StreamedShadowFile.open('u', OPTIONS);
   const heard = listen(file);
@@ -203,14 +203,14 @@ it('a server of another origin that shows neither ETag nor length will do', asyn
 });
 
 describe('opening', () => {
-  it('fails with the address', async () => {
+  it('fails with the address in the error', async () => {
     serve(bytes, { answer: () => new Response(null, { status: 404, statusText: 'Not Found' }) });
     const error = await failure(StreamedShadowFile.open('u', OPTIONS));
     expect(error).toMatchObject({ kind: 'Io', url: 'u' });
     expect(error.message).toMatch(/^u: bytes 0 to 65535 cannot be fetched: the server answered 404 Not Found; check the path and the server$/);
   });
 
-  it('refuses what is not a file', async () => {
+  it('refuses bytes that are not a shadow file', async () => {
     serve(new TextEncoder().encode('<!doctype html>'));
     expect(await failure(StreamedShadowFile.open('u', OPTIONS))).toMatchObject({ kind: 'Magic', url: 'u' });
   });
@@ -269,7 +269,8 @@ async function withWrongShapes(): Promise<{ entry: string; damaged: Uint8Array }
   const { crc32 } = await import('../../src/file/crc32.js');
   const damaged = validBytes('levels_depths');
   const view = new DataView(damaged.buffer);
-  // The bundles of level 0 are the last part, and its table the first one after the directory of three levels.
+  // The bundles of level 0 are the last part, and its table the first one after the directory of three
+  // levels.
   const DIRECTORY = 256;
   const table = DIRECTORY + 3 * 256;
   const bundles = Number(view.getBigUint64(DIRECTORY + 208, true));

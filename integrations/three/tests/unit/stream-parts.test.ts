@@ -1,4 +1,4 @@
-// The parts of streaming one by one: room in the pool, the choice of bundles, runs, and waits.
+// The parts of streaming one by one: room in the pool, the choice of bundles, runs, and retry delays.
 
 import { OrthographicCamera, PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
@@ -19,7 +19,7 @@ import { isSeen, viewOf } from '../../src/stream/views.js';
 import { scatter, validBytes } from './vectors.js';
 
 describe('room in the pool', () => {
-  it('is given out and taken back without overlap or loss', () => {
+  it('is allocated and freed without overlap or loss', () => {
     const [from, to] = [128, 128 + 500 * GRANULE_WORDS + 17];
     const allocator = new Allocator(from, to);
     const all = allocator.freeWords;
@@ -90,7 +90,7 @@ it('the parts of a pool follow each other, and pages begin at a granule', () => 
 });
 
 describe('boxes', () => {
-  it.each(['many_pages_depths', 'upright_turned_low_depths', 'low_sun_tall_depths', 'slopes_depths'])('%s: distances are the least to any point', (name) => {
+  it.each(['many_pages_depths', 'upright_turned_low_depths', 'low_sun_tall_depths', 'slopes_depths'])('%s: the distance is the least of all points of the box', (name) => {
     const { grid } = new BakedShadowFile(validBytes(name));
     const box = boxOf(grid, 0, 0, 20);
     const random = scatter(3);
@@ -107,7 +107,7 @@ describe('boxes', () => {
         least = Math.min(least, Math.hypot(p[0] - q[0], p[1] - q[1], p[2] - q[2]));
       }
       expect(d).toBeLessThanOrEqual(least + 1e-6);
-      // Sampled points come near the nearest one.
+      // Some sampled point is near the nearest one.
       expect(least - d).toBeLessThan(0.15 * box.radius);
     }
   });
@@ -159,7 +159,7 @@ describe('the choice', () => {
   const view = viewOf(camera, 200);
   const options = { coarserTexel: () => 4.02, detail: 1, words: Infinity };
 
-  it('has the nearest first, and ends where the coarser level will do', () => {
+  it('has the nearest first, and ends where the coarser level suffices', () => {
     const bundles = row(10);
     const chosen = choose([...bundles].reverse(), [view], options);
     // A pixel is a hundredth of the distance, so texels of 4.02 are too coarse up to 402.
@@ -169,7 +169,7 @@ describe('the choice', () => {
     expect(choose(bundles, [view], { ...options, detail: 2.1 }).map(({ index }) => index)).toEqual([0]);
   });
 
-  it('counts what is not seen four times as coarse', () => {
+  it('allows unseen bundles to be four times coarser', () => {
     const back = new PerspectiveCamera(90, 1, 0.1, 1e4);
     back.position.copy(camera.position);
     back.lookAt(-1000, 5, 50);
@@ -178,7 +178,7 @@ describe('the choice', () => {
     expect(chosen[0]!.need).toBeCloseTo(4.02 / 0.6 / 4, 6);
   });
 
-  it('takes the greatest need of several views, and ends where the room does', () => {
+  it('takes the greatest need of several views, and stops when full', () => {
     const far = camera.clone();
     far.position.x = 1100;
     far.lookAt(0, 5, 50);
@@ -202,7 +202,7 @@ describe('the choice', () => {
 describe('a run', () => {
   const indices = (run: readonly Bundle[]) => run.map(({ index }) => index);
 
-  it('takes neighbours along as far as they are wanted, over those without bytes', () => {
+  it('takes wanted neighbours along, and skips bundles without bytes', () => {
     const level = row(10);
     level[6] = { ...level[6]!, entry: { ...level[6]!.entry, storedBytes: 0 } };
     expect(indices(runAround(level[4]!, level, ({ index }) => index !== 2 && index !== 8))).toEqual([3, 4, 5, 7]);

@@ -5,9 +5,9 @@ import { vi } from 'vitest';
 import { PerspectiveCamera } from 'three';
 import type { StreamedShadowFile } from '../../src/stream/index.js';
 
-/** What goes wrong with a request, by its number from 0 on and its first byte. */
+/** The faults of a server. */
 export interface Faults {
-  /** The server knows no ranges. */
+  /** The server does not support ranges. */
   noRanges?: boolean;
   /** No Content-Range and no ETag can be read, as from another origin. */
   isHidden?: boolean;
@@ -15,7 +15,7 @@ export interface Faults {
   answer?(request: { number: number; from: number; to: number; signal: AbortSignal | undefined }, bytes: Uint8Array): Response | Uint8Array | Promise<Response | Uint8Array> | undefined;
 }
 
-/** What a server was asked for. */
+/** The requests that a server received. */
 export interface Served {
   bytes: Uint8Array;
   etag: string;
@@ -61,14 +61,14 @@ export function cameraAt(x: number, y: number, z: number): PerspectiveCamera {
   return camera;
 }
 
-/** Lets what is under way go on. */
+/** Lets pending work go on. */
 export const pause = (): Promise<void> => new Promise((resolve) => setTimeout(resolve));
 
-/** Updates until all is there that a camera needs and the budget allows. */
+/** Updates until everything that a camera needs and the budget allows is resident. */
 export async function settled(file: StreamedShadowFile, camera = cameraAt(0, 100, 0), rows = 1080): Promise<void> {
   const END = 10_000;
   let [whole, still] = [0, 0];
-  // What is being decoded shows in no number.
+  // No counter shows bundles that are being decoded.
   for (let i = 0; i < END && whole < 20 && still < 400; i++) {
     const before = JSON.stringify(file.stats);
     file.update(camera, rows);

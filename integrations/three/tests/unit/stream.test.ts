@@ -1,4 +1,4 @@
-// Streamed files answer as the files themselves.
+// Streamed files answer like the whole files.
 
 import { execFileSync } from 'node:child_process';
 import { mkdtempSync, rmSync } from 'node:fs';
@@ -49,7 +49,7 @@ function compare(streamed: StreamedShadowFile, whole: BakedShadowFile, filter: F
 }
 
 describe.each(validNames())('%s', (name) => {
-  it('answers as the file does once all is there', async () => {
+  it('answers like the file once everything is resident', async () => {
     const bytes = validBytes(name);
     const served = serve(bytes);
     const file = await StreamedShadowFile.open('file', { budget: MIB, detail: ALL });
@@ -83,7 +83,7 @@ describe('a light', () => {
       expect([...words.slice(16 + 76, 16 + 81)]).toEqual([[0, second, third][rank], 2 - rank, 1, [end, end + common, end + common][rank], 9]);
       expect(words[106]).toBe([1, 2, 0][rank]);
     });
-    // The finest is that of the file but for the places of its parts.
+    // The finest header is that of the file, except for the places of its parts.
     const header = new LookUpTexture(whole, 8192, { filter: 9 }).header.slice();
     const mine = lookUps[0]!.words.slice();
     for (const word of [3, 7, 16 + 76, 16 + 77, 16 + 78, 16 + 79, 106]) header[word] = mine[word] = 0;
@@ -91,7 +91,7 @@ describe('a light', () => {
     file.dispose();
   });
 
-  it('takes it alone, if its texture is not too large', async () => {
+  it('takes it only alone, and only if its texture is not too large', async () => {
     const bytes = validBytes('levels_coded_depths');
     serve(bytes);
     const file = await StreamedShadowFile.open('file', { budget: MIB });
@@ -101,7 +101,7 @@ describe('a light', () => {
     const attached = attachBakedShadow(new Scene(), light, file);
     expect(attached.isActive).toBe(true);
     attached.setOptions({ filter: 3 });
-    // Another file has words of its own, not the stream's.
+    // Another file gets its own words, not the stream's.
     const words = vi.spyOn(Texture.prototype, 'dispose');
     attached.setFiles(new BakedShadowFile(bytes));
     expect(words.mock.instances).not.toHaveLength(0);
@@ -126,19 +126,19 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
   });
   afterAll(() => rmSync(folder, { recursive: true, force: true }));
 
-  it('is there after two requests, coarsely', async () => {
+  it('answers coarsely after two requests', async () => {
     const served = serve(bytes);
     const file = await StreamedShadowFile.open('file', { budget: 8 * MIB });
     expect(served.ranges.length).toBeLessThanOrEqual(2);
     console.log(`first picture: ${served.ranges.length} requests, ${file.stats.fetchedBytes} of ${bytes.length} bytes`);
     const levels = compare(file, whole, 5);
-    // What is beside the grid and before it needs no page.
+    // Points beside the grid and before it need no page.
     expect(levels.get(2)).toBeGreaterThan(200);
     expect(levels.has(1)).toBe(false);
     file.dispose();
   });
 
-  it.each([1, 5, 17] as const)('answers as the file does once all is there, filter %i', async (filter) => {
+  it.each([1, 5, 17] as const)('answers like the file once everything is resident, filter %i', async (filter) => {
     serve(bytes);
     const file = await StreamedShadowFile.open('file', { budget: 16 * MIB, detail: ALL });
     await settled(file);
@@ -146,7 +146,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     file.dispose();
   });
 
-  it('answers as some level does at each point where the budget is small', async () => {
+  it('with a small budget, answers like some level at each point', async () => {
     const served = serve(bytes);
     const file = await StreamedShadowFile.open('file', { budget: 1.25 * MIB, detail: 0.05 });
     await settled(file, cameraAt(50, 20, -30));
@@ -157,13 +157,13 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     file.dispose();
   });
 
-  it('uploads what has changed and no more, about as much per update as is asked for', async () => {
+  it('uploads only changes, about the requested bytes per update', async () => {
     serve(bytes);
     const bytesPerUpdate = 64 * 1024;
     const file = await StreamedShadowFile.open('file', { budget: 1.25 * MIB, detail: 0.02, bytesPerUpdate });
     const words = file.openWords({ filter: 5 }, 8192);
     const pool = words.texture.image as unknown as { data: Uint32Array; width: number; height: number };
-    /** What the GPU has, as of the first picture. */
+    /** The words on the GPU, as of the first picture. */
     const onGpu = pool.data.slice();
     let uploaded = 0;
     const copies = (source: Texture, target: Texture, region?: Box2 | null, place?: Vector2 | null): void => {
@@ -185,14 +185,14 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
       await new Promise((done) => setTimeout(done));
     }
     console.log(`most bytes of an update: ${most}`);
-    // A page more than asked for, the tables of blocks, and whole rows.
+    // A page more than requested, the tables of blocks, and whole rows.
     expect(most).toBeGreaterThan(bytesPerUpdate);
     expect(most).toBeLessThan(bytesPerUpdate + 128 * 1024);
     words.dispose();
     file.dispose();
   });
 
-  it('fades where bundles come and go, and answers as the file does once they have', async () => {
+  it('fades while bundles come and go, then answers like the file', async () => {
     serve(bytes);
     const UPDATES = 16;
     const { points, normals } = surfacesOf(whole, 400, 5);
@@ -234,7 +234,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
   /** A thousand jumps with `ADUMBRA_FULL`. */
   const JUMPS = process.env['ADUMBRA_FULL'] === undefined ? 25 : 200;
 
-  it(`holds a budget of 1 to 64 MB over ${5 * JUMPS} random jumps, and answers as some level does`, async () => {
+  it(`holds a budget of 1 to 64 MB over ${5 * JUMPS} random jumps, and answers like some level`, async () => {
     serve(bytes);
     const random = scatter(7);
     const held = watchPool();

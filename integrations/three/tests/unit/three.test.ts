@@ -1,5 +1,5 @@
-// Other versions of three: every one is imported, one that was not tested is warned of once, and a missing hook is named
-// when a light is attached.
+// Other versions of three: each can be imported, an untested version is warned of once, and a missing hook is
+// named when a light is attached.
 
 import { DirectionalLight, Material, Scene, ShaderChunk, ShaderLib } from 'three';
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
@@ -22,7 +22,7 @@ afterEach(() => {
   for (const name of ['three', 'three/tsl', 'three/webgpu']) vi.doUnmock(name);
 });
 
-/** Has a module of three another content. */
+/** Replaces parts of a module of three. */
 function change(name: string, parts: object): void {
   vi.doMock(name, async (original) => ({ ...(await original<object>()), ...parts }));
 }
@@ -52,7 +52,7 @@ const ENTRIES = {
   './webgl': () => import('../../src/webgl/index.js'),
 };
 
-it.each(Object.entries(ENTRIES))('a three that is old, new or lacks classes is no fault at the import of %s', async (_, entry) => {
+it.each(Object.entries(ENTRIES))('importing %s works with an old, new or incomplete three', async (_, entry) => {
   for (const REVISION of ['100', '999', 'next']) {
     vi.resetModules();
     change('three', { REVISION });
@@ -111,7 +111,7 @@ describe('WebGLRenderer', () => {
 
   const chunks = Object.keys(shaderHooks()).filter((hook) => hook.startsWith('ShaderChunk.'));
 
-  it('chunks are hooks', () => {
+  it('counts the shader chunks among the hooks', () => {
     expect(chunks).toHaveLength(5);
   });
 
@@ -145,7 +145,7 @@ describe('WebGPURenderer', () => {
   const methods = hooks.filter((hook) => hook.includes('.'));
   const functions = hooks.filter((hook) => !hook.includes('.') && !hook.includes(' ') && !classes.includes(hook));
 
-  it('names are hooks', () => {
+  it('counts methods and functions among the hooks', () => {
     expect([methods.length, functions.length]).toEqual([6, 14]);
   });
 

@@ -1,4 +1,5 @@
-// The files of `test_vectors/` with their expected answers and faults, as `spec/adumbra-file.md` describes them.
+// The files of `test_vectors/` with their expected answers and faults, as `spec/adumbra-file.md` describes
+// them.
 
 import { readFileSync, readdirSync } from 'node:fs';
 import { join } from 'node:path';
@@ -14,7 +15,7 @@ export interface ExpectedPoint {
   readonly where: string;
 }
 
-/** Reads a file into a buffer of its own. */
+/** Reads a file into a separate buffer. */
 export function readBytes(path: string): Uint8Array<ArrayBuffer> {
   return new Uint8Array(readFileSync(path));
 }

@@ -43,7 +43,7 @@ type LightNode = AnalyticLightNode<DirectionalLight> & { shadowNode: unknown; co
 const BUILDER = { renderer: { shadowMap: { enabled: true } }, context: {} };
 
 describe('WebGPURenderer alone', () => {
-  test('a menu: file, off, three’s own shadow, without dispose', () => {
+  test('a menu may switch to three’s own shadow without dispose', () => {
     const [scene, sun, city, house] = [new Scene(), new DirectionalLight(), new Group(), caster()];
     sun.castShadow = true;
     scene.add(sun, sun.target, city.add(house));
@@ -80,7 +80,7 @@ describe('WebGPURenderer alone', () => {
     expect(frame()).toBe(true);
   });
 
-  test('selective lights: two of three’s nodes of one sun', () => {
+  test('selective lights: both of a sun’s nodes have the shadow', () => {
     const [scene, sun, city, house] = [new Scene(), new DirectionalLight(), new Group(), caster()];
     sun.castShadow = true;
     scene.add(sun, sun.target, city.add(house));
@@ -115,7 +115,7 @@ describe('WebGPURenderer alone', () => {
     expect(Object.hasOwn(sun, 'dispatchEvent')).toBe(false);
   });
 
-  test('StrictMode: useMemo makes the node twice before the light has one', () => {
+  test('StrictMode: a node made twice keeps the app’s movers', () => {
     const [scene, sun] = [new Scene(), new DirectionalLight()];
     sun.castShadow = true;
     sun.position.set(5, 5, 0);
@@ -137,7 +137,7 @@ describe('WebGPURenderer alone', () => {
 });
 
 describe('WebGLRenderer alone', () => {
-  test('a later onBeforeCompile that calls the one before and replaces three’s lights', () => {
+  test('a later onBeforeCompile that replaces three’s lights is kept', () => {
     const toon = ShaderChunk.lights_fragment_begin.replaceAll('RE_Direct( directLight', '/* toon */ directLight.color = floor( directLight.color ); RE_Direct( directLight');
     const patch = (material: Material): void => {
       const before = material.onBeforeCompile;
@@ -146,7 +146,7 @@ describe('WebGLRenderer alone', () => {
         shader.fragmentShader = shader.fragmentShader.replace('#include <lights_fragment_begin>', toon);
       };
     };
-    // Without the package, and before it is attached.
+    // One material without the package, one patched before attaching, one after.
     const [plain, early, late] = [new MeshLambertMaterial(), new MeshLambertMaterial(), new MeshLambertMaterial()];
     patch(plain);
     patch(early);
@@ -171,7 +171,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
   const drawOf = (scene: Scene, light: DirectionalLight, shadow: BakedShadow, map?: () => void): void =>
     isWebGL ? drawWithWebGL(scene, renderer, map) : drawWithWebGPU(scene, renderer, shadow as BakedShadowNode, light, map);
 
-  test('a world whose matrices are frozen, the sun with it', () => {
+  test('a sun is aligned in a world whose matrices are frozen', () => {
     const [city, house, sun] = [new Group(), caster(), new DirectionalLight()];
     sun.position.set(30, 40, 0);
     const was = new Matrix4();
@@ -182,7 +182,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     was.copy(sun.matrixWorld);
     const shown = show({ statics: city }, file, sun);
     shown.frame();
-    // What three draws with.
+    // The direction that three draws with.
     const drawn = new Vector3().setFromMatrixPosition(sun.matrixWorld).sub(new Vector3().setFromMatrixPosition(sun.target.matrixWorld)).normalize();
     expect(drawn.distanceTo(SUN)).toBeLessThan(1e-5);
     expect([shown.shadow.isActive, castIn(shown, house)]).toEqual([true, [false]]);
@@ -200,7 +200,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([Object.hasOwn(scene, 'onBeforeRender'), Object.hasOwn(sun, 'dispatchEvent'), sun.position.toArray()]).toEqual([false, false, [0, 1, 0]]);
   });
 
-  test('a frozen rig that carries the target of the sun', () => {
+  test('a sun is aligned in a frozen rig that carries its target', () => {
     const [sun, arm] = [new DirectionalLight(), new Group()];
     arm.position.set(0, -1, -1);
     sun.add(arm.add(sun.target));
@@ -213,7 +213,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect([sun, arm, sun.target].map((each) => each.matrixWorldAutoUpdate)).toEqual([false, false, false]);
   });
 
-  test('an editor saves the scene and opens it again', () => {
+  test('a scene that an editor saves has no trace of the package', () => {
     const [scene, sun, city] = [new Scene(), new DirectionalLight(), new Group()];
     const house = new Mesh(new BoxGeometry(), new MeshLambertMaterial());
     const list: [Object3D, string][] = [[sun, 'sun'], [city, 'city'], [house, 'house']];
@@ -240,7 +240,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(house2.castShadow).toBe(true);
   });
 
-  test('a panel reads isActive right after it has set the light', () => {
+  test('a panel reads the right isActive right after it set the light', () => {
     const shown = show({ align: false });
     shown.frame();
     const { light, shadow } = shown;
@@ -254,7 +254,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     expect(seen).toEqual([true, true, false, false, true, true]);
   });
 
-  test('menus of hours and of detail', () => {
+  test('menus of hours and of detail move the light to each sun', () => {
     const [evening, large] = ['upright_turned_low_depths', 'levels_coded_depths'].map((each) => new BakedShadowFile(validBytes(each))) as [BakedShadowFile, BakedShadowFile];
     expect(large.levelCount).toBe(3);
     const [a, b] = [file.grid.sun, evening.grid.sun];
@@ -279,7 +279,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
 });
 
 describe('loading', () => {
-  test('the camera of a map library, whose projection has the view in it', async () => {
+  test('the camera of a map library chooses the same bundles', async () => {
     const bytes = validBytes('levels_coded_depths');
     const { grid } = new BakedShadowFile(bytes);
     const middle = new Vector3(...toWorld(grid, [grid.size[0] / 2, grid.size[1] / 2, grid.size[2] / 2]));
@@ -308,7 +308,7 @@ describe('loading', () => {
     }
   });
 
-  test('a viewer with dropped files, whose names a manager maps to blobs', async () => {
+  test('dropped files are found through the URLs of a manager', async () => {
     vi.stubGlobal('ProgressEvent', class extends Event {});
     const dropped = new Map([['city/city.adumbra', new Blob([validBytes('upright_depths')])]]);
     const url = 'blob:http://viewer/1234';

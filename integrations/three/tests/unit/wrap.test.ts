@@ -1,4 +1,4 @@
-// Something is added to methods of objects, in whatever order it ends and the app sets others.
+// Wrappers of methods, in whatever order they are removed and the app sets other methods.
 
 import { expect, test } from 'vitest';
 
@@ -25,7 +25,7 @@ function subject() {
   return { object, calls, add, run };
 }
 
-test.each([['first', 'second'], ['second', 'first']])('%s ends before %s', (early, late) => {
+test.each([['first', 'second'], ['second', 'first']])('the %s wrapper may be removed before the %s', (early, late) => {
   const { object, add, run } = subject();
   const added = { first: add('first'), second: add('second') } as Record<string, ReturnType<typeof add>>;
   expect(run()).toBe('second,first,own');
@@ -35,14 +35,14 @@ test.each([['first', 'second'], ['second', 'first']])('%s ends before %s', (earl
   expect([run(), Object.hasOwn(object, 'run')]).toEqual(['own', false]);
 });
 
-test('what the app sets is called, and stays', () => {
+test('a method that the app sets is called, and stays', () => {
   const { object, calls, add, run } = subject();
   const added = add('ours');
   const before = object.run;
   const later = (): void => void calls.push('later');
   object.run = later;
   expect([run(), added.theirs()]).toEqual(['ours,later', later]);
-  // Set back to what was read.
+  // Set back to the method that was read.
   object.run = before;
   expect(run()).toBe('ours,own');
   object.run = () => {

@@ -1,8 +1,9 @@
-//! Instructions of the hot steps, counted by valgrind's callgrind and compared with `docs/counts.json`. A regression
-//! shows however busy the machine is.
+//! Instructions of the hot steps, counted by valgrind's callgrind and compared with `docs/counts.json`. The
+//! counts do not depend on the load of the machine.
 //!
-//! Counts also change with the compiler; the table names the one that made it. Hash tables are seeded equally in every
-//! run, so the counts of one program differ between runs by far less than the tolerance.
+//! Counts also change with the compiler; the table names the compiler that it was made with. Hash tables have
+//! the same seed in every run, so the counts of one program differ between runs by far less than the
+//! tolerance.
 
 mod profile;
 mod steps;
@@ -131,7 +132,7 @@ mod tests {
     use super::compare;
 
     #[test]
-    fn count_refuses_a_step_that_grew_and_one_that_is_new() {
+    fn compare_rejects_grown_and_new_steps() {
         let table = json!({"descent": 1_000_000, "join": 1_000});
         assert!(compare(&table, &[("descent", 1_030_000), ("join", 500)]).is_ok());
         let grown = compare(&table, &[("descent", 1_000_000), ("join", 1_031)]).unwrap_err().to_string();

@@ -1,12 +1,13 @@
 //! Parser of callgrind's profiles whose names and positions are not compressed.
 //!
-//! Source: *Callgrind Format Specification*, the manual of valgrind 3. `fn=` begins a function, `cfn=` names a function
-//! that it calls, `calls=` gives the number of calls, and the line after that has the instructions that they took.
+//! Source: *Callgrind Format Specification*, the manual of valgrind 3. `fn=` begins a function, `cfn=` names
+//! a function that it calls, `calls=` gives the number of calls, and the line after that has the instructions
+//! that they took.
 
 use std::collections::BTreeMap;
 
-/// Returns the instructions of each function including its callees. Calls of a function to itself are not counted
-/// again.
+/// Returns the instructions of each function including its callees. Calls of a function to itself are not
+/// counted again.
 pub(super) fn inclusive(profile: &str) -> BTreeMap<&str, u64> {
     let mut sums = BTreeMap::new();
     let (mut caller, mut callee) = ("", "");
@@ -31,7 +32,7 @@ mod tests {
     use super::inclusive;
 
     #[test]
-    fn profile_sums_what_callers_spend_in_a_function() {
+    fn inclusive_sums_a_function_over_all_callers() {
         let profile = "events: Ir\n\nfn=main\n10 5\ncfn=bake\ncalls=1 20\n11 300\n20 7\ncfn=look up\ncalls=2 30\n21 40\n\n\
                        fn=bake\n20 100\ncfn=bake\ncalls=3 20\n22 90\ncfn=look up\ncalls=1 30\n23 110\n";
         let sums: Vec<_> = inclusive(profile).into_iter().collect();

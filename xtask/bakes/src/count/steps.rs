@@ -1,12 +1,12 @@
 //! The steps whose instructions are counted, on one thread, on a scene generated from a seed.
 //!
-//! A step is either a function here that is never inlined, or one of the library that these call.
+//! A step is either a function here that is never inlined, or a library function called by one.
 
 use std::hint::black_box;
 
 use adumbra::layout::depths::DepthTree;
 use adumbra::{Bias, Filter, LightGrid, PointVisibility, Sampler, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, Size, Watch, bake};
+use adumbra_bake::{Bake, BakeOptions, Size, Watch};
 use adumbra_papers::dag::build::{self, DagOptions, pack};
 use adumbra_papers::dag::packed::PackedDag;
 use adumbra_papers::dag::plain::Dag;
@@ -14,8 +14,8 @@ use adumbra_papers::dag::{DagBody, DagFile, DagLayout, DagQuery, Error, LeafMask
 use adumbra_scene::{GeneratedKind, Mesh, Scene, generate};
 use adumbra_testing::{add_box, scene_of};
 
-/// The displayed name of a step, and two strings that identify the symbols of its functions: one that they contain, and
-/// one that they end with.
+/// The displayed name of a step, and two strings that identify the symbols of its functions: a substring and
+/// a suffix.
 pub(super) struct HotStep {
     pub(super) name: &'static str,
     pub(super) symbol: [&'static str; 2],
@@ -25,7 +25,7 @@ const fn step(name: &'static str, symbol: [&'static str; 2]) -> HotStep {
     HotStep { name, symbol }
 }
 
-/// All steps. Those of the library are counted over all bakes.
+/// All steps. Library functions are counted over all bakes.
 pub(super) const STEPS: [HotStep; 19] = [
     step("bake into the graph", ["count::steps", "bake_graph"]),
     step("bake into depths", ["count::steps", "bake_depths"]),
@@ -49,7 +49,7 @@ pub(super) const STEPS: [HotStep; 19] = [
 ];
 
 const RESOLUTION: u64 = 1024;
-/// Resolution at which boxes in one another are baked.
+/// Resolution of the bakes of nested boxes.
 const BOXES_RESOLUTION: u64 = 8;
 /// Number of look-ups of each kind.
 const LOOK_UPS: u32 = 20_000;
@@ -62,7 +62,8 @@ pub(super) fn run() -> Result<(), Box<dyn std::error::Error>> {
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction([-0.45, 0.75, -0.35])?;
     let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(RESOLUTION)) };
-    // Runs on a thread of the pool, so that work that it distributes comes back to it and is counted under the step.
+    // Run on the only thread of the pool, so that work handed to the pool stays on this thread and is counted
+    // under the step.
     rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(|| -> Result<(), Error> {
         let graph = bake_graph(&scene, &options)?;
         let file = bake_depths(&scene, &options)?;
@@ -93,7 +94,7 @@ fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<DagFile, Error> {
 
 #[inline(never)]
 fn bake_depths(scene: &Scene, options: &BakeOptions) -> Result<ShadowFile, Error> {
-    Ok(bake(scene, options, Watch::none())?.file)
+    Ok(Bake::with_options(scene, options).in_memory()?)
 }
 
 #[inline(never)]
@@ -111,8 +112,8 @@ fn bake_4000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
     bake_boxes(4000, sun)
 }
 
-/// Bakes boxes each of which contains the next, as a ray through many solids meets them. The time may grow with their
-/// number, not with its square.
+/// Bakes nested boxes, so that rays pass through many solids. The time may grow linearly with the number of
+/// boxes, but not with its square.
 fn bake_boxes(count: u16, sun: Sun) -> Result<ShadowFile, Error> {
     let mut boxes = Mesh::default();
     for inner in 0..count {
@@ -120,7 +121,7 @@ fn bake_boxes(count: u16, sun: Sun) -> Result<ShadowFile, Error> {
         add_box(&mut boxes, [inset; 3], [2.0 - inset; 3]);
     }
     let options = BakeOptions::new(sun, Size::Resolution(BOXES_RESOLUTION));
-    Ok(bake(&scene_of(vec![boxes]), &options, Watch::none())?.file)
+    Ok(Bake::with_options(&scene_of(vec![boxes]), &options).in_memory()?)
 }
 
 #[inline(never)]

@@ -1,5 +1,5 @@
-//! The test vectors of the graph file. Each exists in the plain layout and, if its columns are monotone, also in the
-//! packed one.
+//! The test vectors of the graph file. Each exists in the plain layout and, if its columns are monotone, also
+//! in the packed one.
 
 use std::error::Error;
 

@@ -1,4 +1,4 @@
-//! Broken files of which one bit is flipped.
+//! Broken files with one flipped bit.
 
 use super::Bytes;
 use super::shadow_bytes::ShadowBytes;
@@ -44,9 +44,9 @@ impl Flip for ShadowBytes {
     }
 }
 
-/// Returns a broken file per entry of `faults`, which has its name, its fault and what the message names. Each is the
-/// first file of `valid` in which a flipped bit causes the fault. `fault_of` returns the fault in the voxels that
-/// reading a file gives.
+/// Returns a broken file for each entry of `faults`: its name, its fault, and a name that the message must
+/// contain. It is made from the first file of `valid` in which a flipped bit causes the fault. `fault_of`
+/// reads a file and returns the fault in its voxels.
 pub(super) fn flipped(
     error: &'static str,
     valid: &[impl Flip],
@@ -61,8 +61,8 @@ pub(super) fn flipped(
     faults.iter().map(broken).collect()
 }
 
-/// Returns the file with one bit of its sections flipped, the first with which it is the one that is wanted. `None` if
-/// there is no such bit.
+/// Returns the file with one bit of its sections flipped: the first bit for which `is_wanted` accepts the
+/// file. `None` if there is no such bit.
 fn with_bit_flipped(valid: &impl Flip, is_wanted: impl Fn(&[u8]) -> bool) -> Option<Vec<u8>> {
     let bits = (valid.first()..valid.bytes().len()).flat_map(|at| (0..8).map(move |bit| (at, bit)));
     bits.map(|(at, bit)| valid.flipped(at, bit)).find(|bytes| is_wanted(bytes))

@@ -7,7 +7,8 @@ use adumbra_papers::dag::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STA
 
 use super::grids::Voxels;
 
-/// A child before it has an index in the file: shadowed, lit, or an index into the merged nodes or leaf masks.
+/// A child before it has an index in the file: shadowed, lit, or an index into the merged nodes or leaf
+/// masks.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 enum Child {
     Shadowed,
@@ -18,13 +19,13 @@ enum Child {
 /// Merges equal nodes and leaf masks while it builds.
 struct GraphMerger<'a> {
     lit: &'a Voxels,
-    /// Size of the grid. Voxels outside are never looked up: those to the sides count as lit, those behind the far end
-    /// as shadowed.
+    /// Size of the grid. Voxels outside are never looked up: those to the sides count as lit, those behind
+    /// the far end as shadowed.
     size: [u32; 3],
     nodes: Vec<[Child; 8]>,
     leaf_masks: Vec<u64>,
-    /// Keyed by whether the children are leaf masks, and by the children: a node without leaf masks below may be used
-    /// at several levels.
+    /// Keyed by whether the children are leaf masks, and by the children: a node without leaf masks below may
+    /// be used at several levels.
     node_ids: HashMap<(bool, [Child; 8]), usize>,
     leaf_mask_ids: HashMap<u64, usize>,
 }

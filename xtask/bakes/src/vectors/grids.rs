@@ -41,7 +41,7 @@ impl Grid {
         let mut rows = Vec::new();
         let mut add = |what: &str, at: [f64; 3], visibility: bool| {
             let world = grid.to_world(at);
-            // In alphabetical order, whether or not serde_json keeps it.
+            // List the keys alphabetically, whether or not serde_json preserves the order.
             let row = json!({"visibility": u8::from(visibility), "where": what, "world": world});
             rows.push(format!("    {row}"));
         };
@@ -178,7 +178,8 @@ pub(super) fn all() -> Result<Vec<Grid>, Box<dyn Error>> {
     Ok(all)
 }
 
-/// Returns grids of shadow files alone, most of them too large for a graph, each with its coarser levels: the finest first.
+/// Returns the grids that only shadow files have. Most are too large for a graph. Each comes with its coarser
+/// levels, finest first.
 pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
     let sun = Sun::from_direction([0.5, 0.8, 0.35])?;
     let upright = |step: u32, size| {
@@ -186,7 +187,8 @@ pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
         let corner = [-512.0, 1024.0, 16.0].map(|c| c / f64::from(step));
         LightGrid::new(sun, frame, 0.25 * f64::from(step), corner, size)
     };
-    // Towers on a lattice, the same in every page but for a few; on a slope that is not.
+    // Towers on a lattice, the same in every page except in the first column of pages. From y = 1900 on, the
+    // surface between the towers differs from page to page.
     let towers = |x: u32, y: u32, z: u32| {
         let [i, j] = [x % 64, y % 64];
         let is_tower = (10..40).contains(&i) && (20..30).contains(&j) && x / 64 != 3;
@@ -216,7 +218,7 @@ pub(super) fn large() -> Result<Vec<Vec<Grid>>, Box<dyn Error>> {
         let size = [576, 530, 64].map(|n: u32| n.div_ceil(step));
         Grid::new("levels", "three levels of detail", upright(step, size), 9, hill(step))
     });
-    // In leaf n, n + 1 depths in an order that does not repeat.
+    // Leaf n has n + 1 depths, in an order that does not repeat.
     let many_depths =
         Grid::new("many_depths", "leaves of 1 to 64 depths", upright(1, [64, 64, 72]), 9, |x, y, z| {
             z < 1 + 67 * (x % 8 + 8 * (y % 8)) % (1 + x / 8 + 8 * (y / 8))

@@ -9,9 +9,9 @@ pub(super) struct Files {
     pub(super) magic: &'static str,
     /// The first version that is not read, as the messages show it.
     pub(super) later: &'static str,
-    /// A file of few bytes, all of them known.
+    /// A small file whose bytes are all known.
     pub(super) small: Bytes,
-    /// A file with more than 32 bytes in its second section, and something in its third.
+    /// A file with more than 32 bytes in its second section, and a third section that is not empty.
     pub(super) full: Bytes,
 }
 

@@ -1,4 +1,4 @@
-//! `cargo xtask vectors`: writes `test_vectors/` again, with the same bytes every time.
+//! `cargo xtask vectors`: regenerates `test_vectors/`, with the same bytes every time.
 //!
 //! | module | writes |
 //! |---|---|
@@ -6,9 +6,9 @@
 //! | `dag` | `dag`: graph files of the papers |
 //! | [`tree_vectors`] | `tree`: tree files of the papers |
 //!
-//! Valid files are made from functions voxel -> lit, and their answers come from these functions, not from the file. A
-//! reader that agrees with them has therefore decoded the file correctly. Each broken file is a valid one with one
-//! fault.
+//! Valid files are made from functions voxel -> lit, and their answers come from these functions, not from
+//! the file. A reader that agrees with them has therefore decoded the file correctly. Each broken file is a
+//! valid one with one fault.
 
 mod dag;
 mod flipped;

@@ -13,7 +13,7 @@ use super::shadow_bytes::ShadowBytes;
 use super::{Known, Vector, flipped};
 use crate::broken::Broken;
 
-/// Voxels as the converter asks for them.
+/// Voxels in the form that the converter reads.
 struct Masks<'g> {
     size: [u32; 3],
     lit: &'g Voxels,
@@ -34,11 +34,12 @@ impl LeafMasks for Masks<'_> {
     }
 }
 
-/// Grids of which there is a coded vector too: one with several bundles, one with several levels, and one with all
+/// Grids that also have a coded vector: one with several bundles, one with several levels, and one with all
 /// numbers of depths.
 const ALSO_CODED: [&str; 3] = ["many_pages", "levels", "many_depths"];
 
-/// Returns the vectors whose columns are lit and then shadowed, and those that only a quadtree can be made of.
+/// Returns the vectors of the grids whose columns are lit and then shadowed, and of those that only a
+/// quadtree can hold.
 pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>, Box<dyn Error>> {
     let small =
         known.iter().filter(|known| known.is_monotone()).map(|known| std::slice::from_ref(&known.grid));
@@ -48,8 +49,8 @@ pub(super) fn valid(known: &[Known], large: &[Vec<Grid>]) -> Result<Vec<Vector>,
     raw.chain(coded).chain([Encoding::Raw, Encoding::Coded].map(repeated)).collect()
 }
 
-/// Returns a vector all of whose pages have the same words, which no writer that looks for equal shapes would store
-/// twice. Coded, its bundle ends with zeros.
+/// Returns a vector whose pages all store the same words. A writer that merges equal shapes would store them
+/// once. In coded form, the bundle ends with zeros.
 fn repeated(encoding: Encoding) -> Result<Vector, Box<dyn Error>> {
     let grid = grids::repeated();
     let [_, _, depth] = grid.grid.size;
@@ -194,7 +195,7 @@ fn frames_of_levels(levels: &ShadowBytes) -> Result<Vec<Broken>, Box<dyn Error>>
     let broken = frames.map(|(name, frame)| {
         let grid = LightGrid::new(sun, frame, voxel_size, corner, size);
         let alone = ShadowFile::new(grid, file.settings, (*file.tree).clone()).to_bytes(Encoding::Raw)?;
-        // Where the grid is placed: all of its entry before its sections.
+        // Replace the placement of the grid: its directory entry up to its sections.
         let bytes = levels.clone().put(256, &alone[256..416]).sealed();
         Ok(Broken { name, error: "HeaderField", fault: None, names: "that of the first grid", bytes })
     });

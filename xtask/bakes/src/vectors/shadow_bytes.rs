@@ -1,4 +1,4 @@
-//! A shadow file that is being broken: where its parts are, and its checksums.
+//! A shadow file that is being broken: the offsets of its parts, and its checksums.
 
 use crate::broken::crc32;
 

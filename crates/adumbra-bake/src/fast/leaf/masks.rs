@@ -1,6 +1,8 @@
-//! Surfaces with holes over a leaf: at which of its texels' centres they are opaque, where that still matters.
+//! Surfaces with holes over a leaf: at which of its texels' centres they are opaque, where that still
+//! matters.
 //!
-//! Surfaces are visited about in the order of their depths, so of many layers of leaves only the first few are sampled.
+//! Surfaces are visited about in the order of their depths, so of many layers of leaves only the first few
+//! are sampled.
 
 use super::texels::{LANES, rows_of};
 use super::{Leaf, Setting};
@@ -17,7 +19,7 @@ impl Leaf<'_> {
         texels_where(|t| first[t] >= depth)
     }
 
-    /// Samples the surface with this number, which has holes, at the `wanted` ones of the texels that it covers.
+    /// Samples the surface with this number, which has holes, at those of the `wanted` texels that it covers.
     #[inline(always)]
     pub(super) fn sample_masked(&mut self, number: u32, wanted: u64) {
         let Setting { scene, grid, rules, opacity, surfaces, masks, .. } = self.setting;

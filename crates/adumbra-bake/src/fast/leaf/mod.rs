@@ -1,9 +1,10 @@
-//! The columns of one 8 × 8 block, from the surfaces near it. The result is that of `capture.rs` for the block's
-//! texels, but computed a block at a time in bit masks, and receivers are evaluated only if an answer depends on them.
+//! The columns of one 8 × 8 block, from the surfaces near it. The result is that of `capture.rs` for the
+//! block's texels, but computed a block at a time in bit masks, and receivers are evaluated only if an answer
+//! depends on them.
 //!
-//! A column needs to know whether a receiver is behind its base, and whether one samples it nearer than its exit. A
-//! surface that is sampled far behind a solid settles the first question at once. The remaining work concerns open
-//! first surfaces and thin gaps.
+//! A column needs to know whether a receiver is behind its base, and whether one samples it nearer than its
+//! exit. A surface that is sampled far behind a solid settles the first question at once. The remaining work
+//! concerns open first surfaces and thin gaps.
 
 mod masks;
 mod receivers;
@@ -31,7 +32,8 @@ pub(crate) struct NearSurfaces<'a> {
     pub(crate) list: &'a [u32],
     /// Depth bounds over the block of each surface in the list.
     pub(crate) ranges: &'a [SurfaceRange],
-    /// Indices into [`Setting::surfaces`] of receivers farther away, whose filters may read the block's columns.
+    /// Indices into [`Setting::surfaces`] of receivers farther away, whose filters may read the block's
+    /// columns.
     pub(crate) beside: &'a [u32],
 }
 
@@ -73,7 +75,7 @@ struct Crossings {
     depths: Texels<FixedDepth>,
 }
 
-/// The mask of a surface. It is `None` for one that is edge-on to the light.
+/// The mask of a surface. It is `None` for a surface that is edge-on to the light.
 pub(crate) type LazyMask = OnceCell<Option<Box<TriangleMask>>>;
 
 /// The inputs shared by all leaves of a root block.
@@ -107,18 +109,18 @@ struct Leaf<'b> {
     next: Texels<FixedDepth>,
     /// The column is in shadow from this depth on, whatever is behind it.
     shadowed_from: Texels<FixedDepth>,
-    /// A receiver that samples the column at this depth or deeper cannot change it: either a nearer one is known, or
-    /// the column is known to have a receiver and is in shadow by then anyway.
+    /// A receiver that samples the column at this depth or deeper cannot change it: either a nearer one is
+    /// known, or the column is known to have a receiver and is in shadow by then anyway.
     matters_before: Texels<FixedDepth>,
     /// Texel centres, by column and by row.
     centers: [[f64; BLOCK_SIDE]; 2],
     buffers: &'b mut LeafBuffers,
 }
 
-/// Computes the columns of `block`, which has level 3, by [`crate::columns::rules::ColumnRules::column`]. `inside` is
-/// the set of texels in the grid. Something is sampled at `known_behind` or deeper, behind every first surface and
-/// every solid that is hit first; [`FixedDepth::MAX`] if nothing is known. For
-/// [`Receivers::All`](adumbra::Receivers::All).
+/// Computes the columns of `block`, which has level 3, by [`crate::columns::rules::ColumnRules::column`].
+/// `inside` is the set of texels in the grid. Some receiver behind every first surface, and behind every
+/// solid that is hit first, is sampled at `known_behind` or deeper; [`FixedDepth::MAX`] if no such receiver
+/// is known. For [`Receivers::All`](adumbra::Receivers::All).
 #[inline(never)] // Counted by `cargo xtask count`.
 pub(crate) fn leaf_columns(
     block: &Block,
@@ -144,8 +146,8 @@ struct Task<'a> {
 impl pulp::WithSimd for Task<'_> {
     type Output = BlockColumns;
 
-    /// Inlined, like all loops over texels below it, into a function that is compiled for the widest vectors at hand.
-    /// No result depends on them.
+    /// Inlined, like all loops over texels below it, into a function that is compiled for the widest vectors
+    /// at hand. No result depends on them.
     #[inline(always)]
     fn with_simd<S: pulp::Simd>(self, _: S) -> BlockColumns {
         compute(self)

@@ -1,4 +1,5 @@
-//! What receivers behind a leaf's first surfaces, and filters around them, demand of its columns.
+//! The constraints on a leaf's columns from receivers behind its first surfaces, and from filters around
+//! receivers.
 
 use super::texels::{Texels, rows_of};
 use super::{Leaf, Near, NearSurfaces};
@@ -8,15 +9,15 @@ use crate::fast::block::BlockSurface;
 use crate::texel_mask::{texels_of, texels_where};
 use crate::triangles::project::{FixedDepth, SUBTEXEL};
 
-/// A receiver that samples a column at least this far behind its exit does not change the column: rounding of the exit,
-/// 1/256 voxel.
+/// A receiver that samples a column at least this far behind its exit does not change the column: rounding of
+/// the exit, 1/256 voxel.
 const BEHIND_EXIT: FixedDepth = SUBTEXEL as FixedDepth / 2 + 1;
 /// More than the rounding of a plane's depth, voxels.
 const ROUNDING: f64 = 1.0 / SUBTEXEL as f64;
 
 impl Leaf<'_> {
-    /// Finds, for each column with a first surface, the nearest depth at which a receiver behind its base samples it.
-    /// Something behind all bases is sampled at `known_behind` or deeper.
+    /// Finds, for each column with a first surface, the nearest depth at which a receiver behind its base
+    /// samples it. Some receiver behind all bases is sampled at `known_behind` or deeper.
     #[inline(always)]
     pub(super) fn ask_all(&mut self, order: &[Near], known_behind: FixedDepth) {
         let rules = *self.setting.rules;
@@ -31,7 +32,7 @@ impl Leaf<'_> {
                 let farthest = shadowed_from.max(base.saturating_add(SUBTEXEL as FixedDepth));
                 let next = if deepest > farthest { known_behind.min(deepest) } else { known_behind };
                 let next = next.min(rules.below(first, base));
-                // A ground is assumed until something is behind.
+                // While no receiver behind is known, a ground is assumed and any receiver counts.
                 let any_counts = next == FixedDepth::MAX;
                 self.shadowed_from[row][c] = shadowed_from;
                 self.next[row][c] = if first.is_none() { FixedDepth::MAX } else { next };
@@ -148,7 +149,7 @@ impl Leaf<'_> {
         let (block, rules) = (self.block, self.setting.rules);
         let Some(receiver) = receiver else { return };
         let half = rules.footprint_half_texels(ReceiverKind::Footprint);
-        // Where it is sampled behind the base and nearer than what is known.
+        // The texels at which it is sampled behind the base, and nearer than the known receivers.
         let mut counts = [[false; BLOCK_SIDE]; BLOCK_SIDE];
         for (row, _) in rows_of(wanted) {
             let z = receiver.plane.along(&self.centers[0], self.centers[1][row]);

@@ -8,12 +8,12 @@ use crate::texel_mask::{texels_of, texels_where};
 use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
 use crate::triangles::surface::Surface;
 
-/// Up to so many crossings, comparing each with all others is faster than sorting them.
+/// Up to this many crossings, comparing each with all others is faster than sorting them.
 const FEW_CROSSINGS: usize = 48;
 
 impl Leaf<'_> {
-    /// Samples surfaces from the light on, and skips columns that are resolved: no surface visited so far extends past
-    /// the next one, and every solid that was entered has been left.
+    /// Samples surfaces from the light on, and skips columns that are resolved: no surface visited so far
+    /// extends past the next one, and every solid that was entered has been left.
     #[inline(always)]
     pub(super) fn sample_all(&mut self, order: &[Near]) {
         let (mut reached, mut resolved) = (FixedDepth::MIN, 0);
@@ -111,8 +111,8 @@ impl Leaf<'_> {
         });
     }
 
-    /// Writes to `base` the depth behind which other receivers matter: the end of the solid that is hit first, or the
-    /// first surface itself.
+    /// Writes to `base` the depth behind which other receivers matter: the end of the solid that is hit
+    /// first, or the first surface itself.
     #[inline(always)]
     pub(super) fn resolve_solids(&mut self) {
         self.base = self.first.depth;
@@ -129,7 +129,7 @@ impl Leaf<'_> {
                 continue;
             }
             let undecided = solid & texels_where(|texel| ends.as_flattened()[texel] >= end.low);
-            // It is the end of the columns that have by then left what they entered.
+            // A column ends here if it has left every solid that it entered up to this crossing.
             for (row, texels) in rows_of(end.covered & undecided) {
                 let (mut inside, at) = ([0; BLOCK_SIDE], &end.depths[row]);
                 for other in crossings.iter().take_while(|other| other.low <= end.high) {
@@ -156,8 +156,8 @@ impl Leaf<'_> {
         }
     }
 
-    /// Does what [`Self::resolve_solids`] does, texel by texel in order of depth. Sorting n crossings takes n log n steps, where
-    /// comparing each with all others takes n².
+    /// Does what [`Self::resolve_solids`] does, texel by texel in order of depth. Sorting n crossings takes n
+    /// log n steps, where comparing each with all others takes n².
     fn resolve_many_solids(&mut self, solid: u64) {
         let mut on_texel: Vec<(FixedDepth, i32)> = Vec::new();
         for texel in texels_of(solid) {
@@ -169,7 +169,8 @@ impl Leaf<'_> {
                 continue;
             }
             on_texel.sort_unstable();
-            // What is at one depth counts together. The column has left what it entered where the sum is not above 0.
+            // Crossings at one depth count together. The column has left every solid that it entered where
+            // the sum is not above 0.
             let mut inside = 0;
             let end = on_texel.chunk_by(|a, b| a.0 == b.0).find_map(|here| {
                 inside += here.iter().map(|(_, one)| one).sum::<i32>();

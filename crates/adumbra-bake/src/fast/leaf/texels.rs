@@ -5,7 +5,7 @@ use crate::columns::rules::FirstSurface;
 use crate::texel_mask::texels_where;
 use crate::triangles::project::FixedDepth;
 
-/// One value per texel, by row and column. Loops over rows of eight are what compilers vectorize.
+/// One value per texel, by row and column. Compilers vectorize loops over rows of eight.
 pub(super) type Texels<T> = [[T; BLOCK_SIDE]; BLOCK_SIDE];
 /// Owner of a texel whose first surface is not a single surface of the list.
 const NO_OWNER: u32 = u32::MAX;
@@ -48,7 +48,7 @@ impl Firsts {
         self.info.as_flattened_mut()[texel] = first.info();
     }
 
-    /// Returns the columns that have one.
+    /// Returns the columns that have a first surface.
     #[inline(always)]
     pub(super) fn met(&self) -> u64 {
         texels_where(|texel| !self.get(texel).is_none())

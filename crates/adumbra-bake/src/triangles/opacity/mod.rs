@@ -1,7 +1,7 @@
 //! Textures with holes in the form that the fast builder needs: exact samples, many at a time.
 //!
-//! A bilinear sample is a mean of four texels. So the plane is cut into cells between four texel centres, and a table of
-//! the cells' corners, with those beyond the texture's borders, serves any wrap mode.
+//! A bilinear sample is a mean of four texels. So the plane is cut into cells between four texel centres, and
+//! a table of the cells' corners, with those beyond the texture's borders, serves any wrap mode.
 
 mod sample;
 
@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 use adumbra_scene::{AlphaMode, Material, Pixels, Scene, Texture, Wrap};
 
-/// Texels along an axis, and corners in all, that a table may have: their numbers are exact in the arithmetic of
-/// samples.
+/// Texels along an axis, and corners in all, that a table may have: their numbers are exact in the arithmetic
+/// of samples.
 const MOST_TEXELS: u32 = 1 << 22;
 const MOST_CORNERS: u64 = 1 << 31;
 
@@ -25,8 +25,9 @@ pub(crate) struct OpacityTables {
 }
 
 impl OpacityTables {
-    /// Builds the tables of all materials. Those that cut the same texture at the same alpha share one, and all that cut it
-    /// share its corners. Where the corners would take more than `most_bytes`, there are no tables.
+    /// Builds the tables of all materials. Materials that cut the same texture at the same alpha share a
+    /// table, and all materials that cut it share its corners. If the corners would take more than
+    /// `most_bytes`, no tables are built.
     pub(crate) fn new(scene: &Scene, most_bytes: u64) -> Self {
         let cut = cut_textures(scene);
         let textures: HashSet<u32> = cut.iter().flatten().map(|&(number, _)| number).collect();
@@ -66,8 +67,9 @@ pub(crate) struct OpacityTable {
     size: [u32; 2],
     wrap: [Wrap; 2],
     nearest: bool,
-    /// Alpha at the corners of cells, row by row; `width` of them in a row. Cell c is between corners c and c + 1, and
-    /// corner c is the centre of texel c - 1. Of a nearest texture, cell c is texel c, which is its first corner.
+    /// Alpha at the corners of cells, row by row; `width` of them in a row. Cell c is between corners c and
+    /// c + 1, and corner c is the centre of texel c - 1. With nearest filtering, cell c is texel c, and so is
+    /// corner c.
     corners: Arc<[u8]>,
     width: usize,
     /// The least sample, 0 to 255, that is opaque; infinity if none is.
@@ -114,8 +116,9 @@ fn corners(texture: &Texture) -> Arc<[u8]> {
         .collect()
 }
 
-/// Returns the least sample of a texture, 0 to 255, at which a material with opaque vertices is opaque, or infinity if
-/// there is none, by the arithmetic of [`Scene::is_opaque`]. Returns `None` if more alpha may be less opaque.
+/// Returns the least sample of a texture, 0 to 255, at which a material with opaque vertices is opaque, or
+/// infinity if there is none, by the arithmetic of [`Scene::is_opaque`]. Returns `None` if more alpha may be
+/// less opaque.
 fn least_opaque_sample(alpha_factor: f32, cutoff: f32) -> Option<f32> {
     let is_opaque = |sample: f32| alpha_factor * (sample / 255.0) >= cutoff;
     if !(alpha_factor >= 0.0) {
@@ -192,7 +195,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(4000))]
 
         #[test]
-        fn samples_are_those_of_the_scene(
+        fn table_samples_equal_scene_samples(
             size in [1_u32..9, 1_u32..9],
             alphas in prop::collection::vec(prop_oneof![Just(0_u8), Just(255), any::<u8>()], 64),
             wrap in [wraps(), wraps()],

@@ -1,4 +1,5 @@
-//! Exact samples, several at a time, by the arithmetic of [`adumbra_scene::Texture::alpha`], operation by operation.
+//! Exact samples, several at a time, by the arithmetic of [`adumbra_scene::Texture::alpha`], operation by
+//! operation.
 
 use adumbra_scene::Wrap;
 

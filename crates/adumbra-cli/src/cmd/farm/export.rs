@@ -1,7 +1,7 @@
-//! Writes jobs that bake the parts of a plan and link them, for schedulers that exist.
+//! Writes jobs that bake the parts of a plan and link them, for existing schedulers.
 //!
-//! The templates are in `jobs/`. Each mark in them, such as `@PLAN@`, is replaced by a value in the scheduler's own
-//! quotes.
+//! The templates are in `jobs/`. Each mark in them, such as `@PLAN@`, is replaced by a value in the
+//! scheduler's own quotes.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ use adumbra_program::exit::Failure;
 use crate::args::ExportFormat;
 use crate::cmd::store::url_of;
 
-/// What a job runs. All paths are absolute; the place of the entries may be a URL.
+/// The inputs of a job. All paths are absolute; the place of the entries may be a URL.
 pub(super) struct Job<'p> {
     pub(super) format: ExportFormat,
     /// The program `adumbra`.
@@ -65,7 +65,7 @@ impl Job<'_> {
 
     fn openjd(&self) -> Result<String, Failure> {
         let folder = folder_of(self.plan);
-        // The template may name only files below its own folder; for others the job asks.
+        // A template may have defaults only for files below its own folder; the job asks for other files.
         let default = |path: &Path| -> Result<String, Failure> {
             path.strip_prefix(&folder).map_or_else(
                 |_| Ok(String::new()),
@@ -95,7 +95,7 @@ impl Job<'_> {
     }
 }
 
-/// Replaces each mark once it is met, so that no value is taken for a mark.
+/// Replaces all marks in one pass over the template, so that marks inside values are not replaced.
 fn with_values(template: &str, values: &[(&str, String)]) -> String {
     let mut text = String::with_capacity(template.len());
     let mut rest = template;
@@ -151,13 +151,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn values_are_not_taken_for_marks() {
+    fn marks_inside_values_are_not_replaced() {
         let values = [("@A@", "@B@".to_owned()), ("@B@", "b".to_owned())];
         assert_eq!(with_values("x @A@ @B@ @A@", &values), "x @B@ b @B@");
     }
 
     #[test]
-    fn makefiles_quote_what_make_reads() {
+    fn quotes_characters_that_make_interprets() {
         for (text, expected) in
             [("a b", "a b"), ("a#b", "a\\#b"), ("a\\#b", "a\\\\\\#b"), ("$x", "$$x"), ("a\\", "a\\$(empty)")]
         {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use adumbra_bake::{BakeOptions, BakeSummary, Watch, link};
+use adumbra_bake::{BakeOptions, BakeSummary, Watch, link, stage};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
@@ -14,7 +14,6 @@ use serde::Serialize;
 
 use super::plan_file::{PlanFile, cache_of};
 use crate::args::Link;
-use crate::cmd::staged::staged;
 use crate::cmd::store::open_or_create;
 
 /// What is printed with `--json`.
@@ -28,7 +27,8 @@ pub(crate) struct Linked {
     file_bytes: u64,
     /// Number of levels of detail.
     levels: u32,
-    /// The largest resident size of the process. If the system does not report it, the bytes that were counted.
+    /// The largest resident size of the process. If the system does not report it, the bytes that were
+    /// counted.
     peak_bytes: u64,
     /// Bytes that were written to disk because of `--max-memory`.
     spilled_bytes: u64,
@@ -59,7 +59,7 @@ pub(crate) fn run(args: &Link) -> Outcome {
         let guard = Guard::new(limit);
         let progress = |_| guard.look();
         let linked =
-            staged(output, |out| link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), out));
+            stage(output, |out| link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), out));
         let (staged, written) = guard.end("linking", &share, linked)?;
         StagedFile::place([staged])?;
         let BakeSummary { levels, bytes: file_bytes, report, .. } = written;

@@ -1,4 +1,4 @@
-//! `adumbra plan`: writes what a bake consists of.
+//! `adumbra plan`: writes the parts of a bake to a plan.
 
 use std::env;
 use std::io::Write;

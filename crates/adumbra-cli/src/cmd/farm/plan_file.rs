@@ -27,7 +27,7 @@ impl PlanFile {
     }
 }
 
-/// Returns where the entries of a plan are, unless another place is given.
+/// Returns the place of a plan's entries: the given one, or a folder beside the plan.
 pub(super) fn cache_of(given: Option<&PathBuf>, plan: &Path) -> PathBuf {
     given.cloned().unwrap_or_else(|| plan.with_extension("cache"))
 }

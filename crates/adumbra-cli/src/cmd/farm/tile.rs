@@ -26,7 +26,8 @@ pub(crate) struct Tiled {
     reused: usize,
     /// Wall time of baking, without loading the scene.
     seconds: f64,
-    /// The largest resident size of the process. If the system does not report it, the bytes that were counted.
+    /// The largest resident size of the process. If the system does not report it, the bytes that were
+    /// counted.
     peak_bytes: u64,
 }
 

@@ -48,7 +48,8 @@ pub(super) struct FileInfo {
     front_bytes: u64,
     /// Bits of the shadow file per texel of its finest grid.
     bits_per_texel: f64,
-    /// How many times smaller the file is than a shadow map of the finest grid's texels with 32 bits per texel.
+    /// How many times smaller the file is than a shadow map of the finest grid's texels with 32 bits per
+    /// texel.
     times_smaller: f64,
     /// How the grids lie in the world.
     #[schemars(with = "mirrors::Frame")]
@@ -85,8 +86,8 @@ pub(super) struct LevelInfo {
     bundle_bytes: u64,
     /// Bytes of common section and bundles once decoded.
     raw_bytes: u64,
-    /// Bytes that look-ups read, all pages resident: common section, pages, and the table of blocks at which they
-    /// begin.
+    /// Bytes that look-ups read, all pages resident: common section, pages, and the table of blocks at which
+    /// they begin.
     resident_bytes: u64,
     /// Level of the blocks at which look-ups begin. A block is 2^level columns wide.
     root_level: u32,

@@ -31,8 +31,8 @@ impl PageBytes {
         Some([*some.first()?, some[some.len() / 2], *some.last()?])
     }
 
-    /// Draws a square per page, x to the right and y downwards. The scale is logarithmic, from the fewest bytes to the
-    /// most.
+    /// Draws a square per page, x to the right and y downwards. The scale is logarithmic, from the fewest
+    /// bytes to the most.
     pub(super) fn picture(&self) -> Picture {
         let side = (LONGEST_SIDE / self.dims[0].max(self.dims[1])).clamp(1, LARGEST_PAGE);
         let [width, height] = self.dims.map(|pages| pages * side);
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pages_are_squares_of_their_colour() {
+    fn picture_has_a_coloured_square_for_each_page() {
         let pages = PageBytes { dims: [3, 1], bytes: vec![0, 40, 4000] };
         assert_eq!(pages.spread(), Some([40, 4000, 4000]));
         let picture = pages.picture();

@@ -66,7 +66,8 @@ impl Format {
     }
 }
 
-/// Returns the format of each output. Outputs that would replace an input, or each other, are refused before any work.
+/// Returns the format of each output. Outputs that would replace an input, or each other, are refused before
+/// any work.
 pub(super) fn outputs<'p>(
     outputs: &'p [std::path::PathBuf],
     accepted: &[Format],
@@ -89,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn formats_are_told_by_suffixes() {
+    fn suffix_selects_the_format() {
         let of = |name: &str, accepted| Format::of(Path::new(name), accepted);
         assert_eq!(of("a.b/c.CSV", Format::OF_SKIES).ok(), Some(Format::Csv));
         assert_eq!(of("a.tiff", Format::OF_GRIDS).ok(), Some(Format::Tiff));

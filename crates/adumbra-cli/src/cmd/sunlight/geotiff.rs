@@ -31,7 +31,8 @@ const USER_DEFINED: u16 = 32767;
 const PIXEL_IS_AREA: u16 = 1;
 const LOCAL_NAME: &str = "local coordinates|";
 
-/// Returns the file: one band of 32-bit floats, hours; cells without ground are not a number. `None` without a grid.
+/// Returns the file: one band of 32-bit floats, hours; cells without ground are not a number. `None` without
+/// a grid.
 pub(super) fn hours(traced: &Traced, place: MapPlace) -> Option<Result<Vec<u8>, TiffError>> {
     let (grid, cells) = traced.cells()?;
     let values: Vec<f32> = cells.iter().map(|hours| hours.map_or(f32::NAN, |hours| hours as f32)).collect();
@@ -85,7 +86,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn raster_is_where_its_tags_say() {
+    fn tags_place_the_raster_in_map_coordinates() {
         for epsg in [Some(25832), None] {
             let bytes =
                 encode(&[1.0, f32::NAN, 3.5, 4.0, 5.0, 6.0], [3, 2], 0.5, [691_000.0, 5_334_000.0], epsg)

@@ -119,7 +119,7 @@ fn suns(day: &Day, every_step: bool) -> Result<SunDay, Failure> {
     SunDay::new(&steps, options).map_err(|error| usage(error.to_string()))
 }
 
-/// What is the same for both designs.
+/// The inputs that both designs share.
 struct Run<'a> {
     args: &'a SunHours,
     day: &'a Day,

@@ -32,7 +32,8 @@ pub(in crate::cmd) struct HoursFile {
     refraction: bool,
     /// How long the sun is above the horizon, hours.
     most_hours: f64,
-    /// The points, in the order of the table, of the grid's rows from north to south, or of the scene's surfaces.
+    /// The points, in the order of the table, of the grid's rows from north to south, or of the scene's
+    /// surfaces.
     points: Vec<PointHours>,
 }
 
@@ -79,11 +80,13 @@ impl HoursFile {
 pub(in crate::cmd) struct SkyFile {
     /// The scene's file.
     scene: String,
-    /// Unit vectors towards the middles of the patches, from the horizon up, and in each row clockwise from north.
+    /// Unit vectors towards the middles of the patches, from the horizon up, and in each row clockwise from
+    /// north.
     patch_centers: Vec<[f64; 3]>,
     /// Solid angles of the patches, steradians.
     patch_solid_angles: Vec<f64>,
-    /// The points, in the order of the table, of the grid's rows from north to south, or of the scene's surfaces.
+    /// The points, in the order of the table, of the grid's rows from north to south, or of the scene's
+    /// surfaces.
     points: Vec<PointSky>,
 }
 
@@ -98,7 +101,8 @@ struct PointSky {
     sky_view_factor: f64,
     /// Share of the sky's solid angle that is hidden, 0 to 1.
     shade_fraction: f64,
-    /// A bit for each patch, 1 if it is seen: bytes as two hexadecimal digits each, whose lowest bit is the first patch.
+    /// A bit for each patch, 1 if it is seen: bytes as two hexadecimal digits each, whose lowest bit is the
+    /// first patch.
     patches: String,
 }
 

@@ -14,7 +14,7 @@ const WIDEST: u32 = 2048;
 /// Hours of the table's first column.
 const THRESHOLDS: [f64; 7] = [0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
 
-/// Returns the page. Without a grid there is none. Both designs have the same grid.
+/// Returns the page, or `None` without a grid. Both designs have the same grid.
 pub(super) fn html(
     names: [&str; 2],
     design: &Traced,
@@ -97,7 +97,7 @@ fn hours(hours: f64) -> String {
     format!("{hours:.2} h")
 }
 
-/// Percent of the cells that have at least so many hours; of 0 hours, those that have none.
+/// Percent of the cells that have at least this many hours. For 0 hours, percent of the cells that have none.
 fn share(cells: &[Option<f64>], least: f64) -> f64 {
     let there: Vec<f64> = cells.iter().flatten().copied().collect();
     let counts = |hours: &&f64| if least == 0.0 { **hours == 0.0 } else { **hours >= least };
@@ -115,7 +115,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_are_of_the_cells_that_are_there() {
+    fn share_ignores_empty_cells() {
         let cells = [Some(0.0), Some(2.0), None, Some(5.0), Some(1.0)];
         assert_eq!([0.0, 1.0, 2.0, 6.0].map(|least| share(&cells, least)), [25.0, 75.0, 50.0, 0.0]);
     }

@@ -23,7 +23,7 @@ const BAR: u32 = 18;
 /// Width of the legend, pixels.
 const LEGEND_WIDTH: u32 = 640;
 
-/// What colours mean.
+/// The meaning of the colours.
 #[derive(Clone, Copy)]
 pub(super) enum Legend {
     /// Hours, from 0 to this.
@@ -69,7 +69,7 @@ pub(super) fn draw(cells: &[Option<f64>], [columns, rows]: [u32; 2], title: &str
         fill(&mut picture, corner, [side; 2], hours.map_or(NOTHING, |hours| legend.color(hours)));
     }
     let [least, most] = legend.range();
-    // In the middle, where no name of a pair covers it.
+    // Centred, so that the names of a pair of designs do not cover it.
     let left = (width - LEGEND_WIDTH) / 2;
     for x in 0..LEGEND_WIDTH {
         let hours = least + (most - least) * f64::from(x) / f64::from(LEGEND_WIDTH - 1);

@@ -80,7 +80,7 @@ pub(super) fn failure(error: &Error, option: &str) -> Failure {
     }
 }
 
-/// Returns what shows the progress of rays from points.
+/// Returns a callback that shows the progress of rays from points.
 pub(super) fn reporter(style: Style) -> impl Fn(Progress) + Sync {
     let reporter = Reporter::new(style, Units::POINTS);
     move |progress| reporter.update(progress)

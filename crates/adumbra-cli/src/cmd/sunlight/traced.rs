@@ -1,4 +1,4 @@
-//! What was traced: points, their hours and the clock, as outputs need them.
+//! The results of tracing: points, their hours and the clock, as outputs need them.
 
 use adumbra_solar::{Day, Zone};
 use adumbra_sunlight::{Grid, Hours, Receiver};
@@ -41,7 +41,7 @@ impl Traced {
         [mean, all().fold(f64::INFINITY, f64::min), all().fold(0.0, f64::max)]
     }
 
-    /// The hours of each cell of the grid, row by row; `None` where there is nothing.
+    /// The hours of each cell of the grid, row by row; `None` for cells without a point.
     pub(super) fn cells(&self) -> Option<(&Grid, Vec<Option<f64>>)> {
         let (grid, cells) = self.points.grid.as_ref()?;
         let mut hours = vec![None; grid.cells()];

@@ -45,8 +45,8 @@ pub(crate) fn display() -> Option<Display> {
         adumbra_testing::left_out(reason, "ADUMBRA_REQUIRE_TOOLS");
         return None;
     }
-    // Without -noreset the server resets whenever its last client has gone, and drops clients that connect at that
-    // moment. Repeated searches for the window would cost the view its connection.
+    // Without -noreset the server resets whenever its last client has disconnected, and drops clients that
+    // connect at that moment. Repeated searches for the window would cost the view its connection.
     let mut server = Command::new("Xvfb")
         .args(["-displayfd", "1", "-noreset", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"])
         .stdout(Stdio::piped())

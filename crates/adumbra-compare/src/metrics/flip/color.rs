@@ -1,5 +1,5 @@
-//! Colour spaces of FLIP: sRGB, linear RGB, CIE XYZ, CIELAB, and YCxCz, its linear counterpart (Andersson et al. 2020,
-//! §4.1).
+//! Colour spaces of FLIP: sRGB, linear RGB, CIE XYZ, CIELAB, and YCxCz, its linear counterpart (Andersson et
+//! al. 2020, §4.1).
 
 /// Rows of the matrix from linear sRGB to XYZ (IEC 61966-2-1 primaries, D65).
 const XYZ_FROM_RGB: [[f32; 3]; 3] = [
@@ -28,7 +28,8 @@ pub(super) fn linear_from_srgb8(c: u8) -> f32 {
     if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
 }
 
-/// Converts linear sRGB to YCxCz: a Y proportional to luminance, from -16 to 100, and two opponent-colour channels.
+/// Converts linear sRGB to YCxCz: a Y proportional to luminance, from -16 to 100, and two opponent-colour
+/// channels.
 pub(super) fn ycxcz_from_linear(rgb: [f32; 3]) -> [f32; 3] {
     let (xyz, white) = (turn(&XYZ_FROM_RGB, rgb), white());
     let [x, y, z] = std::array::from_fn(|a| xyz[a] / white[a]);
@@ -42,8 +43,8 @@ pub(super) fn linear_from_ycxcz([luma, cx, cz]: [f32; 3]) -> [f32; 3] {
     turn(&RGB_FROM_XYZ, std::array::from_fn(|a| relative[a] * white[a]))
 }
 
-/// Converts linear sRGB to CIELAB with a* and b* scaled by lightness, because the eye distinguishes dark colours less
-/// well (Hunt 1952).
+/// Converts linear sRGB to CIELAB with a* and b* scaled by lightness, because the eye distinguishes dark
+/// colours less well (Hunt 1952).
 pub(super) fn hunt_lab_from_linear(rgb: [f32; 3]) -> [f32; 3] {
     const DELTA: f32 = 6.0 / 29.0;
     let (xyz, white) = (turn(&XYZ_FROM_RGB, rgb), white());
@@ -55,7 +56,8 @@ pub(super) fn hunt_lab_from_linear(rgb: [f32; 3]) -> [f32; 3] {
     [lightness, 0.01 * lightness * 500.0 * (x - y), 0.01 * lightness * 200.0 * (y - z)]
 }
 
-/// Returns the HyAB distance between two colours, which suits large differences (Abasi, Tehran, Fairchild 2019).
+/// Returns the HyAB distance between two colours, which suits large differences (Abasi, Tehran, Fairchild
+/// 2019).
 pub(super) fn hyab(p: [f32; 3], q: [f32; 3]) -> f32 {
     (p[0] - q[0]).abs() + ((p[1] - q[1]).powi(2) + (p[2] - q[2]).powi(2)).sqrt()
 }

@@ -21,8 +21,8 @@ pub struct Compare {
     /// A technique, as for render; may be repeated
     #[arg(long, value_name = "NAME[:KEY=VALUE...]", required = true)]
     pub shadow: Vec<String>,
-    /// `overview`, `street` (the eye above the ground at a place found by rays), a camera (.json) saved by the viewer,
-    /// or a truth file (.npz) with a camera and a sun [default: --eye and --target, or overview]
+    /// `overview`, `street` (the eye above the ground at a place found by rays), a camera (.json) saved by
+    /// the viewer, or a truth file (.npz) with a camera and a sun [default: --eye and --target, or overview]
     #[arg(long, value_name = "CAMERA", conflicts_with_all = ["eye", "target", "ortho"])]
     pub camera: Option<String>,
     /// Camera.
@@ -52,14 +52,15 @@ pub struct Compare {
     /// Resolution of files that are baked as needed.
     #[command(flatten)]
     pub resolutions: ResolutionArgs,
-    /// Also walk a camera path: a JSON file, `orbit` (around the scene) or `fly` (ahead from the camera and up)
+    /// Also walk a camera path: a JSON file, `orbit` (around the scene) or `fly` (ahead from the camera and
+    /// up)
     #[arg(long, value_name = "PATH")]
     pub path: Option<String>,
     /// Number of frames of the path [default: the file's, or 60]
     #[arg(long, value_name = "N", requires = "path", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub path_frames: Option<u32>,
-    /// Also move the sun while the camera stands still: across a day of a place, as for bake --sun-path, or without DAY
-    /// across the sun path that is the shadow file
+    /// Also move the sun while the camera stands still: across a day of a place, as for bake --sun-path, or
+    /// without DAY across the sun path that is the shadow file
     #[arg(long, value_name = "DAY", num_args = 0..=1, conflicts_with_all = ["path", "sun", "azimuth", "elevation"])]
     pub sun_sweep: Option<Option<Day>>,
     /// Number of steps of that sun, of equal time

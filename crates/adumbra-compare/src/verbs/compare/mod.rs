@@ -38,10 +38,10 @@ pub use args::{Compare, PATH_FRAMES};
 /// Returns an error for wrong arguments, inputs that cannot be read, and a device that fails.
 pub fn run(args: &Compare, offer: Offer<'_>) -> Result<Code> {
     args.check()?;
-    // A wrong sun is refused before the scene is loaded.
+    // Reject an invalid sun before loading the scene.
     args.sun.given_for(&args.scene, &args.load)?;
-    // A technique that takes the sun's angular diameter gets that of the disc that it is compared with, unless it names
-    // its own.
+    // A technique that takes the sun's angular diameter gets that of the disc that it is compared with,
+    // unless it names its own.
     let specs: Vec<TechniqueSpec> = parse(offer.techniques, &args.shadow)?
         .iter()
         .map(|spec| spec.with_sun_degrees(args.sun_degrees))
@@ -274,7 +274,7 @@ fn path_of(path: &str, frames: Option<u32>, truth: &TruthTracer<'_>, camera: &Ca
     Ok(match path {
         "orbit" => CameraPath::orbit(truth.bounds(), made),
         "fly" => {
-            // Not into whatever is ahead.
+            // Stop before the nearest surface ahead.
             let forward = camera.view().forward;
             let direction = [forward[0], 0.0, forward[2]];
             let ray = Ray { origin: camera.eye, direction, t_min: 0.0, t_max: f64::INFINITY };

@@ -16,7 +16,8 @@ use crate::verbs::render::name_in_paths;
 /// Largest width of a picture on the sheet, pixels.
 const WIDEST: u32 = 640;
 
-/// Writes the tables, the pictures, the sheet, and the files of a path and of a sweep. `of_changes` are a sweep's pictures.
+/// Writes the tables, the pictures, the sheet, and the files of a path and of a sweep. `of_changes` are a
+/// sweep's pictures.
 pub(super) fn write(
     folder: &Path,
     report: &Report,

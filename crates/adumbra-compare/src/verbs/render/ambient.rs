@@ -1,4 +1,4 @@
-//! Ambient occlusion of pictures, as `--ao` asks for.
+//! Ambient occlusion of pictures, selected by `--ao`.
 
 use crate::Result;
 use crate::truth::TruthTracer;
@@ -47,7 +47,8 @@ enum Kind {
 }
 
 impl Ambient {
-    /// Parses `NAME[:key=value…]`. `None` for an open sky. Without a given radius, [`Self::set_radius`] must set it.
+    /// Parses `NAME[:key=value…]`. `None` for an open sky. Without a given radius, [`Self::set_radius`] must
+    /// set it.
     pub(super) fn read(text: &str) -> Result<Option<Self>> {
         let read = || -> Result<Option<Self>, RenderError> {
             let spec: SpecText = text.parse()?;
@@ -98,8 +99,8 @@ impl Ambient {
         Ok(())
     }
 
-    /// Traces a frame's ambient occlusion, if it is traced and the renderer does not have it yet. `held` is the number
-    /// of the frame that the renderer has.
+    /// Traces a frame's ambient occlusion, if it is traced and the renderer does not have it yet. `held` is
+    /// the number of the frame that the renderer has.
     pub(super) fn trace(
         &self,
         job: &Job<'_>,
@@ -154,7 +155,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ambient_takes_the_scene_s_radius_where_it_has_none() {
+    fn ambient_radius_defaults_to_the_scene_s() {
         let radius = |text: &str| {
             let mut ambient = Ambient::read(text).ok().flatten().unwrap();
             ambient.set_radius(13.0);
@@ -172,7 +173,7 @@ mod tests {
     }
 
     #[test]
-    fn radius_is_said_with_three_digits() {
+    fn formats_radius_with_three_digits() {
         for (value, text) in [(0.0, "0"), (0.001_234_5, "0.00123"), (1.0, "1.00"), (1234.5, "1234")] {
             assert_eq!(three_digits(value), text);
         }

@@ -13,8 +13,8 @@ use adumbra_render::occlusion::{OCCLUSIONS, occlusion_options, occlusion_paramet
 use adumbra_scene::{Camera, Projection};
 use clap::ValueEnum;
 
-/// Returns the text at the end of the help of `render`: the techniques and the kinds of ambient occlusion. `program` is
-/// the name of the program.
+/// Returns the text at the end of the help of `render`: the techniques and the kinds of ambient occlusion.
+/// `program` is the name of the program.
 pub fn after_help(program: &str, techniques: Techniques) -> String {
     let width = techniques.iter().map(|t| t.name.len()).max().unwrap_or(0);
     let list: String = techniques
@@ -50,8 +50,8 @@ pub fn after_help(program: &str, techniques: Techniques) -> String {
 pub struct Render {
     /// Scene: .glb, .gltf, .obj or .ply
     pub scene: PathBuf,
-    /// How shadows are made, see below; may be repeated, one picture each [default: the shadow file's, or rays with
-    /// --truth]
+    /// How shadows are made, see below; may be repeated, one picture each [default: the shadow file's, or
+    /// rays with --truth]
     #[arg(long, value_name = "NAME[:KEY=VALUE...]")]
     pub shadow: Vec<String>,
     /// The file whose shadows to draw [default: if a technique of --shadow needs one, it is baked]
@@ -63,14 +63,15 @@ pub struct Render {
     /// Resolution of files that are baked as needed.
     #[command(flatten)]
     pub resolutions: ResolutionArgs,
-    /// Ambient occlusion, which affects only the light of the sky: ssao, hbao, alchemy, issao, gtao, truth or none, see
-    /// below
+    /// Ambient occlusion, which affects only the light of the sky: ssao, hbao, alchemy, issao, gtao, truth or
+    /// none, see below
     #[arg(long, value_name = "NAME[:KEY=VALUE...]", default_value = "none")]
     pub ao: String,
     /// Trace the shadows, like --shadow truth
     #[arg(long, conflicts_with_all = ["diff", "shadow"])]
     pub truth: bool,
-    /// Mark where file and rays differ: red = lit called shadowed, blue = shadowed called lit; drawn on the CPU
+    /// Mark where file and rays differ: red = lit called shadowed, blue = shadowed called lit; drawn on the
+    /// CPU
     #[arg(long, requires = "shadow_file", conflicts_with = "shadow")]
     pub diff: bool,
     /// What to draw
@@ -85,9 +86,9 @@ pub struct Render {
     /// Camera.
     #[command(flatten)]
     pub camera: CameraArgs,
-    /// A moving object: sphere, then any of :radius=R, :from=X,Y,Z:to=X,Y,Z and :seconds=S; may be repeated. Without
-    /// from and to the ball rolls out of the sun into a shadow. The camera looks at the first one unless --eye and
-    /// --target say otherwise
+    /// A moving object: sphere, then any of :radius=R, :from=X,Y,Z:to=X,Y,Z and :seconds=S; may be repeated.
+    /// Without from and to the ball rolls out of the sun into a shadow. The camera looks at the first one
+    /// unless --eye and --target say otherwise
     #[arg(long = "move", value_name = "MOVER", allow_hyphen_values = true)]
     pub movers: Vec<String>,
     /// Time in seconds since the movers and the scene's animations began
@@ -105,8 +106,8 @@ pub struct Render {
     /// Loading of the scene.
     #[command(flatten)]
     pub load: SceneArgs,
-    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibilities, cascade or level
-    /// (for voxels log2 of the block's edge)
+    /// The PNG to write, or an EXR with raw values: linear colours, view depth, normals, visibilities,
+    /// cascade or level (for voxels log2 of the block's edge)
     #[arg(short, long, value_name = "FILE")]
     pub output: PathBuf,
     /// Run.
@@ -129,13 +130,14 @@ pub enum LayerArg {
     Normal,
     /// The picture, coloured by cascade
     Cascades,
-    /// The picture, coloured by the level of the hybrid map that answers: red is the finest, then orange, green, blue
+    /// The picture, coloured by the level of the hybrid map that answers: red is the finest, then orange,
+    /// green, blue
     HrsmLevels,
-    /// The picture, coloured by the size of the block of the baked file that answers: purple is a single voxel, then
-    /// blue, green, yellow and orange; a legend gives its edge in world units
+    /// The picture, coloured by the size of the block of the baked file that answers: purple is a single
+    /// voxel, then blue, green, yellow and orange; a legend gives its edge in world units
     VoxelSize,
-    /// The picture, coloured by the coarsest level of detail of the shadow file whose texels are not larger than a
-    /// pixel: red is the finest, then orange, green, blue
+    /// The picture, coloured by the coarsest level of detail of the shadow file whose texels are not larger
+    /// than a pixel: red is the finest, then orange, green, blue
     Level,
 }
 
@@ -178,8 +180,8 @@ impl CameraArgs {
         })
     }
 
-    /// Returns the camera on a scene within `bounds`. `view` is the eye and the target to use if the user gives none.
-    /// Without it the default camera sees the whole scene.
+    /// Returns the camera on a scene within `bounds`. `view` is the eye and the target to use if the user
+    /// gives none. Without it the default camera sees the whole scene.
     ///
     /// # Errors
     ///

@@ -188,8 +188,8 @@ fn draw_one(
     Ok(Drawn { layer: layer.smaller(samples), times, legend })
 }
 
-/// Returns the level of detail that suffices for each pixel: the coarsest whose texels are not larger than the pixel
-/// where its surface is. -1 where there is none.
+/// Returns the level of detail that suffices for each pixel: the coarsest whose texels are not larger than
+/// the pixel at its surface. -1 without a surface.
 fn levels_of(file: &ShadowFile, camera: &Camera, view_depths: &[f32]) -> Vec<f32> {
     let last = f64::from(file.level_count() - 1);
     let level = |depth: &f32| {
@@ -223,8 +223,8 @@ impl Drawn {
     }
 }
 
-/// Figures of a picture that was drawn on the GPU. Milliseconds are those of the frame, including all samples of
-/// `--antialias`.
+/// Figures of a picture that was drawn on the GPU. Milliseconds are those of the frame, including all samples
+/// of `--antialias`.
 #[derive(Serialize, JsonSchema)]
 pub(super) struct GpuFigures {
     /// On the GPU: the technique, as it was given.

@@ -23,7 +23,8 @@ pub(crate) struct Row {
 pub(super) struct Legend(Vec<Row>);
 
 impl Legend {
-    /// Builds the legend from the level of each pixel, which is below 0 if nothing answers, and the edge of a voxel.
+    /// Builds the legend from the level of each pixel, which is below 0 if nothing answers, and the edge of a
+    /// voxel.
     pub(super) fn new(levels: &[f32], voxel_world: f64) -> Self {
         let row = |level: u32| {
             let pixels = levels.iter().filter(|l| **l == level as f32).count();
@@ -54,7 +55,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn legend_has_the_levels_that_are_there() {
+    fn legend_lists_the_levels_in_the_picture() {
         let Legend(rows) = Legend::new(&[-1.0, 0.0, 3.0, 3.0], 0.25);
         let found: Vec<_> = rows.iter().map(|r| (r.level, r.edge_world, r.share)).collect();
         assert_eq!(found, [(0, 0.25, 0.25), (3, 2.0, 0.5)]);

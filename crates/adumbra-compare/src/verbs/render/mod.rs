@@ -1,5 +1,5 @@
-//! The verb `render`: draws pictures on the GPU with any technique, or on the CPU with a file's shadows or traced
-//! shadows.
+//! The verb `render`: draws pictures on the GPU with any technique, or on the CPU with a file's shadows or
+//! traced shadows.
 
 mod ambient;
 mod args;
@@ -145,7 +145,7 @@ pub fn run(args: &Render, offer: Offer<'_>) -> Result<Code> {
     if let Some(scene) = files.scene() {
         load.follow(scene, &args.scene);
     }
-    // A wrong sun is refused before the scene is loaded.
+    // Reject an invalid sun before loading the scene.
     args.sun.given_for(&args.scene, &args.load)?;
     with_threads(args.run.threads, || {
         let mut scene = load_scene_within(args.run.memory_limit(), &args.scene, &load)?;
@@ -294,8 +294,8 @@ impl Job<'_> {
     }
 }
 
-/// Returns the path of a technique's picture: the given path, or with several techniques one next to it with the
-/// technique's name.
+/// Returns the path of a technique's picture: the given path, or with several techniques one next to it with
+/// the technique's name.
 fn output_of(path: &Path, spec: &TechniqueSpec, several: bool) -> PathBuf {
     if !several {
         return path.to_owned();
@@ -316,7 +316,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn several_pictures_get_their_technique_s_name() {
+    fn names_several_pictures_after_their_techniques() {
         let spec: TechniqueSpec = "csm:cascades=4:size=2048".parse().unwrap();
         let path = Path::new("out/a.png");
         assert_eq!(output_of(path, &spec, false), path);

@@ -10,8 +10,8 @@ use adumbra_truth::trace::{TraceOptions, Tracer};
 
 use super::args::Render;
 
-/// Adds the movers that `--move` asks for. Returns the eye and the target of a camera that sees the first one, if there
-/// is one.
+/// Adds the movers that `--move` asks for. Returns the eye and the target of a camera that sees the first
+/// one, if there is one.
 pub(super) fn add(
     args: &Render,
     scene: &mut Scene,
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_are_numbered_before_the_ending() {
+    fn frame_number_precedes_the_extension() {
         assert_eq!(numbered(Path::new("a/ball.png"), Some(7)), Path::new("a/ball.0007.png"));
         assert_eq!(numbered(Path::new("a/ball.exr"), None), Path::new("a/ball.exr"));
     }

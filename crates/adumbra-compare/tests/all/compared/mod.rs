@@ -7,8 +7,8 @@ use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
 use adumbra_render::{Renderer, TechniqueFiles, TechniqueSpec, build};
 use adumbra_scene::{Camera, Scene};
 
-/// Moves a file's grid. The lattice of texels is anchored at the world's origin, so a bake over there would have them
-/// elsewhere on the surfaces.
+/// Moves a file's grid. A new bake at `place` would not do: the lattice of texels is anchored at the world's
+/// origin, so the texels would be at other points of the surfaces.
 pub(crate) fn moved(mut file: ShadowFile, place: [f64; 3]) -> ShadowFile {
     for (corner, axis) in file.grid.corner.iter_mut().zip(file.grid.axes) {
         *corner += dot(axis, place) / file.grid.voxel_size;

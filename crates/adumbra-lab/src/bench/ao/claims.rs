@@ -184,7 +184,7 @@ mod tests {
     use super::PAPER_TIMES;
 
     #[test]
-    fn claims_paper_times_are_those_of_the_papers_data() {
+    fn ao_paper_times_match_papers_json() {
         let data: serde_json::Value =
             serde_json::from_str(include_str!("../../../data/papers.json")).unwrap();
         let papers = data["papers"].as_array().unwrap();

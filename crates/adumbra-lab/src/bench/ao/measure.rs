@@ -87,7 +87,7 @@ fn numbers(settings: &OcclusionSettings) -> Vec<(Cow<'static, str>, f64)> {
 impl Bench<'_, '_, '_> {
     /// Times `frames` frames of each of `passes` in alternation.
     ///
-    /// One untimed frame comes first, to create what later frames reuse.
+    /// One untimed frame comes first, to create the resources of later frames.
     pub(super) fn times(
         &mut self,
         passes: &mut [OcclusionPasses],
@@ -154,7 +154,8 @@ impl Bench<'_, '_, '_> {
         })
     }
 
-    /// Fills in the flicker of every row and of the tuned variants. The stage is left at the path's last camera.
+    /// Fills in the flicker of every row and of the tuned variants. The stage is left at the path's last
+    /// camera.
     pub(super) fn flicker(&mut self, path: &[Camera], figures: &mut SceneFigures) -> Result<()> {
         let rows = Estimator::ALL.into_iter().flat_map(|e| {
             let settings = self.settings(e);

@@ -2,9 +2,9 @@
 //!
 //! The settings used on a scene were tuned on the half of the scenes that excludes it.
 //!
-//! Source of the claims, figures and times: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient Occlusion*,
-//! Chinese Journal of Computers 37(3), 2014. Additions: RMSE and the other metrics against rays, flicker, `gtao`, and
-//! requirements with their outcome.
+//! Source of the claims, figures and times: Qiu, Li, Wu, Shi, Zhang, *Improved Screen Space Ambient
+//! Occlusion*, Chinese Journal of Computers 37(3), 2014. Additions: RMSE and the other metrics against rays,
+//! flicker, `gtao`, and requirements with their outcome.
 
 mod checks;
 mod claims;

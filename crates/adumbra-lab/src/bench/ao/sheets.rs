@@ -1,5 +1,5 @@
-//! Pictures side by side: every estimator next to the truth, and the parts of the Dragon shown in the paper's figures
-//! 3 to 5.
+//! Pictures side by side: every estimator next to the truth, and the parts of the Dragon shown in the paper's
+//! figures 3 to 5.
 
 use adumbra_render::occlusion::Estimator;
 use adumbra_truth::picture::Picture;

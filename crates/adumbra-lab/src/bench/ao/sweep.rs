@@ -75,8 +75,8 @@ impl Bench<'_, '_, '_> {
 
     /// Finds the largest number of issao's taps that takes no longer than gtao with 12, timed in alternation.
     ///
-    /// The search starts at the number of taps at which the sweep's times are equal, and goes down. After [`TRIES`]
-    /// attempts the last number is taken, even if issao is still slower.
+    /// The search starts at the number of taps at which the sweep's times are equal, and goes down. After
+    /// [`TRIES`] attempts the last number is taken, even if issao is still slower.
     pub(super) fn equal_time(&mut self, sweep: &[Point]) -> Result<Option<EqualTime>> {
         let of = |e: Estimator| sweep.iter().filter(move |p| p.estimator == e.name());
         let allowed = of(Estimator::Gtao).find(|p| p.samples == 12).map(|p| p.ms);
@@ -112,7 +112,8 @@ impl Bench<'_, '_, '_> {
     }
 }
 
-/// Returns the taps at which the linearly interpolated times reach `allowed`, clamped to the range of `points`.
+/// Returns the taps at which the linearly interpolated times reach
+/// `allowed`, clamped to the range of `points`.
 fn meeting(points: &[&Point], allowed: f64) -> u32 {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return SAMPLES[0] };
     let crossing = points.windows(2).find(|p| p[0].ms <= allowed && p[1].ms > allowed);
@@ -172,7 +173,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn equal_time_begins_where_the_times_meet() {
+    fn meeting_interpolates_and_clamps_tap_count() {
         let point = |samples, ms| Point { estimator: "issao".into(), samples, ms, rmse: 0.1 };
         let points = [point(4, 1.0), point(8, 2.0), point(16, 4.0)];
         let points: Vec<&Point> = points.iter().collect();

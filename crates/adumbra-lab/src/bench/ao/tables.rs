@@ -1,5 +1,5 @@
-//! The document: requirements, the summary, error against time, the paper's claims, current engines, then all results
-//! by scene.
+//! The document: requirements, the summary, error against time, the paper's claims, current engines, then all
+//! results by scene.
 
 use std::fmt::Write as _;
 
@@ -196,7 +196,8 @@ fn scene_table(s: &SceneFigures) -> String {
     text + "\n"
 }
 
-/// Returns a table of what was measured on a scene: open sky, the truth, and every estimator with and without filter.
+/// Returns a table of the results on a scene: open sky, the truth, and every estimator with and without
+/// filter.
 fn estimator_table(s: &SceneFigures) -> Table {
     let head = [
         "estimator",

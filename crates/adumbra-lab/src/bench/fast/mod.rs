@@ -1,6 +1,6 @@
 //! `adumbra-lab bench bake --suite fast`: requirements on the fast bake and its files.
 //!
-//! Each bake runs in a process of its own.
+//! Each bake runs in a separate process.
 
 mod checks;
 mod rows;

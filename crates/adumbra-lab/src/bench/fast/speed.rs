@@ -35,7 +35,8 @@ pub(crate) struct Scan {
     pub(super) mean_visibility: f64,
 }
 
-/// Times look-ups, with normals, at the surface points seen from straight above around the middle of the scene.
+/// Times look-ups, with normals, at the surface points seen from straight above around the middle of the
+/// scene.
 ///
 /// The points are visited row by row.
 pub(super) fn measure(file: &Path, scene: &Path) -> Result<Vec<Scan>> {

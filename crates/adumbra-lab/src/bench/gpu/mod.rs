@@ -1,6 +1,6 @@
-//! `adumbra-lab bench gpu`: everything that only a real GPU can measure, in one command that needs no files and no
-//! display. Scenes are generated and baked on the way. It ends within its time: what would begin later is listed as
-//! left out.
+//! `adumbra-lab bench gpu`: everything that only a real GPU can measure, in one command that needs no files
+//! and no display. Scenes are generated and baked as needed. When its time is over, the benchmark lists all
+//! remaining measurements as left out.
 
 mod scenes;
 mod sections;
@@ -80,7 +80,7 @@ pub(crate) struct View {
     wall_time: bool,
 }
 
-/// What is measured so far, and until when.
+/// The results so far, and the time at which measuring ends.
 struct Bench<'a> {
     args: &'a BenchGpu,
     gpu: Gpu,
@@ -120,7 +120,7 @@ impl Bench<'_> {
         super::write(&self.args.output, &self.name(), &tables::markdown(&self.document), &self.document)
     }
 
-    /// Whether there is no time for `what`, which is then listed as left out.
+    /// Whether the time for measuring is over. If so, lists `what` as left out.
     fn is_over(&mut self, what: &str) -> bool {
         let over = Instant::now() >= self.end;
         if over {

@@ -36,7 +36,7 @@ pub(super) fn views(city: &Scene, sun: Sun, [width, height]: [u32; 2]) -> Result
     ])
 }
 
-/// Returns `side` × `side` copies of a city, the one in the middle where it was.
+/// Returns `side` × `side` copies of a city. The middle copy keeps the position of the city.
 pub(super) fn tiled(city: &Scene, side: u32) -> Scene {
     let middle = side / 2;
     let mut all = city.clone();
@@ -63,7 +63,7 @@ pub(super) fn movers(camera: &Camera) -> Scene {
     movers
 }
 
-/// Moves everything to where it is in a frame: along a circle of 1 m.
+/// Returns the movers at their positions in a frame, on a circle of radius 1 m.
 pub(super) fn moved(movers: &Scene, frame: u32) -> Scene {
     let (sin, cos) = (0.1 * f64::from(frame)).sin_cos();
     let mut moved = movers.clone();
@@ -74,7 +74,7 @@ pub(super) fn moved(movers: &Scene, frame: u32) -> Scene {
     moved
 }
 
-/// Number of triangles, instances counted apart.
+/// Returns the number of triangles, counted once per instance.
 pub(super) fn triangles(scene: &Scene) -> u64 {
     scene.instances.iter().map(|i| scene.meshes[i.mesh as usize].triangles.len() as u64).sum()
 }

@@ -1,4 +1,4 @@
-//! What is measured, the most important first.
+//! The sections of the benchmark, the most important first.
 
 use adumbra::Sun;
 use adumbra_bake::{BakeOptions, FrameChoice, Size};

@@ -24,13 +24,13 @@ const AMBIENT: &[(&str, Stage)] = &[
     ("history", Stage::AmbientHistory),
     ("filter", Stage::AmbientFilter),
 ];
-/// Most time that the frames of one view take. A software adapter does not get through all of them.
+/// Time limit for the frames of one view. A software adapter cannot draw all frames in this time.
 const MOST_PER_VIEW: Duration = Duration::from_millis(1200);
 const FEWEST_FRAMES: usize = 3;
 
 impl Bench<'_> {
-    /// Measures one technique in every view. `movers` move from frame to frame. What the device cannot hold is listed as
-    /// left out.
+    /// Measures one technique in every view. `movers` move from frame to frame. A technique that the device
+    /// cannot hold is listed as left out.
     pub(super) fn technique(
         &mut self,
         renderer: &mut Renderer,
@@ -90,7 +90,7 @@ impl Bench<'_> {
         Ok(Some(row))
     }
 
-    /// Draws one frame that does not count, and then as many as were asked for or as there is time for.
+    /// Draws one untimed frame, then timed frames until the requested number or the time limit is reached.
     fn frames(&self, mut draw: impl FnMut(u32) -> Result<FrameTimes>) -> Result<Vec<FrameTimes>> {
         draw(0)?;
         let start = Instant::now();

@@ -35,7 +35,8 @@ enum Show {
 }
 
 impl Stage<'_, '_, '_> {
-    /// Draws the figures in which a model appears. Returns each name with the picture or the error that prevented it.
+    /// Draws the figures in which a model appears. Returns each name with the picture or the error that
+    /// prevented it.
     pub(super) fn figures(&mut self, model: &str) -> Vec<(&'static str, Result<Figure>)> {
         match model {
             "dragon" => vec![

@@ -58,7 +58,8 @@ pub(crate) struct Row {
     #[serde(deserialize_with = "or_nan")]
     #[schemars(with = "Option<f64>")]
     pub(crate) still_ratio: f64,
-    /// Whole frame with a cached map, compared with the shadow map at START, the median of the ratios frame by frame.
+    /// Whole frame with a cached map, compared with the shadow map at START, the median of the ratios frame
+    /// by frame.
     #[serde(deserialize_with = "or_nan")]
     #[schemars(with = "Option<f64>")]
     pub(crate) still_frame_ratio: f64,
@@ -134,7 +135,8 @@ fn techniques(start: u32, filter: u32, all: bool) -> Vec<[String; 2]> {
     let paper = |merges| format!("{}:test=paper", hrsm(merges));
     let mut names = vec![sm(start), sm(start / 2), sm(start / 4), hrsm(1), hrsm(2), paper(1), paper(2)];
     if all {
-        // Texels merged by the paper's test are flat: they need half a coarsest texel of bias, and a slope bias.
+        // Texels merged by the paper's test are flat: they need half a coarsest texel of bias, and a slope
+        // bias.
         names.extend([hrsm(3), format!("{}:bias=2:slope=2", paper(2))]);
         names.extend(["build=sweep", "layout=paper"].map(|option| format!("{}:{option}", hrsm(2))));
     }
@@ -233,7 +235,7 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
         Ok(Group { start, filter, rows, skipped })
     }
 
-    /// Builds a technique and draws the frames that create what later frames reuse.
+    /// Builds a technique and draws the frames that create the resources of later frames.
     fn ready(&mut self, name: &str, beside: String) -> Result<Pair, RenderError> {
         let mut make = |text: String, frames: u32| {
             let built = build(self.renderer.gpu(), &text.parse()?, TechniqueFiles::default())?;
@@ -243,7 +245,8 @@ impl<'a, 'j, 's> Measure<'a, 'j, 's> {
             }
             Ok::<_, RenderError>(prepared)
         };
-        // A cached map takes two frames: the first builds it, the second releases what it was built from.
+        // A cached map takes two frames: the first builds the map, the second releases the inputs of the
+        // build.
         let ready = [make(name.to_owned(), 1)?, make(format!("{name}:static=cached"), 2)?];
         Ok(Pair { name: name.to_owned(), beside, ready, times: Default::default() })
     }

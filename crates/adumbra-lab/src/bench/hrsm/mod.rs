@@ -1,9 +1,9 @@
-//! `adumbra-lab bench hrsm`: hybrid-resolution shadow maps compared with plain ones, in the paper's tables and figures.
+//! `adumbra-lab bench hrsm`: hybrid-resolution shadow maps compared with plain ones, in the paper's tables
+//! and figures.
 //!
-//! Source: Li, Yang, Zhao, Chen,
-//! *Hybrid-resolution Shadow Mapping Design and Hard Shadows Anti-aliasing in Special Effects Movies*,
-//! Chinese Optics 9 (1), 2016, tables 1 and 2, figures 4 to 7. Additions: errors against rays, and requirements with
-//! their outcome.
+//! Source: Li, Yang, Zhao, Chen, *Hybrid-resolution Shadow Mapping Design and Hard Shadows Anti-aliasing in
+//! Special Effects Movies*, Chinese Optics 9 (1), 2016, tables 1 and 2, figures 4 to 7. Additions: errors
+//! against rays, and requirements with their outcome.
 
 mod checks;
 mod figures;
@@ -167,7 +167,8 @@ fn one(args: &BenchHrsm, model: &Model, document: &mut HybridResults, levels: &m
     Ok(())
 }
 
-/// Returns what was drawn. If it exceeds the device's limits, returns `None` and records `what` as skipped.
+/// Returns the result of drawing. If it exceeds the device's limits, returns `None` and records `what` as
+/// skipped.
 fn fitting<T>(drawn: Result<T>, what: String, document: &mut HybridResults) -> Result<Option<T>> {
     match drawn {
         Ok(drawn) => Ok(Some(drawn)),

@@ -159,7 +159,8 @@ impl PlacedModel {
         self.near(target, EYE_DIRECTION, width, size)
     }
 
-    /// Returns a camera on a part of the model around `at`, in shares of its bounding box, seen from `direction`.
+    /// Returns a camera on a part of the model around `at`, in shares of its bounding box, seen from
+    /// `direction`.
     pub(super) fn part(&self, at: [f64; 3], direction: [f64; 3], width: f64, size: [u32; 2]) -> Camera {
         let [least, most] = self.ends();
         let target = std::array::from_fn(|a| least[a] + at[a] * (most[a] - least[a]));
@@ -192,7 +193,8 @@ impl PlacedModel {
 fn fitted(points: &[[f64; 3]], direction: [f64; 3], [width, height]: [u32; 2]) -> Camera {
     let projection = Projection::Perspective { fov_degrees: FOV_DEGREES };
     let view = Camera { eye: direction, target: [0.0; 3], projection, width, height }.view();
-    // A point `p` is within one side of the view if `side·p - half·forward·p` is at most its value at the eye.
+    // A point `p` is within one side of the view if `side·p - half·forward·p` is at most its value at the
+    // eye.
     let furthest = |side: [f64; 3], half: f64| {
         let plane: [f64; 3] = std::array::from_fn(|a| side[a] - half * view.forward[a]);
         points.iter().map(|p| dot(plane, *p)).fold(f64::NEG_INFINITY, f64::max)
@@ -219,7 +221,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn models_paper_times_are_those_of_the_papers_data() {
+    fn hybrid_paper_times_match_papers_json() {
         let data: serde_json::Value =
             serde_json::from_str(include_str!("../../../data/papers.json")).unwrap();
         let papers = data["papers"].as_array().unwrap();
@@ -239,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn whole_fills_the_picture_with_model_and_shadow() {
+    fn whole_camera_fills_picture_with_model_and_shadow() {
         let standing = MODELS[3].stand(Path::new("")).unwrap();
         assert_eq!(standing.triangles, 12_000);
         let camera = standing.whole(adumbra::Sun::from_direction(SUN).unwrap().towards(), [320, 180]);

@@ -1,5 +1,5 @@
-//! Why a hybrid map does or does not save time: how a moving light's shadow time is spent, and how many look-ups in one
-//! map pay for its build.
+//! Why a hybrid map does or does not save time: how a moving light's shadow time is spent, and how many
+//! look-ups in one map pay for its build.
 
 use std::fmt::Write as _;
 
@@ -158,7 +158,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn build_is_paid_for_by_what_look_ups_save() {
+    fn paying_lookups_are_build_time_over_saving_per_lookup() {
         let spent = Spent { depth: 5.0, build: 10.0, lookup: 3.0, plain_lookup: 7.0 };
         assert_eq!(spent.paying_lookups(), Some(3.0));
         assert_eq!(Spent { lookup: 7.0, ..spent }.paying_lookups(), None);

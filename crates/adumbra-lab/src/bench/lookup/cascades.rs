@@ -1,7 +1,8 @@
-//! What percentage-closer filtering in cascades reads: the texels that its gathers fetch, four each, at the places
-//! that the technique's parameters give.
+//! Counts the reads of percentage-closer filtering in cascades: the texels that its gathers fetch, four per
+//! gather, at the positions given by the technique's parameters.
 //!
-//! GPUs store depth maps in tiles of their own. Here a sector of 32 bytes has 4 × 2 texels of 32 bits.
+//! The layout of depth maps in memory depends on the GPU. Here a sector of 32 bytes has 4 × 2 texels of 32
+//! bits.
 
 use std::collections::HashSet;
 
@@ -26,13 +27,14 @@ pub(super) fn count(map: &ShadowMap, eye: [f64; 3], groups: &[Group]) -> Counts 
         }
         counts.pixels += group.len();
         counts.sectors += sectors.len();
-        // Where a gather reads depends on no other.
+        // The address of a gather does not depend on another read.
         counts.chains += 1;
     }
     counts
 }
 
-/// Returns the layers and texels that a pixel's gathers fetch. Twin of `map_visibility` with `adumbra_pcf_box`.
+/// Returns the layers and texels that a pixel's gathers fetch. Twin of
+/// `map_visibility` with `adumbra_pcf_box`.
 fn texels(map: &ShadowMap, eye: [f64; 3], pixel: &Pixel) -> Vec<(usize, [i64; 2])> {
     let params = map.params();
     let depth = pixel.view_depth as f32;
@@ -58,7 +60,7 @@ fn texels(map: &ShadowMap, eye: [f64; 3], pixel: &Pixel) -> Vec<(usize, [i64; 2]
     fetched.collect()
 }
 
-/// Returns a pixel's place in a layer, texels.
+/// Returns a pixel's position in a layer, in texels.
 fn p_texels(
     axes: [[f32; 4]; 2],
     side: f64,

@@ -1,10 +1,11 @@
-//! `adumbra-lab bench lookup`: what look-ups in baked files read, and what percentage-closer filtering in cascades reads.
-//! The shaders of the files themselves count; a test of the renderer holds their answers to those of the CPU.
+//! `adumbra-lab bench lookup`: counts the reads of look-ups in baked files, and of percentage-closer
+//! filtering in cascades. The shaders of the files do the counting; a test of the renderer compares their
+//! answers with the CPU's.
 //!
-//! A GPU runs 32 pixels at once, here 8 × 4, and fetches memory in sectors of 32 bytes. Sectors that several of these
-//! pixels read are fetched once. So words per pixel bound the work of the arithmetic units, sectors per group that of
-//! the memory, and the longest chain of reads that need each other the time that a group waits. The milliseconds of the
-//! adapter at hand stand beside the counts.
+//! A GPU runs 32 pixels at once, here 8 × 4, and fetches memory in sectors of 32 bytes. Sectors that several
+//! of these pixels read are fetched once. So words per pixel bound the work of the arithmetic units, sectors
+//! per group bound the work of the memory, and the longest chain of dependent reads bounds the time that a
+//! group waits. The tables also have the milliseconds on the adapter in use.
 
 mod cascades;
 mod pixels;
@@ -101,7 +102,8 @@ struct Figures {
     words_per_pixel: f64,
     /// Mean number of different sectors of 32 bytes that a group of 8 × 4 pixels reads.
     sectors_per_group: f64,
-    /// Mean over the groups of the largest number of reads of a pixel of which each needs the one before for its address.
+    /// Mean over the groups of the largest number of reads of a pixel of which each needs the one before for
+    /// its address.
     chain_per_group: f64,
     /// Milliseconds of the look-up pass over the picture.
     milliseconds: f64,
@@ -229,7 +231,7 @@ fn prepare(renderer: &Renderer, technique: &str, baked: TechniqueFiles<'_>) -> R
     Ok(renderer.prepare(build(renderer.gpu(), &spec, baked)?)?)
 }
 
-/// Draws one frame that does not count, and `frames` that do.
+/// Draws one untimed frame, then `frames` timed frames.
 fn time(
     renderer: &mut Renderer,
     shot: &Shot,

@@ -17,7 +17,7 @@ pub(super) struct Pixel {
 /// The pixels of a group that face the sun.
 pub(super) type Group = Vec<Pixel>;
 
-/// Returns every n-th group of a view that has any such pixel.
+/// Returns every n-th group of a view that has at least one pixel facing the sun.
 pub(super) fn groups(surfaces: &Surfaces, sun: Sun, every: u32) -> Vec<Group> {
     let across = surfaces.width / SIZE[0];
     let all = across * (surfaces.height / SIZE[1]);

@@ -1,4 +1,5 @@
-//! What look-ups in a baked file read, as counted by the shaders themselves, and how long their chains are.
+//! Counts the reads of look-ups in a baked file, by the shaders themselves, and the lengths of dependent
+//! chains of reads.
 
 use std::collections::HashSet;
 
@@ -48,7 +49,8 @@ pub(super) fn count(gpu: &Gpu, file: &LightFile, groups: &[Group], filter: Filte
     Ok(counts)
 }
 
-/// Returns the largest number of reads of a look-up of which each needs the one before for its address.
+/// Returns the length of the longest dependent chain of reads in a look-up. In such a chain, the address of
+/// each read comes from the read before.
 fn longest_chain(file: &LightFile, r: &FixedReceiver, filter: u32) -> usize {
     let size = file.grid().size.map(i64::from);
     let reach = i64::from(filter / 2);
@@ -70,8 +72,8 @@ fn longest_chain(file: &LightFile, r: &FixedReceiver, filter: u32) -> usize {
     longest
 }
 
-/// Returns the reads of one voxel of which each needs the one before for its address. Rare pointers that are spelled out
-/// elsewhere, because they do not fit their place, add one that is not counted.
+/// Returns the length of the dependent chain of reads of one voxel. A rare pointer that does not fit its
+/// field is stored elsewhere; its extra read is not counted.
 fn chain(file: &LightFile, [i, j, k]: [u32; 3]) -> usize {
     let below = |root_level: u32, end: u32, levels: u32| (root_level - end.max(3)) / levels;
     // A node is read in two steps: which children it has, then the pointer to one of them.

@@ -1,4 +1,4 @@
-//! The flight, and what its frames see.
+//! The flight, and the points that its frames see.
 
 use adumbra::ShadowFile;
 use adumbra::grid::vec3::dot;
@@ -28,13 +28,14 @@ pub(super) struct Flight {
     towards_sun: [f64; 3],
 }
 
-/// Pixels along each side of which one is looked at in every frame.
+/// In every frame, one pixel in this many along each axis is examined.
 const EVERY: u32 = 30;
-/// Pixels along each side of which one is looked at where answers are compared with rays.
+/// Where answers are compared with rays, one pixel in this many along each axis is examined.
 const EVERY_AT_STOPS: u32 = 4;
 
 impl Flight {
-    /// Flies ahead from the street camera, up to a few tens of metres and down again, with slow turns to both sides.
+    /// Flies ahead from the street camera, up to a few tens of metres and down again, with slow turns to both
+    /// sides.
     pub(super) fn new(tracer: &TruthTracer<'_>, file: &ShadowFile, args: &BenchStream) -> Result<Self> {
         let towards_sun = file.sun().towards();
         let [width, height] = args.size;

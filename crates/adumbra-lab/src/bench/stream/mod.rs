@@ -1,9 +1,9 @@
-//! `adumbra-lab bench stream`: a flight through a streamed file, judged by rays.
+//! `adumbra-lab bench stream`: a flight through a streamed file, compared with rays.
 //!
-//! The camera flies for some frames at 60 per second, as an engine would: it tells the stream where it is, takes what is
-//! to be uploaded within a budget, and never waits. At every frame some visible points say which level answers, and which
-//! one they want. At rest the answers are compared with rays, beside those of the whole file. The source waits as long as
-//! a server would before it answers a request.
+//! The camera flies for some frames at 60 per second, as an engine would: it passes its view to the stream,
+//! takes uploads within a budget, and never waits. In every frame, the level that answers at some visible
+//! points is compared with the level that they need. At rest, the answers are compared with rays and with the
+//! answers of the whole file. The source delays each answer as a server would.
 
 mod flight;
 mod source;
@@ -29,7 +29,7 @@ use self::source::Delayed;
 use crate::args::BenchStream;
 
 const FRAME: Duration = Duration::from_nanos(16_666_667);
-/// How long a camera at rest is waited for.
+/// Time limit for the stream to settle while the camera is at rest.
 const LIMIT: Duration = Duration::from_secs(30);
 /// Places along the flight at which answers are compared with rays.
 const STOPS: usize = 6;
@@ -100,7 +100,8 @@ struct Stop {
     frame: usize,
     /// Visible points that face the sun.
     points: usize,
-    /// Those whose answer is on the other side of one half than the rays', from the stream and from the whole file.
+    /// Those whose answer is on the other side of one half than the rays', from the stream and from the whole
+    /// file.
     wrong: usize,
     wrong_of_whole_file: usize,
     /// Those whose answers from stream and file are the same.
@@ -124,7 +125,7 @@ pub(super) fn run(args: &BenchStream) -> Result<Code> {
     Ok(Code::Fine)
 }
 
-/// Opens the file as a server would give it.
+/// Opens the file with the latency of a server.
 fn open(args: &BenchStream) -> Result<Streamer> {
     let options = StreamOptions { budget_bytes: args.budget << 20, ..StreamOptions::default() };
     let latency = Duration::from_millis(args.latency);
@@ -149,7 +150,7 @@ fn measure(
     scene: String,
 ) -> Result<StreamResults> {
     let views: Vec<View> = flight.cameras.iter().map(view_of).collect();
-    // What the first picture and sharpness take, from nothing.
+    // Measure the cost of the first picture and of full sharpness, starting with an empty stream.
     let begun = Instant::now();
     let mut streamer = open(args)?;
     if !streamer.settle(&[], LIMIT, |_| ()) {
@@ -227,7 +228,7 @@ fn budget_bytes_of(args: &BenchStream) -> u64 {
     args.budget << 20
 }
 
-/// Returns the share of points that a coarser level answers than they want.
+/// Returns the percentage of points whose answer comes from a coarser level than wanted.
 fn coarser_percent(streamer: &Streamer, seen: &[SeenPoint]) -> f64 {
     let Some(sampler) = streamer.sampler(Filter::Box5) else { return 100.0 };
     let coarser = seen.iter().filter(|point| {

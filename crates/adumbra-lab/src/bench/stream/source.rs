@@ -1,4 +1,4 @@
-//! A source that answers as late as a server.
+//! A source with the latency of a server.
 
 use std::ops::Range;
 use std::time::Duration;

@@ -70,7 +70,7 @@ pub(super) fn measure(args: &BenchTree, scenes: &[BenchScene]) -> Result<Vec<Fil
         let check = Check::new(&scene.scene, args.samples);
         for variant in &VARIANTS {
             let query = variant.query(&baked, sun)?;
-            // Every variant is compared, and its points classified, where the usual bias moves the receivers.
+            // Classify and compare the points of every variant at receivers moved by the usual bias.
             let usual = TreeAnswers::new(&baked.settings, sun, unfiltered(&baked, sun)?);
             let visibility = |_: &TreeAnswers<'_, _>, p, normal| query.visibility(p, normal);
             let v = check.run(&Replaced { answers: usual, visibility, covers: Answers::covers });

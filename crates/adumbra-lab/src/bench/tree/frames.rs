@@ -1,4 +1,5 @@
-//! World-aligned against light-aligned at equal voxel size, and trees with and without closed regions (Fig. 3-3).
+//! World-aligned against light-aligned at equal voxel size, and trees with and without closed regions (Fig.
+//! 3-3).
 
 use adumbra::{Filter, Sun};
 use adumbra_bake::Watch;

@@ -92,7 +92,7 @@ pub(super) fn run(args: &BenchTree) -> Result<Code> {
 impl TreeResults {
     /// Measures a section if the arguments ask for it.
     ///
-    /// What was measured is saved after every section, so that a failure loses only the section in progress.
+    /// Results are saved after every section, so that a failure loses only the section in progress.
     fn measure<R>(
         &mut self,
         args: &BenchTree,
@@ -133,7 +133,7 @@ fn scene_names<'r>(rows: impl Iterator<Item = &'r String>) -> Vec<String> {
     names
 }
 
-/// Reads what an earlier run wrote. Returns an empty document if there is no such file.
+/// Reads the results of an earlier run. Returns an empty document if there is no such file.
 fn earlier(path: &Path) -> Result<TreeResults> {
     let bytes = match read_whole(path, TEXT_BYTES) {
         Ok(bytes) => bytes,
@@ -184,7 +184,7 @@ struct InTurn {
     seconds: [f64; 3],
     /// Whether the last run made equal trees.
     agree: bool,
-    /// What the last run made.
+    /// The trees of the last run.
     last: Vec<BakedTree>,
 }
 
@@ -210,7 +210,8 @@ fn yes_or_no(agree: bool) -> &'static str {
     if agree { "yes" } else { "NO" }
 }
 
-/// Returns the largest resident size of a bake in a process of its own, or `None` if the system does not report it.
+/// Returns the largest resident size of a bake in a separate process, or `None` if the system does not report
+/// it.
 fn peak_bytes(scene: &BenchScene, options: &[&str]) -> Result<Option<u64>> {
     let outside: &[&str] = if scene.allow_outside { &["--allow-outside"] } else { &[] };
     let said: Value = child::bake_tree(&scene.path, &[options, outside].concat())?;

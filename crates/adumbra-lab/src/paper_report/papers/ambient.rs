@@ -158,7 +158,7 @@ fn pair(inputs: &mut PageInputs<'_>, left: &str, right: &str, body: &mut Body) {
 struct Figure {
     sheet: &'static str,
     alt: &'static str,
-    /// What is left of the divider, with issao on its right.
+    /// Pictures to show left of the divider. The picture of issao is right of it.
     left: &'static [&'static str],
 }
 

@@ -1,4 +1,5 @@
-//! The papers: their content from `data/papers.json`, and our counterpart to each of their tables, figures and claims.
+//! The papers: their content from `data/papers.json`, and our counterpart to each of their tables, figures
+//! and claims.
 
 mod ambient;
 mod hybrid;
@@ -245,7 +246,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn papers_tables_and_figures_each_have_something_beside_them() {
+    fn every_paper_table_and_figure_has_a_counterpart() {
         let papers = serde_json::from_str::<Papers>(PAPERS).unwrap().papers;
         assert_eq!(papers.len(), REALISED.len());
         for (paper, realised) in papers.iter().zip(REALISED) {
@@ -258,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn papers_claims_each_have_one_judge() {
+    fn every_paper_claim_has_one_evaluation() {
         for (paper, realised) in all().iter().zip(REALISED) {
             assert_eq!(paper.claims.len(), realised.claims.len(), "{}", paper.key);
             for claim in &paper.claims {
@@ -269,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn printed_numbers_are_grouped() {
+    fn printed_numbers_have_thousands_separators() {
         assert_eq!(cell(&Value::from(2_400_000)), "2,400,000");
         assert_eq!(cell(&Value::from(12_000)), "12,000");
         assert_eq!(cell(&Value::from(1200)), "1200");
@@ -277,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn verdict_counts_what_holds() {
+    fn counted_findings_hold_in_full_in_part_or_not() {
         let of = |holds: &[bool]| Verdict::counted(holds, "x".to_owned());
         assert_eq!(of(&[]), Verdict::Unmeasured);
         assert_eq!(of(&[true, true]), Verdict::Holds("x".to_owned()));

@@ -1,13 +1,13 @@
 //! The packed layout: the same graph as [`Dag`](crate::dag::plain::Dag), in about a third of the bytes.
 //!
-//! It relies on columns that are monotone along z: lit, then mixed, then shadowed. For two children or leaf masks along
-//! z, one therefore implies part of the other, and half of the combinations never occur. Nodes are strings of 16-bit
-//! *units*. A node with a single parent is stored inside that parent. All others are in a *pool* of their level, the
-//! most referenced first, so that most pointers are short. Pointer widths chosen by frequency and nodes inside their
-//! parents are known from geometry (Jaspe Villanueva, Marton, Gobbetti, *SSVDAGs: Symmetry-aware Sparse Voxel DAGs*,
-//! 2016; Dado, Kol, Bauszat, Thiery, Eisemann, *Geometry and Attribute Compression for Voxel Scenes*, 2016). The pairs
-//! along z, the runs of leaf masks and their bit planes are specific to shadows. `docs/layouts.md` has the savings of
-//! each.
+//! It relies on columns that are monotone along z: lit, then mixed, then shadowed. For two children or leaf
+//! masks along z, one therefore implies part of the other, and half of the combinations never occur. Nodes
+//! are strings of 16-bit *units*. A node with a single parent is stored inside that parent. All others are in
+//! a *pool* of their level, the most referenced first, so that most pointers are short. Pointer widths chosen
+//! by frequency and nodes inside their parents are known from geometry (Jaspe Villanueva, Marton, Gobbetti,
+//! *SSVDAGs: Symmetry-aware Sparse Voxel DAGs*, 2016; Dado, Kol, Bauszat, Thiery, Eisemann, *Geometry and
+//! Attribute Compression for Voxel Scenes*, 2016). The pairs along z, the runs of leaf masks and their bit
+//! planes are specific to shadows. `docs/layouts.md` has the savings of each.
 //!
 //! **Top**, 32-bit words; c = gy · dims.x + gx, C = dims.x · dims.y:
 //!
@@ -20,10 +20,11 @@
 //! | 19 + 2C | first\[C\]: number of all roots |
 //! | 20 + 2C + r | root r: unit relative to the pool of `root_level` |
 //!
-//! The root cubes of a column are lit before z0. From z0 on there is one root per cube, and behind the last root the
-//! column is shadowed.
+//! The root cubes of a column are lit before z0. From z0 on there is one root per cube, and behind the last
+//! root the column is shadowed.
 //!
-//! **Node above level 3**, at unit a. A quarter q = (x_bit << 1) | y_bit has two children along z, the nearer first:
+//! **Node above level 3**, at unit a. A quarter q = (x_bit << 1) | y_bit has two children along z, the nearer
+//! first:
 //!
 //! | bits of unit a | meaning |
 //! |---|---|
@@ -31,22 +32,24 @@
 //! | 14 … 12 | f: the pointer, 0 to 6, whose child directly follows the slots and which has no slot; 7: there is none |
 //! | 15 | a string of high parts follows |
 //!
-//! The codes of a quarter are 0 both shadowed, 1 both lit, 2 lit then shadowed, 3 two mixed, 4 lit then mixed, 5 mixed
-//! then shadowed, 6 one mixed node for both. Pointers are numbered through the quarters: one each for codes 4, 5 and 6,
-//! two for code 3.
+//! The codes of a quarter are 0 both shadowed, 1 both lit, 2 lit then shadowed, 3 two mixed, 4 lit then
+//! mixed, 5 mixed then shadowed, 6 one mixed node for both. Pointers are numbered through the quarters: one
+//! each for codes 4, 5 and 6, two for code 3.
 //!
-//! The string of high parts is a bit string from unit a + 1 on, lowest bit first, padded to a whole unit. Bits 0 to 7
-//! are a mask of the wide pointers. The high parts follow from bit max(8, H) on, H bits each. H is 4 if the pool of the
-//! level below has up to 2^20 units, 8 for up to 2^24, and 16 for more.
+//! The string of high parts is a bit string from unit a + 1 on, lowest bit first, padded to a whole unit.
+//! Bits 0 to 7 are a mask of the wide pointers. The high parts follow from bit max(8, H) on, H bits each. H
+//! is 4 if the pool of the level below has up to 2^20 units, 8 for up to 2^24, and 16 for more.
 //!
-//! The slots come next, one unit per pointer except f. A narrow slot below [`NEAR_UNITS`] is the child's distance from
-//! the end of the slots. From [`NEAR_UNITS`] on, slot − [`NEAR_UNITS`] is the child's unit in the pool of the level
-//! below. A wide slot is the lower 16 bits of the child's unit in that pool, and its high part the bits above. The
-//! children without another parent follow the slots, f first, the others by size.
+//! The slots come next, one unit per pointer except f. A narrow slot below [`NEAR_UNITS`] is the child's
+//! distance from the end of the slots. From [`NEAR_UNITS`] on, slot − [`NEAR_UNITS`] is the child's unit in
+//! the pool of the level below. A wide slot is the lower 16 bits of the child's unit in that pool, and its
+//! high part the bits above. The children without another parent follow the slots, f first, the others by
+//! size.
 //!
-//! Worked value: unit 0x08C4 = `0_000_100_011_000_100` has f = 0, quarter 0 lit then mixed, 1 shadowed, 2 two mixed, 3
-//! lit then mixed. So it has four pointers and three slots. With the slots 0x0402, 0x0402, 0x0005, pointers 1 and 2
-//! lead to unit 2 of the pool, pointer 3 leads to five units behind the slots, and pointer 0 directly behind them.
+//! Worked value: unit 0x08C4 = `0_000_100_011_000_100` has f = 0, quarter 0 lit then mixed, 1 shadowed, 2 two
+//! mixed, 3 lit then mixed. So it has four pointers and three slots. With the slots 0x0402, 0x0402, 0x0005,
+//! pointers 1 and 2 lead to unit 2 of the pool, pointer 3 leads to five units behind the slots, and pointer 0
+//! directly behind them.
 //!
 //! **Node of level 3**, at unit a:
 //!
@@ -57,12 +60,13 @@
 //! | 14 … 9 | bit 9 + i: 1 mask i is inline, 0 it is an index into the shared masks; masks 5, 6, 7 share bit 14 |
 //! | 15 | the masks are stored as bit planes |
 //!
-//! Inline masks of four units, lowest first, or indices of one unit, follow in the order of the leaf masks. Each mask
-//! has a subset of the lit voxels of the one before, so d masks are equivalent to 64 counts from 0 to d: the number of
-//! masks in which each voxel is lit. Bit planes store these counts, four units per plane, lowest bit first.
+//! Inline masks of four units, lowest first, or indices of one unit, follow in the order of the leaf masks.
+//! Each mask has a subset of the lit voxels of the one before, so d masks are equivalent to 64 counts from 0
+//! to d: the number of masks in which each voxel is lit. Bit planes store these counts, four units per plane,
+//! lowest bit first.
 //!
-//! Worked value: unit 0x0324 = `0_000001_1_00100100`: leaf masks 0 and 1 are lit, 2 to 4 are mask 0, which is inline,
-//! and 5 to 7 are shadowed.
+//! Worked value: unit 0x0324 = `0_000001_1_00100100`: leaf masks 0 and 1 are lit, 2 to 4 are mask 0, which is
+//! inline, and 5 to 7 are shadowed.
 
 pub mod node;
 #[cfg(test)]
@@ -86,8 +90,8 @@ pub const MAX_UNITS: usize = 1 << 31;
 
 /// A graph in the packed layout, which [`crate::dag::packed`] describes.
 ///
-/// A look-up in a valid graph costs two or three units per level above 3, then two to sixteen units. Voxels outside the
-/// top grid are lit.
+/// A look-up in a valid graph costs two or three units per level above 3, then two to sixteen units. Voxels
+/// outside the top grid are lit.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct PackedDag {
     /// Number of voxels along x, y, z in use. The top grid may cover a little more.
@@ -98,8 +102,8 @@ pub struct PackedDag {
     pub top_dims: [u32; 3],
     /// Pools, columns of root cubes, and roots.
     pub top: Vec<u32>,
-    /// Nodes, one pool after the other from level 3 up. The number of units is even. The last is zero if it is not in
-    /// use.
+    /// Nodes, one pool after the other from level 3 up. The number of units is even. The last is zero if it
+    /// is not in use.
     pub units: Vec<u16>,
     /// Shared leaf masks, the most referenced first: bit y·8 + x, 1 = lit.
     pub leaf_masks: Vec<u64>,
@@ -175,7 +179,7 @@ impl Descend for PackedDag {
                     & bits_below(width);
             }
         }
-        // Pointer 7 is never the follower, because that value of the field means that there is none.
+        // Pointer 7 is never the follower, because the value 7 of the field means that there is no follower.
         if pointer == follower && pointer != NO_FOLLOWER {
             return Descent::Into(slots_at + slots);
         }

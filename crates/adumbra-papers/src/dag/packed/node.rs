@@ -1,5 +1,5 @@
-//! Encoding and decoding of a single node, shared by the encoder, the validation and the conversion back. Look-ups have
-//! their own code, which reads only what it needs.
+//! Encoding and decoding of a single node, shared by the encoder, the validation and the conversion back.
+//! Look-ups have their own code, which reads only what it needs.
 
 use crate::dag::packed::NEAR_UNITS;
 
@@ -67,7 +67,8 @@ pub enum Target {
 pub struct Inner {
     /// The codes of the four quarters, three bits each.
     pub codes: u32,
-    /// The locations that the pointers lead to, in the order of the quarters: two for code 3, one each for codes 4 to 6.
+    /// The locations that the pointers lead to, in the order of the quarters: two for code 3, one each for
+    /// codes 4 to 6.
     pub targets: [Target; 8],
 }
 
@@ -108,11 +109,12 @@ impl Inner {
         }
     }
 
-    /// Decodes the node at the start of `units`, as [`Inner::write`] encodes it. Its children are not checked.
+    /// Decodes the node at the start of `units`, as [`Inner::write`] encodes it. Its children are not
+    /// checked.
     ///
     /// # Errors
-    /// Returns [`Unreadable`] if `units` ends before the node does, or if the node is not one that [`Inner::write`]
-    /// encodes.
+    /// Returns [`Unreadable`] if `units` ends before the node does, or if the node is not one that
+    /// [`Inner::write`] encodes.
     pub fn read(units: &[u16], high_bits: u32) -> Result<Self, Unreadable> {
         let unit = u32::from(*units.first().ok_or(Unreadable::End)?);
         let codes = unit & 0xfff;
@@ -125,8 +127,8 @@ impl Inner {
         }
         let front = if unit >> 15 == 0 { 0 } else { u32::from(*units.get(1).ok_or(Unreadable::End)?) };
         let wide = front & 0xff;
-        // Only pointers with a slot can be wide. If the high parts begin in the next unit, the rest of this one must be
-        // zero.
+        // Only pointers with a slot can be wide. If the high parts begin in the next unit, the rest of this
+        // one must be zero.
         let follows = |p: u32| p == follower && p != NO_FOLLOWER;
         let slotted = (0..pointers).filter(|&p| !follows(p)).fold(0, |bits, p| bits | 1 << p);
         if wide & !slotted != 0 || (wide == 0) != (unit >> 15 == 0) || (high_bits == 16 && front > 0xff) {
@@ -202,8 +204,8 @@ pub struct Cube {
 }
 
 impl Cube {
-    /// Builds the node of these leaf masks, z = 0 first. Returns `None` if a leaf mask has a voxel lit that is not lit
-    /// in the one before.
+    /// Builds the node of these leaf masks, z = 0 first. Returns `None` if a leaf mask has a voxel lit that
+    /// is not lit in the one before.
     pub fn from_leaf_masks(leaf_masks: &[u64; 8]) -> Option<Self> {
         let mut cube = Self::default();
         let mut last = u64::MAX;
@@ -298,8 +300,8 @@ impl Cube {
 
     /// Decodes the node at the start of `units`. Returns it with its number of units.
     ///
-    /// The node is returned as it is encoded. [`Cube::from_leaf_masks`] checks whether each of its masks has a subset
-    /// of the lit voxels of the one before.
+    /// The node is returned as it is encoded. [`Cube::from_leaf_masks`] checks whether each of its masks has
+    /// a subset of the lit voxels of the one before.
     ///
     /// # Errors
     /// Returns [`Unreadable`] if `units` ends before the node does, or if its bits are invalid.
@@ -325,8 +327,8 @@ impl Cube {
         };
         if in_planes {
             let planes = plane_count(count) as usize;
-            // Voxels that are lit in at least 1, 2, ... masks. The entry beyond the number of masks detects invalid
-            // counts.
+            // Voxels that are lit in at least 1, 2, ... masks. The entry beyond the number of masks detects
+            // invalid counts.
             let mut lit_in = [u64::MAX; 9];
             for bit in 0..planes {
                 let plane: u64 = four(at)?;

@@ -1,4 +1,4 @@
-//! Tests of the packed layout's nodes: worked values, and what a look-up reads of them.
+//! Tests of the packed layout's nodes: worked values, and look-ups in single nodes.
 
 use super::node::{Cube, Inner, Target, high_bits};
 use super::{POOL_WORDS, PackedDag};
@@ -25,7 +25,7 @@ fn packed_worked_values() {
     assert_eq!(units, [0x08c4, 0x0402, 0x0402, 0x0005]);
     assert_eq!(Inner::read(&units, 4), Ok(inner));
 
-    // Eight pointers with one slot each: the eighth is not taken for the one without a slot.
+    // Eight pointers with one slot each: the eighth must not be mistaken for the pointer without a slot.
     let eight = Inner { codes: 0x6db, targets: std::array::from_fn(|p| Target::Pool(p as u32)) };
     let mut units = Vec::new();
     eight.write(4, &mut units);
@@ -61,7 +61,7 @@ fn packed_worked_values() {
 }
 
 #[test]
-fn packed_wide_slots_reach_as_far_as_the_pool_asks() {
+fn packed_wide_slots_address_the_whole_pool() {
     // Eight pointers, wide ones among narrow ones, in pools of up to 2^20, up to 2^24 and more units.
     for (pool_units, last) in [(1 << 20, 0xf_fffe), (1 << 24, 0xff_fffe), (1 << 30, 0x3fff_fffe)] {
         let targets: [u32; 8] = std::array::from_fn(|p| if p % 3 == 0 { p as u32 } else { last - p as u32 });
@@ -81,9 +81,9 @@ fn packed_wide_slots_reach_as_far_as_the_pool_asks() {
 }
 
 #[test]
-fn packed_planes_hold_what_masks_do() {
-    // Each mask has eight voxels fewer lit than the one before, and none is shared. Eight masks take four planes. Two
-    // masks take as many units as two planes, so they are not stored as planes.
+fn packed_bit_planes_match_masks() {
+    // Each mask has eight voxels fewer lit than the one before, and none is shared. Eight masks take four
+    // planes. Two masks take as many units as two planes, so they are not stored as planes.
     for count in 1..=8_u32 {
         let leaf_masks: [u64; 8] = std::array::from_fn(|k| u64::MAX << (8 * (k as u32).min(count - 1) + 3));
         let cube = Cube::from_leaf_masks(&leaf_masks).unwrap();

@@ -1,10 +1,10 @@
-//! Validates a packed graph from an untrusted source: every pointer leads to a node of the level below, every unit
-//! belongs to one node, and everything is reachable.
+//! Validates a packed graph from an untrusted source: every pointer leads to a node of the level below, every
+//! unit belongs to one node, and everything is reachable.
 //!
-//! Pools are in the order of their levels, from 3 up. A node's pool pointers lead one level down, to nodes that have
-//! already been read, so one pass from the first unit to the last validates everything. Nodes inside others must begin
-//! where the one before ends. Whether equal nodes were merged and pools were sorted is not checked, since that affects
-//! the size and not the results.
+//! Pools are in the order of their levels, from 3 up. A node's pool pointers lead one level down, to nodes
+//! that have already been read, so one pass from the first unit to the last validates everything. Nodes
+//! inside others must begin where the one before ends. Whether equal nodes were merged and pools were sorted
+//! is not checked, since that affects the size and not the results.
 
 use crate::dag::packed::node::{Cube, Inner, Target, Unreadable, high_bits};
 use crate::dag::packed::{MAX_SHARED_LEAF_MASKS, MAX_UNITS, POOL_WORDS, PackedDag};
@@ -146,7 +146,8 @@ impl PackedDag {
     /// Cost: one pass over all units, and two bits of memory per unit.
     ///
     /// # Errors
-    /// Returns the first fault: first of the top's pools and columns, then of the nodes, then of the pointers to them.
+    /// Returns the first fault: first of the top's pools and columns, then of the nodes, then of the pointers
+    /// to them.
     pub fn validate(&self) -> Result<(), PackedError> {
         self.composition().map(|_| ())
     }
@@ -257,8 +258,8 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Checks a node of a pool that ends at `end`, with all nodes inside it. Returns the unit at which the node ends.
-    /// The recursion is at most as deep as there are levels.
+    /// Checks a node of a pool that ends at `end`, with all nodes inside it. Returns the unit at which the
+    /// node ends. The recursion is at most as deep as there are levels.
     fn node(&mut self, unit: usize, end: usize, level: u32) -> Result<usize, PackedError> {
         let units = &self.packed.units[unit..end];
         self.composition.nodes += 1;

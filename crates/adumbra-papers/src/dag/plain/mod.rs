@@ -9,12 +9,12 @@
 //! | leaf mask | 64 bits | visibility of 8 × 8 × 1 voxels, bit y·8 + x, 1 = lit |
 //!
 //! A node of level n spans 2^n voxels along each side. Above level 3, a node's child is
-//! `(x_bit << 2) | (y_bit << 1) | z_bit` and its pointers index `nodes`. At level 3, child c is the leaf mask at z = c
-//! and pointers index `leaf_masks`. All-lit and all-shadowed nodes do not occur, because their parents store that
-//! state. So a header without a mixed child occurs only if its children differ.
+//! `(x_bit << 2) | (y_bit << 1) | z_bit` and its pointers index `nodes`. At level 3, child c is the leaf mask
+//! at z = c and pointers index `leaf_masks`. All-lit and all-shadowed nodes do not occur, because their
+//! parents store that state. So a header without a mixed child occurs only if its children differ.
 //!
-//! Worked value: a level-3 node whose first two leaf masks are lit, the third mixed and the rest shadowed has the
-//! header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
+//! Worked value: a level-3 node whose first two leaf masks are lit, the third mixed and the rest shadowed has
+//! the header `0b00_00_00_00_00_10_01_01` = 0x0025 and one pointer.
 
 mod validate;
 
@@ -37,8 +37,8 @@ pub const STATE_MIXED: u32 = 2;
 
 /// A complete, canonically numbered graph.
 ///
-/// A look-up costs one step per level above 3, then two. Voxels outside the top grid are lit; the caller handles points
-/// outside the grid, see [`adumbra::query`].
+/// A look-up costs one step per level above 3, then two. Voxels outside the top grid are lit; the caller
+/// handles points outside the grid, see [`adumbra::query`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Dag {
     /// Number of voxels along x, y, z in use. The top grid may cover a little more.
@@ -56,7 +56,8 @@ pub struct Dag {
 }
 
 impl Dag {
-    /// Returns child `child` of the node at `word`: its state, or the index of its header, at level 3 of its leaf mask.
+    /// Returns child `child` of the node at `word`: its state, or the index of its header, at level 3 of its
+    /// leaf mask.
     fn step(&self, word: u32, child: u32) -> Descent {
         let header = self.nodes[word as usize];
         match header >> (2 * child) & 3 {

@@ -1,12 +1,12 @@
-//! Validates a graph from an untrusted source: every pointer leads to an existing node or leaf mask, every path ends,
-//! and the words are the only ones in which this graph can be written.
+//! Validates a graph from an untrusted source: every pointer leads to an existing node or leaf mask, every
+//! path ends, and the words are the only ones in which this graph can be written.
 //!
-//! Nodes are numbered in pre-order of first visit, so one walk proves all of this. The first pointer to a node must be
-//! the next free word. Every later pointer to it must name a header that the walk has already visited at the same
-//! level. A node without leaf masks below it may also be named at another level, because it means the same at every
-//! level that its height fits. A node is entered once, and each step goes down one level, so the walk takes time linear
-//! in the words and its depth is at most `root_level - 2`. Whether equal nodes were merged is not checked, since that
-//! affects the size and not the results.
+//! Nodes are numbered in pre-order of first visit, so one walk proves all of this. The first pointer to a
+//! node must be the next free word. Every later pointer to it must name a header that the walk has already
+//! visited at the same level. A node without leaf masks below it may also be named at another level, because
+//! it means the same at every level that its height fits. A node is entered once, and each step goes down one
+//! level, so the walk takes time linear in the words and its depth is at most `root_level - 2`. Whether equal
+//! nodes were merged is not checked, since that affects the size and not the results.
 
 use crate::dag::plain::{Dag, LIT, SHADOWED};
 use crate::dag::top_error::{TopError, check_count, check_dims};
@@ -81,8 +81,8 @@ pub enum GraphError {
         /// The pointer.
         pointer: u32,
     },
-    /// A node with leaf masks below it is used at two levels, or a node without any is used at a level below its
-    /// height. Every cycle is one of these.
+    /// A node with leaf masks below it is used at two levels, or a node without any is used at a level below
+    /// its height. Every cycle is one of these.
     #[error(
         "{place} points to node word {pointer} as a node of level {level}, but it is one of level {first_level}"
     )]
@@ -93,8 +93,8 @@ pub enum GraphError {
         pointer: u32,
         /// The level that this pointer requires.
         level: u32,
-        /// The level at which the node was visited first. For a node without leaf masks, the lowest level that its
-        /// height fits.
+        /// The level at which the node was visited first. For a node without leaf masks, the lowest level
+        /// that its height fits.
         first_level: u32,
     },
     /// Bits 31 to 16 of a header are not zero.
@@ -162,8 +162,8 @@ impl GraphError {
 }
 
 impl Dag {
-    /// Checks that every look-up in the graph terminates, and that the words are canonical: nodes are numbered in
-    /// pre-order of first visit, no node or leaf mask is uniform, and nothing is unreachable.
+    /// Checks that every look-up in the graph terminates, and that the words are canonical: nodes are
+    /// numbered in pre-order of first visit, no node or leaf mask is uniform, and nothing is unreachable.
     ///
     /// Cost: one pass over all words, and one byte of memory per node word.
     ///
@@ -190,15 +190,15 @@ impl Dag {
     }
 }
 
-/// Added to the height of a node without leaf masks below it, in `Walk::level_of`. Such a node means the same at
-/// every level that its height fits.
+/// Added to the height of a node without leaf masks below it, in `Walk::level_of`. Such a node means the same
+/// at every level that its height fits.
 const LEAF_MASK_FREE: u32 = 128;
 
 /// The pre-order walk. Everything below `nodes_seen` and `leaf_masks_seen` has been visited and is valid.
 struct Walk<'a> {
     dag: &'a Dag,
-    /// For the word of a header, the node's level, or [`LEAF_MASK_FREE`] plus its height. 0 for pointers and for words
-    /// that have not been visited.
+    /// For the word of a header, the node's level, or [`LEAF_MASK_FREE`] plus its height. 0 for pointers and
+    /// for words that have not been visited.
     level_of: Vec<u8>,
     nodes_seen: usize,
     leaf_masks_seen: usize,

@@ -15,8 +15,8 @@ fn by_position(xyz: [u32; 3], level: u32) -> u8 {
     (mix(u64::from(xyz[0]) << 42 | u64::from(xyz[1]) << 21 | u64::from(xyz[2])) >> 13) as u8 ^ level as u8
 }
 
-/// Returns the lowest voxel and the level of the cell, within a leaf of eight, that contains a voxel; `None` in a
-/// uniform leaf. Uses the words only.
+/// Returns the lowest voxel and the level of the cell, within a leaf of eight, that contains a voxel; `None`
+/// in a uniform leaf. Uses the words only.
 fn cell(tree: &VoxelTree, xyz: [u32; 3]) -> Option<([u32; 3], u32)> {
     let (mut node, mut level) = (tree.node(0), tree.depth());
     loop {
@@ -31,7 +31,7 @@ fn cell(tree: &VoxelTree, xyz: [u32; 3]) -> Option<([u32; 3], u32)> {
 
 proptest! {
     #[test]
-    fn attributes_survive_the_reduction(space in noisy_spaces()) {
+    fn attributes_are_equal_in_tree_and_reduced_graph(space in noisy_spaces()) {
         let whole = TreeBuilder::Recursive.tree(&space, space.depth, true).unwrap();
         let graph = sort(whole.clone()).0.number(space.depth);
         let whole = whole.number(space.depth);
@@ -59,7 +59,7 @@ proptest! {
     }
 
     #[test]
-    fn attributes_of_a_lossy_graph_are_at_its_own_leaf_voxels(space in noisy_spaces(), share in 0.0..0.5_f64) {
+    fn attributes_match_leaf_voxels_of_lossy_graph(space in noisy_spaces(), share in 0.0..0.5_f64) {
         let graph = sort(TreeBuilder::Pooled.tree(&space, space.depth, true).unwrap()).0.number(space.depth);
         let graph = lossy::merge_similar(&graph, share).unwrap().tree;
         let index = AttributeIndex::of(&graph).unwrap();
@@ -126,7 +126,7 @@ fn attribute_values_do_not_depend_on_threads() {
 }
 
 #[test]
-fn attribute_of_another_tree_is_no_panic() {
+fn attributes_do_not_panic_with_index_of_another_tree() {
     let (small, large) = (repeated(2), repeated(4));
     let [of_small, of_large] = [&small, &large].map(|t| AttributeIndex::of(t).unwrap());
     assert_eq!(gather(&large, &of_small, &by_position).len(), 64);

@@ -1,5 +1,5 @@
-//! Builds the tree with an explicit stack: each push allocates a frame on the heap and each pop frees it (the paper's
-//! §3.1.4).
+//! Builds the tree with an explicit stack: each push allocates a frame on the heap and each pop frees it (the
+//! paper's §3.1.4).
 
 use crate::tree::build::{BuiltNode, Classify, Work};
 use crate::tree::error::Result;
@@ -44,7 +44,8 @@ pub(crate) fn build<C: Classify, S: Sink>(work: &mut Work<'_, C, S>, depth: u32)
     walk(work, depth, &mut Heap)
 }
 
-/// Takes one step per iteration: descends into the next child, or finishes the node and hands it to its parent.
+/// Takes one step per iteration: descends into the next child, or finishes the node and hands it to its
+/// parent.
 pub(crate) fn walk<C: Classify, S: Sink>(
     work: &mut Work<'_, C, S>,
     depth: u32,

@@ -1,11 +1,11 @@
 //! Three ways to build the same tree, top down. Source: the paper's §3.1.2 to §3.1.4.
 //!
-//! Each cube is tested with a [`Classify`]. A cube that it cannot decide is subdivided, down to cells that are tested
-//! at their centre. Eight children that agree, ignoring free ones, collapse into their parent, all the way up (§3.1.2,
-//! §3.1.3). The three builders differ only in where they keep pending nodes: [`TreeBuilder::Recursive`] on the call stack,
-//! [`TreeBuilder::Iterative`] in one heap frame per push (§3.1.4), [`TreeBuilder::Pooled`] in frames that are reused.
-//! Departure: the paper pushes a frame for each voxel too; here all three builders test the eight voxels below a node
-//! within its frame.
+//! Each cube is tested with a [`Classify`]. A cube that it cannot decide is subdivided, down to cells that
+//! are tested at their centre. Eight children that agree, ignoring free ones, collapse into their parent, all
+//! the way up (§3.1.2, §3.1.3). The three builders differ only in where they keep pending nodes:
+//! [`TreeBuilder::Recursive`] on the call stack, [`TreeBuilder::Iterative`] in one heap frame per push
+//! (§3.1.4), [`TreeBuilder::Pooled`] in frames that are reused. Departure: the paper pushes a frame for each
+//! voxel too; here all three builders test the eight voxels below a node within its frame.
 
 mod iterative;
 mod pooled;
@@ -29,10 +29,11 @@ pub enum State {
     Free,
 }
 
-/// Classifies the space that a tree is built over. Cubes are given by their lowest voxel and their level; a cube has
-/// sides of 2^level voxels.
+/// Classifies the space that a tree is built over. Cubes are given by their lowest voxel and their level; a
+/// cube has sides of 2^level voxels.
 pub trait Classify {
-    /// Whether the cube is a cell, that is, tested at its centre and never subdivided. Every voxel (level 0) is a cell.
+    /// Whether the cube is a cell, that is, tested at its centre and never subdivided. Every voxel (level 0)
+    /// is a cell.
     fn is_cell(&self, xyz: [u32; 3], level: u32) -> bool {
         let _ = xyz;
         level == 0
@@ -41,8 +42,8 @@ pub trait Classify {
     /// Returns the state at the centre of a cell.
     fn cell(&self, xyz: [u32; 3], level: u32) -> State;
 
-    /// Returns the states of the eight children, all of them cells, of a cube of this level. Bit i of the first mask:
-    /// child i is lit; of the second: child i is free.
+    /// Returns the states of the eight children, all of them cells, of a cube of this level. Bit i of the
+    /// first mask: child i is lit; of the second: child i is free.
     fn eight(&self, xyz: [u32; 3], level: u32) -> [u8; 2] {
         let mut masks = [0; 2];
         for c in 0..8 {
@@ -55,8 +56,8 @@ pub trait Classify {
         masks
     }
 
-    /// Returns the state of a whole cube if it can be decided without its voxels. It must equal the state that the
-    /// voxels would give.
+    /// Returns the state of a whole cube if it can be decided without its voxels. It must equal the state
+    /// that the voxels would give.
     fn cube(&self, xyz: [u32; 3], level: u32) -> Option<State>;
 }
 
@@ -76,9 +77,9 @@ impl TreeBuilder {
     /// All three, in the order of the paper.
     pub const ALL: [Self; 3] = [Self::Recursive, Self::Iterative, Self::Pooled];
 
-    /// Builds the tree of `depth` levels into `sink` and returns its root. With `prune`, [`Classify::cube`] is called
-    /// for every cube that is not a cell. `watch` is called now and then, with the sink and the fraction of the space
-    /// that is done.
+    /// Builds the tree of `depth` levels into `sink` and returns its root. With `prune`, [`Classify::cube`]
+    /// is called for every cube that is not a cell. `watch` is called now and then, with the sink and the
+    /// fraction of the space that is done.
     ///
     /// # Errors
     /// Returns the errors of `watch`, and [`adumbra_bake::Error::TooManyWords`] if the sink is full.

@@ -9,7 +9,7 @@ use proptest::prelude::*;
 
 proptest! {
     #[test]
-    fn tree_builders_agree_and_answer_every_defined_voxel(space in spaces()) {
+    fn tree_builders_agree_and_match_every_defined_voxel(space in spaces()) {
         let depth = space.depth;
         let tree = TreeBuilder::Recursive.tree(&space, depth, false).unwrap();
         for builder in TreeBuilder::ALL {
@@ -76,7 +76,7 @@ fn tree_hash_collisions_are_counted_and_change_nothing() {
 }
 
 #[test]
-fn tree_refuses_words_that_are_no_tree() {
+fn tree_rejects_invalid_words() {
     use crate::tree::TreeError as E;
     let lit = Word::LIT.0;
     let mask = Word::leaf(3).0;

@@ -43,7 +43,7 @@ pub enum Error {
         /// The fault found.
         source: Box<TreeFileError>,
     },
-    /// A texture of words is not what an export wrote, or the words do not fit into textures.
+    /// A texture of words is not an intact export, or the words do not fit into textures.
     #[error("{path:?}: {source}", path = path.display())]
     WordTexture {
         /// The file of the page.
@@ -79,7 +79,8 @@ impl Error {
 }
 
 impl From<adumbra::Error> for Error {
-    /// Maps the faults of a file to [`Error::Io`] and [`Error::Format`], whichever part of the reader found them.
+    /// Maps the faults of a file to [`Error::Io`] and [`Error::Format`], whichever part of the reader found
+    /// them.
     fn from(error: adumbra::Error) -> Self {
         match error {
             adumbra::Error::Io(error) => Self::Io(error),

@@ -2,14 +2,14 @@
 
 use std::fmt::{self, Display};
 
-/// An option of a tree's bake that has a range. The list is complete, as that of `adumbra::RangeField` is.
+/// An option of a tree's bake that has a range. Like `adumbra::RangeField`, the enum is exhaustive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TreeOption {
     /// A term of the bias of a capture.
     CaptureBiasTerm,
     /// Nested squares of growing voxels.
     Rings,
-    /// A region with a depth of its own.
+    /// A region with its own depth.
     Region,
     /// Share of voxels that a lossy reduction may change.
     LossyShare,
@@ -31,7 +31,7 @@ impl fmt::Display for TreeOption {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{option}: {value} is out of range; it must be {range}")]
 pub struct OptionError {
-    /// What it is the value of.
+    /// The option that has the value.
     pub option: TreeOption,
     /// The value that was given.
     pub value: String,

@@ -17,7 +17,7 @@ pub enum TextureError {
         "{words} words need {pages} pages of this size, but an export has at most {MAX_PAGES} pages and 2^32 words; allow larger pages, or bake at a lower resolution"
     )]
     TooManyPages {
-        /// Number of words, those of the rest included.
+        /// Number of words, including those of `rest`.
         words: u64,
         /// Number of pages that they need.
         pages: u64,

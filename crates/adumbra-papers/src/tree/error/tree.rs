@@ -1,4 +1,5 @@
-//! Why words or bytes are not a tree, and why a light-aligned graph and a tree cannot be converted into each other.
+//! Why words or bytes are not a tree, and why a light-aligned graph and a tree cannot be converted into each
+//! other.
 
 use crate::dag::MAX_CONVERTED_ROOTS;
 use crate::dag::plain::GraphError;

@@ -43,8 +43,8 @@ impl TreeBody {
         }
     }
 
-    /// Decodes the body of a section with this code. The header check has already established that it is one of the two
-    /// codes.
+    /// Decodes the body of a section with this code. The header check has already established that it is one
+    /// of the two codes.
     pub(crate) fn read(code: u32, depth: u32, section: &[u8]) -> Result<Self, TreeFileError> {
         Ok(if code == WORDS {
             Self::Words(VoxelTree::from_words(depth, u32_words(section))?)

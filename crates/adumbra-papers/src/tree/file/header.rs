@@ -1,4 +1,5 @@
-//! The 320 bytes before the sections. The offsets are in `spec/adumbra-tree.md`; the fields are in file order.
+//! The 320 bytes before the sections. The offsets are in `spec/adumbra-tree.md`; the fields are in file
+//! order.
 
 use crate::tree::file::AttributeKind;
 use crate::tree::file::body::{SYMMETRIC, WORDS};
@@ -127,7 +128,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Checks every value. The writer calls it too, so that nothing is written that cannot be read.
+    /// Checks every value. The writer calls it too, so that it never writes an unreadable file.
     pub(crate) fn check(&self) -> Result<(), FormatError> {
         check_space(&self.space)?;
         if !(1..=self.space.depth).contains(&self.base_depth) {

@@ -9,8 +9,8 @@
 //! | body | 4 per word, or a stream | the tree |
 //! | attribute | 1 per leaf voxel, or none | a value besides the visibility |
 //!
-//! The structure is that of the light-aligned file, see [`mod@adumbra::file`]: little-endian, sections at multiples of
-//! 16, zeros in the gaps, one CRC-32 per section, exactly one file for given contents.
+//! The structure is that of the light-aligned file, see [`mod@adumbra::file`]: little-endian, sections at
+//! multiples of 16, zeros in the gaps, one CRC-32 per section, exactly one file for given contents.
 
 mod body;
 mod header;
@@ -40,8 +40,9 @@ pub struct TreeFile {
     pub regions: Regions,
     /// The voxels.
     pub body: TreeBody,
-    /// One byte per leaf voxel, in the order of a depth-first walk that visits children 0 to 7 of every occurrence of a
-    /// node, and voxels 0 to 7 of each leaf of eight. The length is [`crate::tree::leaf_voxels`]; empty = no attribute.
+    /// One byte per leaf voxel, in the order of a depth-first walk that visits children 0 to 7 of every
+    /// occurrence of a node, and voxels 0 to 7 of each leaf of eight. The length is
+    /// [`crate::tree::leaf_voxels`]; empty = no attribute.
     pub attribute: Vec<u8>,
     /// The meaning of the attribute bytes; `None` if there are none.
     pub attribute_kind: Option<AttributeKind>,

@@ -16,7 +16,7 @@ use adumbra::file::fields::{Decoder, field};
 use adumbra::file::sections::{bounds, read_file, split};
 
 impl TreeFile {
-    /// Whether the file at `path` begins as a tree file does.
+    /// Whether the file at `path` begins with the magic of tree files.
     ///
     /// # Errors
     /// Returns [`Error::Io`](crate::tree::Error::Io) if it cannot be read.
@@ -34,7 +34,8 @@ impl TreeFile {
     /// The header is read first, so a large file of another kind is refused without being read.
     ///
     /// # Errors
-    /// Returns [`Error::Io`] if the operating system refuses the read, and [`Error::Format`] if the file is not valid.
+    /// Returns [`Error::Io`] if the operating system refuses the read, and [`Error::Format`] if the file is
+    /// not valid.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes = read_file(path, TREE_HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes()))?;
@@ -44,8 +45,8 @@ impl TreeFile {
 
     /// Decodes and checks a whole file.
     ///
-    /// Cost: time linear in `bytes`; memory for the decoded parts, plus at most one and a half bytes per word during
-    /// the check.
+    /// Cost: time linear in `bytes`; memory for the decoded parts, plus at most one and a half bytes per word
+    /// during the check.
     ///
     /// # Errors
     /// Returns the fault found, with the values. Any bytes that are not exactly one valid file are refused.
@@ -67,12 +68,13 @@ impl TreeFile {
         })
     }
 
-    /// Rebuilds the file that [`TreeFile::without_words`] took apart: `rest` with `words` as its body. The words may
-    /// have been stored separately, as a texture; the checksums show whether they are the right ones.
+    /// Rebuilds the file that [`TreeFile::without_words`] took apart: `rest` with `words` as its body. The
+    /// words may have been stored separately, as a texture; the checksums show whether they are the right
+    /// ones.
     ///
     /// # Errors
-    /// Returns the errors of [`TreeFile::from_bytes`], and an error if the number of words differs from the header's or
-    /// the body of the file is not words.
+    /// Returns the errors of [`TreeFile::from_bytes`], and an error if the number of words differs from the
+    /// header's or the body of the file is not words.
     pub fn with_words(rest: &[u8], words: &[u32]) -> Result<Self, TreeFileError> {
         let header = Header::parse(rest)?;
         if header.body_code != WORDS {

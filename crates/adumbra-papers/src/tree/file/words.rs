@@ -1,5 +1,6 @@
-//! Converts between a [`DagFile`] and the words of the paper's tree plus the header of the file. The checksums in
-//! the header are those of the sections, so they show that a file rebuilt from words is the same file.
+//! Converts between a [`DagFile`] and the words of the paper's tree plus the header of the file. The
+//! checksums in the header are those of the sections, so they show that a file rebuilt from words is the same
+//! file.
 
 use adumbra::FormatError;
 
@@ -10,14 +11,16 @@ use crate::tree::error::WordsError;
 use crate::tree::graph::VoxelTree;
 use crate::tree::light::{dag_of_tree, tree_depth};
 
-/// Returns the tree of the graph of a file, and the bytes that [`file_of_words`] needs besides its words: the header.
+/// Returns the tree of the graph of a file, and the bytes that [`file_of_words`] needs besides its words: the
+/// header.
 ///
 /// # Errors
-/// Returns [`WordsError`] if the file is not valid, the tree would be too deep, or the reverse conversion would give
-/// other bytes.
+/// Returns [`WordsError`] if the file is not valid, the tree would be too deep, or the reverse conversion
+/// would give other bytes.
 pub fn words_of(file: &DagFile) -> Result<(VoxelTree, Vec<u8>), WordsError> {
     let header = file.header()?.encode();
-    // Checked before the graph is made: the graph of a file in another layout can be arbitrarily larger than the file.
+    // Checked before the graph is made: the graph of a file in another layout can be arbitrarily larger than
+    // the file.
     let (size, root_level, _) = file.body.space();
     tree_depth(size, root_level)?;
     let tree = VoxelTree::from_dag(&*graph_of(&file.body)?)?;

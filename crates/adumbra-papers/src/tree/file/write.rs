@@ -17,8 +17,8 @@ impl TreeFile {
     /// Writes the file to `out` in pieces and returns the number of bytes.
     ///
     /// # Errors
-    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`TreeFileError`] if the contents are not
-    /// valid.
+    /// Returns the errors of `out`, and [`ErrorKind::InvalidData`] with a [`TreeFileError`] if the contents
+    /// are not valid.
     pub fn write_to(&self, out: &mut impl Write) -> io::Result<u64> {
         self.check().map_err(|e| io::Error::new(ErrorKind::InvalidData, e))?;
         self.emit(None, &mut |bytes| out.write_all(bytes))?;

@@ -1,6 +1,7 @@
-//! Chooses which blocks of one height are replaced, and by which. The order is by cost per block saved, lowest first;
-//! then targets that stay anyway; then targets that most other blocks resemble, so that many merge into one. A block
-//! that has replaced another stays, and a block that has been replaced is no longer a target.
+//! Chooses which blocks of one height are replaced, and by which. The order is by cost per block saved,
+//! lowest first; then targets that stay anyway; then targets that most other blocks resemble, so that many
+//! merge into one. A block that has replaced another stays, and a block that has been replaced is no longer a
+//! target.
 
 use crate::tree::lossy::candidate::Candidate;
 use crate::tree::lossy::facts::Facts;

@@ -1,6 +1,6 @@
-//! Counts the voxels in which two trees differ, exactly. Voxels of the expanded tree count, so a block with a thousand
-//! occurrences counts a thousand times. The count does not depend on how a tree was made, so it verifies a lossy merge
-//! independently.
+//! Counts the voxels in which two trees differ, exactly. Voxels of the expanded tree count, so a block with a
+//! thousand occurrences counts a thousand times. The count does not depend on how a tree was made, so it
+//! verifies a lossy merge independently.
 //!
 //! The count cannot overflow: a tree of [`crate::tree::MAX_DEPTH`] levels has 2^45 voxels.
 
@@ -9,11 +9,11 @@ use hashbrown::HashMap;
 use crate::tree::graph::VoxelTree;
 use crate::tree::word::{Node, Word};
 
-/// Returns the number of voxels of the finest level in which two trees of equal depth differ, or the number of all
-/// voxels of the deeper tree if the depths differ.
+/// Returns the number of voxels of the finest level in which two trees of equal depth differ, or the number
+/// of all voxels of the deeper tree if the depths differ.
 ///
-/// Cost: one comparison per pair of blocks compared. Pairs are cached only if the block of the first tree occurs
-/// several times; the others are compared once.
+/// Cost: one comparison per pair of blocks compared. Pairs are cached only if the block of the first tree
+/// occurs several times; the others are compared once.
 pub fn changed_voxels(a: &VoxelTree, b: &VoxelTree) -> u64 {
     if a.depth() != b.depth() {
         return 1 << (3 * a.depth().max(b.depth()));
@@ -67,8 +67,8 @@ fn child(tree: &VoxelTree, word: Word, c: u32) -> Word {
     }
 }
 
-/// Returns for each block whether it occurs more than once: blocks that several words point to, and all blocks below
-/// them.
+/// Returns for each block whether it occurs more than once: blocks that several words point to, and all
+/// blocks below them.
 fn shared(tree: &VoxelTree) -> Vec<bool> {
     let block_of = |word: &u32| Word(*word).inner().map(|index| index as usize / 8);
     let mut met = vec![false; tree.words().len() / 8];

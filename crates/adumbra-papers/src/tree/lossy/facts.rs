@@ -1,9 +1,9 @@
-//! What a lossy merge stores about each block.
+//! Facts about each block that a lossy merge stores.
 
 use crate::tree::word::{Node, Word};
 
-/// Upper bound of how much a share of lit voxels is too low: it is exact up to level 10, and each level above rounds
-/// down.
+/// Upper bound of how much a share of lit voxels is too low: it is exact up to level 10, and each level above
+/// rounds down.
 pub(crate) const LIT_ERROR: u64 = 4;
 
 /// Properties of a block of the new graph.

@@ -1,13 +1,13 @@
-//! Trades a few changed voxels for a smaller graph: blocks that occur once are replaced by similar blocks that exist
-//! anyway. Source: van der Laan, Scandolo, Eisemann, *Lossy Geometry Compression for High Resolution Voxel Scenes*
-//! (2020); the paper's §1.3.
+//! Trades a few changed voxels for a smaller graph: blocks that occur once are replaced by similar blocks
+//! that exist anyway. Source: van der Laan, Scandolo, Eisemann, *Lossy Geometry Compression for High
+//! Resolution Voxel Scenes* (2020); the paper's §1.3.
 //!
-//! As in the source, only blocks that occur once are replaced, leaves of eight voxels are not merged with similar
-//! leaves, and many similar blocks are replaced by one that stays. Departures: the cost of a merge is the number of
-//! voxels that it changes in the world, so the caller can set a bound on the total change. Similar blocks are found by
-//! sorting, not in a graph of all pairs. Merges with the lowest cost per byte saved are made first, over several
-//! rounds. The authors cluster by a Markov process; here the block that most others resemble is the centre of a
-//! cluster.
+//! As in the source, only blocks that occur once are replaced, leaves of eight voxels are not merged with
+//! similar leaves, and many similar blocks are replaced by one that stays. Departures: the cost of a merge is
+//! the number of voxels that it changes in the world, so the caller can set a bound on the total change.
+//! Similar blocks are found by sorting, not in a graph of all pairs. Merges with the lowest cost per byte
+//! saved are made first, over several rounds. The authors cluster by a Markov process; here the block that
+//! most others resemble is the centre of a cluster.
 //!
 //! | file | content |
 //! |---|---|
@@ -41,18 +41,20 @@ pub struct Lossy {
     pub tree: VoxelTree,
     /// The change allowed and the change made.
     pub change: LossyChange,
-    /// Number of blocks replaced by a similar one. The graph may have lost more blocks: parents that became equal.
+    /// Number of blocks replaced by a similar one. The graph may have lost more blocks: parents that became
+    /// equal.
     pub merged_blocks: u64,
 }
 
-/// Limits on the cost per block saved, in quarters of a voxel, one round each, so that cheap merges at all heights
-/// precede expensive ones at any height. Below one voxel per block only subtrees of several blocks can be replaced.
+/// Limits on the cost per block saved, in quarters of a voxel, one round each, so that cheap merges at all
+/// heights precede expensive ones at any height. Below one voxel per block only subtrees of several blocks
+/// can be replaced.
 const QUARTERS_PER_BLOCK: [u64; 10] = [2, 4, 8, 16, 32, 64, 128, 256, 512, 1024];
 
-/// Merges similar blocks as long as at most `max_share` of the tree's leaf voxels change: never more than `max_share`
-/// times [`leaf_voxels`] voxels, as [`changed_voxels`] counts them between `tree` and the result. A changed cell above
-/// the lowest level counts as all the finest voxels in it, though it counts once among the leaf voxels, which makes the
-/// bound stricter. A share of 0 only reduces the tree.
+/// Merges similar blocks as long as at most `max_share` of the tree's leaf voxels change: never more than
+/// `max_share` times [`leaf_voxels`] voxels, as [`changed_voxels`] counts them between `tree` and the result.
+/// A changed cell above the lowest level counts as all the finest voxels in it, though it counts once among
+/// the leaf voxels, which makes the bound stricter. A share of 0 only reduces the tree.
 ///
 /// The result depends on the tree and the share alone, not on the number of threads.
 ///

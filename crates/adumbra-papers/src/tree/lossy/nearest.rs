@@ -14,7 +14,7 @@ pub(crate) struct Offer {
     pub(crate) cells: u32,
 }
 
-/// No target: more expensive than any.
+/// Marks a missing target. It costs more than any target.
 const NONE: (u32, u32) = (u32::MAX, u32::MAX);
 
 /// For each block from `first` on, its targets as (cells, block), fewest cells first.

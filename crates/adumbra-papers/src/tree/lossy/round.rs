@@ -1,5 +1,5 @@
-//! One bottom-up walk. At each height, blocks are pointed to the replacements of their children, and equal blocks are
-//! merged. Of the similar blocks, those that occur once are replaced if the cost is low enough.
+//! One bottom-up walk. At each height, blocks are pointed to the replacements of their children, and equal
+//! blocks are merged. Of the similar blocks, those that occur once are replaced if the cost is low enough.
 
 use crate::tree::blocks::Blocks;
 use crate::tree::error::Result;
@@ -16,7 +16,8 @@ pub(crate) struct Round {
     pub(crate) merged: u64,
 }
 
-/// Merges at a cost of at most `limit` quarters of a voxel per block saved, and at most `budget` voxels in total.
+/// Merges at a cost of at most `limit` quarters of a voxel per block saved, and at most `budget` voxels in
+/// total.
 pub(crate) fn merge(graph: Blocks, depth: u32, limit: u64, budget: u64) -> Result<Round> {
     let Blocks { root, blocks: old } = graph;
     let standing = standing(root, &old, depth);
@@ -80,8 +81,8 @@ fn standing(root: Word, blocks: &[[Word; 8]], depth: u32) -> Vec<u8> {
     standing
 }
 
-/// Groups blocks by height: blocks of leaves only have height 0, others are one above their highest child. Each group
-/// keeps the given order.
+/// Groups blocks by height: blocks of leaves only have height 0, others are one above their highest child.
+/// Each group keeps the given order.
 fn by_height(blocks: &[[Word; 8]]) -> Vec<Vec<u32>> {
     let mut heights = vec![0_u8; blocks.len()];
     let mut lists: Vec<Vec<u32>> = Vec::new();

@@ -1,9 +1,9 @@
-//! Finds blocks of one height that resemble each other. They are sorted several times, each time with another part of
-//! them as the least significant bits, so that blocks that differ only in that part become neighbours. Each block is
-//! compared with the next few.
+//! Finds blocks of one height that resemble each other. They are sorted several times, each time with another
+//! part of them as the least significant bits, so that blocks that differ only in that part become
+//! neighbours. Each block is compared with the next few.
 //!
-//! The *image* of a block is 64 bits, one per grandchild: whether it is lit, or mostly lit. A block of leaves is
-//! identical to its image.
+//! The *image* of a block is 64 bits, one per grandchild: whether it is lit, or mostly lit. A block of leaves
+//! is identical to its image.
 
 use rayon::prelude::*;
 
@@ -15,7 +15,8 @@ use adumbra_scene::random::mix;
 
 /// Number of neighbours in sorted order that a block is compared with.
 const WINDOW: usize = 8;
-/// Maximum number of differing bits between the images of two blocks of blocks for their voxels to be compared.
+/// Maximum number of differing bits between the images of two blocks of blocks for their voxels to be
+/// compared.
 const IMAGE_BITS: u32 = 8;
 /// Number of blocks in a piece, which one thread processes.
 const PART: usize = 1 << 11;
@@ -27,14 +28,14 @@ const BATCH: usize = 1 << 5;
 struct Entry {
     key: u64,
     block: u32,
-    /// Maximum number of changed cells, in cells of this height: 8^(level - lowest level) voxels each. 0 for a block
-    /// that must stay.
+    /// Maximum number of changed cells, in cells of this height: 8^(level - lowest level) voxels each. 0 for
+    /// a block that must stay.
     may_change: u32,
 }
 
-/// Returns pairs of similar blocks among the blocks from `first` on, all of `height` (0 = blocks of leaves). The source
-/// of a pair occurs once, and replacing it costs at most `limit` quarters of a voxel per block that goes with it, and
-/// at most `left` voxels in total.
+/// Returns pairs of similar blocks among the blocks from `first` on, all of `height` (0 = blocks of leaves).
+/// The source of a pair occurs once, and replacing it costs at most `limit` quarters of a voxel per block
+/// saved, and at most `left` voxels in total.
 pub(crate) fn find(
     blocks: &[[Word; 8]],
     facts: &[Facts],
@@ -90,8 +91,8 @@ pub(crate) fn find(
     nearest.candidates(|source, cells| cells << cell_bits(&facts[source as usize]))
 }
 
-/// Sorts by `key`, and offers each block the next few, at a distance of `cells`. `cells` may stop counting once it
-/// exceeds the number it receives.
+/// Sorts by `key`, and offers each block the next few, at a distance of `cells`. `cells` may stop counting
+/// once it exceeds the number it receives.
 fn compare(
     entries: &mut [Entry],
     nearest: &mut Nearest,
@@ -154,8 +155,8 @@ fn image(words: &[Word; 8], blocks: &[[Word; 8]], facts: &[Facts]) -> u64 {
     })
 }
 
-/// Returns the number of voxels in which two nodes of the same level differ, or some number above `at_most` if it is
-/// higher.
+/// Returns the number of voxels in which two nodes of the same level differ, or some number above `at_most`
+/// if it is higher.
 pub(crate) fn difference(
     blocks: &[[Word; 8]],
     facts: &[Facts],
@@ -175,7 +176,8 @@ pub(crate) fn difference(
         Node::Uniform(_) => w,
     };
     let pairs: [[Word; 2]; 8] = std::array::from_fn(|c| [child(a, c), child(b, c)]);
-    // Children differ by at least the difference of their lit voxel counts, which is enough to reject most pairs.
+    // Children differ by at least the difference of their lit voxel counts, which is enough to reject most
+    // pairs.
     let at_least = |[a, b]: &[Word; 2]| {
         let apart = lit(*a, facts).abs_diff(lit(*b, facts)).saturating_sub(LIT_ERROR);
         (u128::from(apart) << (3 * (level - 1)) >> 32) as u64

@@ -31,7 +31,7 @@ fn differing(a: &VoxelTree, b: &VoxelTree) -> u64 {
 
 proptest! {
     #[test]
-    fn lossy_changes_no_more_than_it_may_and_says_how_much(space in noisy_spaces(), share in 0.0..1.0_f64) {
+    fn lossy_stays_within_share_and_reports_exact_change(space in noisy_spaces(), share in 0.0..1.0_f64) {
         let tree = reduced(&space);
         let out = merge_similar(&tree, share).unwrap();
         let words = out.tree.words().to_vec();
@@ -50,7 +50,7 @@ proptest! {
     }
 
     #[test]
-    fn lossy_leaf_voxels_are_those_below_leaves_of_eight(space in noisy_spaces()) {
+    fn leaf_voxels_match_cells_of_leaves_of_eight(space in noisy_spaces()) {
         let tree = reduced(&space);
         let cells = all_voxels(space.depth).filter(|&xyz| {
             let (mut node, mut level) = (tree.node(0), tree.depth());
@@ -65,7 +65,7 @@ proptest! {
     }
 
     #[test]
-    fn lossy_with_no_share_changes_nothing(space in noisy_spaces()) {
+    fn lossy_with_zero_share_keeps_tree(space in noisy_spaces()) {
         let tree = reduced(&space);
         let out = merge_similar(&tree, 0.0).unwrap();
         prop_assert_eq!(out.change.changed_voxels, 0);
@@ -74,7 +74,7 @@ proptest! {
     }
 
     #[test]
-    fn lossy_counts_the_difference_of_any_two_trees(a in noisy_spaces(), b in noisy_spaces()) {
+    fn changed_voxels_match_comparison_voxel_by_voxel(a in noisy_spaces(), b in noisy_spaces()) {
         let [x, y] = [&a, &b].map(reduced);
         let expected = if a.depth == b.depth { differing(&x, &y) } else { 1 << (3 * a.depth.max(b.depth)) };
         prop_assert_eq!(changed_voxels(&x, &y), expected);
@@ -84,7 +84,7 @@ proptest! {
 
 proptest! {
     #[test]
-    fn lossy_costs_are_the_voxels_that_differ(space in noisy_spaces()) {
+    fn lossy_cost_equals_number_of_differing_voxels(space in noisy_spaces()) {
         let tree = reduced(&space);
         let Blocks { root, blocks } = Blocks::of(&tree);
         let Node::Inner(root) = root.node() else { return Ok(()) };
@@ -136,7 +136,7 @@ fn lossy_worked_example() {
 }
 
 #[test]
-fn lossy_gathers_many_around_the_block_that_most_resemble() {
+fn lossy_merges_similar_blocks_into_central_block() {
     // Five blocks that occur once each. Four differ from the third in one voxel, and from each other in two.
     let mut blocks = Interned::default();
     let [a, b, c, d, e] = [0x01, 0x05, 0x11, 0x21, 0x41]
@@ -151,9 +151,9 @@ fn lossy_gathers_many_around_the_block_that_most_resemble() {
 }
 
 #[test]
-fn lossy_takes_whole_subtrees() {
-    // Two blocks of blocks that share all but one child. Each occurs once together with that child, so replacing one
-    // removes two blocks.
+fn lossy_replaces_whole_subtrees() {
+    // Two blocks of blocks that share all but one child. Each occurs once together with that child, so
+    // replacing one removes two blocks.
     let mut blocks = Interned::default();
     let low = |blocks: &mut Interned, m: u8| blocks.block(&[m, m, m, m, 0, 0, 0, 0].map(Word::leaf)).unwrap();
     let [shared, one, other] = [0x0f, 0x33, 0x37].map(|m| low(&mut blocks, m));
@@ -180,7 +180,7 @@ fn lossy_does_not_depend_on_threads() {
 }
 
 #[test]
-fn lossy_takes_trees_of_one_leaf() {
+fn lossy_accepts_trees_of_one_leaf() {
     for word in [Word::LIT, Word::SHADOWED, Word::leaf(7)] {
         let tree = VoxelTree::from_words(15, vec![word.0]).unwrap();
         assert_eq!(merge_similar(&tree, 1.0).unwrap().tree, tree);

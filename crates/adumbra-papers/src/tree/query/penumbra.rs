@@ -15,8 +15,8 @@ pub struct PenumbraQuery<'t> {
 }
 
 impl<'t> PenumbraQuery<'t> {
-    /// `eighths` are the attribute bytes of `tree`, which must be the tree that `query` looks up. Cost: one walk over
-    /// the graph, four bytes per word.
+    /// `eighths` are the attribute bytes of `tree`, which must be the tree that `query` looks up. Cost: one
+    /// walk over the graph, four bytes per word.
     ///
     /// # Errors
     /// Returns an error if the tree has 2^32 leaf voxels or more.
@@ -24,8 +24,8 @@ impl<'t> PenumbraQuery<'t> {
         Ok(Self { query, tree, index: AttributeIndex::of(tree)?, eighths })
     }
 
-    /// Returns the width of the sun's penumbra in world units if a shadow border passes through the voxel that answers
-    /// this point, else `None`.
+    /// Returns the width of the sun's penumbra in world units if a shadow border passes through the voxel
+    /// that answers this point, else `None`.
     pub fn width(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<f64> {
         let voxel = self.query.voxel_at(p_world, normal)?;
         let eighths = *self.eighths.get(self.index.locate(self.tree, voxel)? as usize)?;

@@ -1,5 +1,5 @@
-//! The cell size of a tree in plan. The regions are cut at all their edges into rectangles of one level each, so that a
-//! look-up, here or in a shader, searches a small table instead of the regions.
+//! The cell size of a tree in plan. The regions are cut at all their edges into rectangles of one level each,
+//! so that a look-up, here or in a shader, searches a small table instead of the regions.
 
 use crate::tree::space::{Regions, TreeSpace};
 
@@ -11,7 +11,8 @@ pub struct PlanLevels {
 }
 
 impl PlanLevels {
-    /// Builds the rectangles of `regions` on `space`. At each point the deepest region that contains it counts.
+    /// Builds the rectangles of `regions` on `space`. At each point the deepest region that contains it
+    /// counts.
     pub fn new(space: &TreeSpace, regions: &Regions) -> Self {
         let list = regions.in_voxels(space);
         let side = space.side_voxels();
@@ -40,7 +41,8 @@ impl PlanLevels {
         Self { edges, levels }
     }
 
-    /// Boundaries between rectangles in voxels, ascending: along x, along z. The faces of the cube are not included.
+    /// Boundaries between rectangles in voxels, ascending: along x, along z. The faces of the cube are not
+    /// included.
     pub fn edges(&self) -> [&[u32]; 2] {
         [&self.edges[0], &self.edges[1]]
     }
@@ -50,8 +52,8 @@ impl PlanLevels {
         &self.levels
     }
 
-    /// Returns the level of the coarsest cells that the range `x[0]..=x[1]`, `z[0]..=z[1]`, in voxels, touches. Outside
-    /// the cube, the level at its border applies.
+    /// Returns the level of the coarsest cells that the range `x[0]..=x[1]`, `z[0]..=z[1]`, in voxels,
+    /// touches. Outside the cube, the level at its border applies.
     pub(crate) fn coarsest_over(&self, x: [f64; 2], z: [f64; 2]) -> u32 {
         let cells = |axis: usize, range: [f64; 2]| {
             let place = |c: f64| self.edges[axis].partition_point(|edge| f64::from(*edge) <= c);

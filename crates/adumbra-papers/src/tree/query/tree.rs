@@ -1,10 +1,11 @@
 //! Visibility of points from a world-aligned tree, with voxel PCF. Source: the paper's §4.
 //!
-//! World point → bias along the light → voxel → 1, 3 × 3 × 3 or 5 × 5 × 5 voxels around it, with weights. Departures:
-//! if the normal is known, taps whose centre is behind the receiver's plane are skipped, because all of them are in the
-//! receiver's own shadow. If a tree has several depths, the whole kernel uses one voxel size, the coarsest within its
-//! reach, so that neither bias nor kernel changes along the seam. Computations up to bias and entry into the cube use
-//! `f64`; those after it use integers, see [`TreeReceiver`].
+//! World point → bias along the light → voxel → 1, 3 × 3 × 3 or 5 × 5 × 5 voxels around it, with weights.
+//! Departures: if the normal is known, taps whose centre is behind the receiver's plane are skipped, because
+//! all of them are in the receiver's own shadow. If a tree has several depths, the whole kernel uses one
+//! voxel size, the coarsest within its reach, so that neither bias nor kernel changes along the seam.
+//! Computations up to bias and entry into the cube use `f64`; those after it use integers, see
+//! [`TreeReceiver`].
 
 use crate::tree::error::Result;
 use crate::tree::query::plan::PlanLevels;
@@ -98,21 +99,21 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         Self { all_taps: true, ..self }
     }
 
-    /// Returns the visibility of a world point, 1 = lit. `normal` is the unit normal of the surface at the point, if
-    /// the point is on a surface.
+    /// Returns the visibility of a world point, 1 = lit. `normal` is the unit normal of the surface at the
+    /// point, if the point is on a surface.
     ///
-    /// A point beside the cube or sunward of it is lit. A point behind it has the visibility of the point where its sun
-    /// ray enters the cube. A point that is not finite, or is 10^9 voxels away or farther, is lit. Cost: one path per
-    /// tap.
+    /// A point beside the cube or sunward of it is lit. A point behind it has the visibility of the point
+    /// where its sun ray enters the cube. A point that is not finite, or is 10^9 voxels away or farther, is
+    /// lit. Cost: one path per tap.
     pub fn visibility(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> f32 {
         let Some(receiver) = self.receiver(p_world, normal) else { return 1.0 };
         let [lit, weights] = self.lit_weights(&receiver);
         lit as f32 / weights as f32
     }
 
-    /// Returns the receiver of a point: the point moved by the bias and, if needed, to where its sun ray enters the
-    /// cube. Returns `None` if the point is lit because that ray misses the cube or because it is not finite. A normal
-    /// with a component that is not finite counts as unknown.
+    /// Returns the receiver of a point: the point moved by the bias and, if needed, to where its sun ray
+    /// enters the cube. Returns `None` if the point is lit because that ray misses the cube or because it is
+    /// not finite. A normal with a component that is not finite counts as unknown.
     pub fn receiver(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<TreeReceiver> {
         let normal = finite(normal);
         let p_tree = self.space.to_tree(p_world);
@@ -128,7 +129,8 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         Some(TreeReceiver::new(inside, self.space.side_voxels(), level, n, height))
     }
 
-    /// Returns the sum of the weights of the lit taps, and of all taps that count. A shader computes the same integers.
+    /// Returns the sum of the weights of the lit taps, and of all taps that count. A shader computes the same
+    /// integers.
     pub fn lit_weights(&self, r: &TreeReceiver) -> [u32; 2] {
         let (cell, plane) = (r.cell(), r.plane());
         let (mut lit, mut weights) = (0, 0);
@@ -150,14 +152,14 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         [lit, weights]
     }
 
-    /// Returns the level of the cube in which the look-up of the centre tap ends; the cube has sides of 2^level voxels.
-    /// A shader computes the same level.
+    /// Returns the level of the cube in which the look-up of the centre tap ends; the cube has sides of
+    /// 2^level voxels. A shader computes the same level.
     pub fn end_level(&self, r: &TreeReceiver) -> u32 {
         self.tree.find(self.voxel_of(r.cell(), r.level)).1
     }
 
-    /// Returns the voxel at the centre of the kernel for this point, or `None` if the point is lit because its sun ray
-    /// misses the cube or because it is not finite.
+    /// Returns the voxel at the centre of the kernel for this point, or `None` if the point is lit because
+    /// its sun ray misses the cube or because it is not finite.
     pub fn voxel_at(&self, p_world: [f64; 3], normal: Option<[f64; 3]>) -> Option<[u32; 3]> {
         let receiver = self.receiver(p_world, normal)?;
         Some(self.voxel_of(receiver.cell(), receiver.level))
@@ -179,8 +181,8 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         &self.space
     }
 
-    /// Returns the voxel in the middle of a cell with sides of 2^level voxels; for a cell outside the cube, that of the
-    /// nearest cell inside.
+    /// Returns the voxel in the middle of a cell with sides of 2^level voxels; for a cell outside the cube,
+    /// that of the nearest cell inside.
     fn voxel_of(&self, cell: [i32; 3], level: u32) -> [u32; 3] {
         let last = (self.space.side_voxels() >> level) as i32 - 1;
         let half = (1 << level) >> 1;
@@ -204,7 +206,8 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
         std::array::from_fn(|a| p_tree[a] + cell * (self.towards_sun[a] * along + offset[a]))
     }
 
-    /// Returns the first point of a sun ray that is inside the cube, in voxels, or `None` if the ray misses the cube.
+    /// Returns the first point of a sun ray that is inside the cube, in voxels, or `None` if the ray misses
+    /// the cube.
     fn entered(&self, p_tree: [f64; 3]) -> Option<[f64; 3]> {
         let side = f64::from(self.space.side_voxels());
         let last = side - 1e-6;
@@ -226,8 +229,8 @@ impl<'t, T: Voxels> TreeQuery<'t, T> {
             .then(|| std::array::from_fn(|a| (p_tree[a] + self.towards_sun[a] * from).clamp(0.0, last)))
     }
 
-    /// Returns the level of the coarsest cells within reach of the kernel, around the point, its lifted position and
-    /// everything between.
+    /// Returns the level of the coarsest cells within reach of the kernel, around the point, its lifted
+    /// position and all points between them.
     fn level(&self, p_tree: [f64; 3], normal: Option<[f64; 3]>) -> u32 {
         let mut level = self.plan.coarsest_over([p_tree[0]; 2], [p_tree[2]; 2]);
         loop {

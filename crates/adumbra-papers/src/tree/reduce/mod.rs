@@ -1,8 +1,8 @@
 //! Reduces a tree to a graph: equal subtrees are stored once. Source: the paper's §3.2.
 //!
-//! [`sort`] takes a whole tree and merges equal blocks height by height. [`Interned`] and [`tree_hash::TreeHashed`]
-//! receive blocks while a builder produces them and never hold a subtree twice. All three compare contents in full, so
-//! all three give the same graph once it is numbered.
+//! [`sort`] takes a whole tree and merges equal blocks height by height. [`Interned`] and
+//! [`tree_hash::TreeHashed`] receive blocks while a builder produces them and never hold a subtree twice. All
+//! three compare contents in full, so all three give the same graph once it is numbered.
 
 mod hash;
 mod sort;
@@ -27,7 +27,7 @@ pub trait Sink {
     fn memory_bytes(&self) -> u64;
 }
 
-/// Keeps every block as it comes: the tree itself.
+/// Keeps every block, in the order received: the whole tree.
 impl Sink for Vec<[Word; 8]> {
     fn block(&mut self, words: &[Word; 8]) -> Result<Word> {
         let word = next_word(self.len())?;

@@ -1,13 +1,13 @@
-//! Reduces a whole tree to a graph by sorting, bottom up. Source: Kämpe, Sintorn, Assarsson 2013, as in the paper's
-//! §3.2.1: the eight words of a block are one 256-bit key. Leaves of eight voxels are words in the block of their
-//! parent, so they need no sorting of their own. Departure: blocks are sorted by height above the leaves, not by depth
-//! below the root, so equal subtrees at different depths merge too, as they do by hash.
+//! Reduces a whole tree to a graph by sorting, bottom up. Source: Kämpe, Sintorn, Assarsson 2013, as in the
+//! paper's §3.2.1: the eight words of a block are one 256-bit key. Leaves of eight voxels are words in the
+//! block of their parent, so they are not sorted separately. Departure: blocks are sorted by height above the
+//! leaves, not by depth below the root, so equal subtrees at different depths merge too, as they do by hash.
 
 use crate::tree::blocks::Blocks;
 use crate::tree::word::Word;
 
-/// Merges equal blocks of `tree`; also returns the peak number of bytes held. Cost: n log n; besides the tree, a copy
-/// of the largest height, and one word and one byte per block.
+/// Merges equal blocks of `tree`; also returns the peak number of bytes held. Cost: n log n; besides the
+/// tree, a copy of the largest height, and one word and one byte per block.
 pub fn sort(tree: Blocks) -> (Blocks, u64) {
     let Blocks { root, blocks: tree } = tree;
     let mut heights = vec![0_u8; tree.len()];

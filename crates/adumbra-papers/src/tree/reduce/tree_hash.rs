@@ -1,10 +1,11 @@
 //! The paper's tree hash (3-5, 3-6): a subtree's hash from the hashes and sizes of its children.
 //!
-//! `hash = Σ c_i · prime[size_i mod max] · hash_i (mod m)`, `size = Σ size_i`. Chosen here: m = 2^61 - 1, a prime; c_i,
-//! eight primes below 2^60 drawn at random, so that no two sums of few of them are equal; 1,021 table primes from
-//! 65,537 up; leaf hashes 1 (shadowed) and 2 (lit); leaf size 1 at any level. A leaf of eight voxels counts as a node
-//! of eight leaves. Different subtrees may have the same hash. Subtrees are merged only if their contents are equal,
-//! and every comparison that finds them different is counted as a collision.
+//! `hash = Σ c_i · prime[size_i mod max] · hash_i (mod m)`, `size = Σ size_i`. Chosen here: m = 2^61 - 1, a
+//! prime; c_i, eight primes below 2^60 drawn at random, so that no two sums of few of them are equal; 1,021
+//! table primes from 65,537 up; leaf hashes 1 (shadowed) and 2 (lit); leaf size 1 at any level. A leaf of
+//! eight voxels counts as a node of eight leaves. Different subtrees may have the same hash. Subtrees are
+//! merged only if their contents are equal, and every comparison that finds them different is counted as a
+//! collision.
 
 use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
@@ -147,7 +148,8 @@ mod tests {
 
     #[test]
     fn tree_hash_worked_value() {
-        // Two of eight voxels lit: 2 · (c_0 + c_1) + c_2 + … + c_7, times the prime for size 1, which is the second.
+        // Two of eight voxels lit: 2 · (c_0 + c_1) + c_2 + … + c_7, times the prime for size 1, which is the
+        // second.
         let hashed = TreeHashed::default();
         let sum = hashed.sum(Word::leaf(0b11));
         assert_eq!(hashed.primes[1], 65_539);
@@ -158,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn tree_hash_tells_all_masks_apart() {
+    fn tree_hash_differs_for_all_masks() {
         let hashed = TreeHashed::default();
         let hashes: std::collections::HashSet<u64> =
             (1..255).map(|m| hashed.sum(Word::leaf(m)).hash).collect();

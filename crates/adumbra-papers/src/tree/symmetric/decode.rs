@@ -18,8 +18,8 @@ struct WalkFrame {
 }
 
 impl SymmetricTree {
-    /// Converts the tree to words, reduced. If [`SymmetricTree::of`] made it from a reduced tree, the result is that
-    /// tree. Cost: linear in the result.
+    /// Converts the tree to words, reduced. If [`SymmetricTree::of`] made it from a reduced tree, the result
+    /// is that tree. Cost: linear in the result.
     ///
     /// # Errors
     /// Returns [`adumbra_bake::Error::TooManyWords`] if the index of a word does not fit.

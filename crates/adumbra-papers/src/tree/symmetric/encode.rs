@@ -1,11 +1,13 @@
 //! Encodes a mirrored graph to bytes: determines where nodes begin, and how wide each pointer is.
 //!
-//! Source: the SSVDAG paper sorts nodes by use count, so that frequently used ones have short addresses. Here that
-//! applies to nodes that are used more than once. Most nodes are used once; such a node follows its parent, subtrees
-//! with fewer bytes first, and its pointer is a distance of one byte or takes no bytes at all.
+//! Source: the SSVDAG paper sorts nodes by use count, so that frequently used ones have short addresses. Here
+//! that applies to nodes that are used more than once. Most nodes are used once; such a node follows its
+//! parent, subtrees with fewer bytes first, and its pointer is a distance of one byte or takes no bytes at
+//! all.
 //!
-//! A wider pointer moves everything after it, which may widen other pointers. Widths start at the minimum and only ever
-//! grow, so the iteration terminates, and at the end every pointer is as narrow as its distance or address allows.
+//! A wider pointer moves everything after it, which may widen other pointers. Widths start at the minimum and
+//! only ever grow, so the iteration terminates, and at the end every pointer is as narrow as its distance or
+//! address allows.
 
 use crate::tree::error::{Error, Result};
 use crate::tree::symmetric::mirror::{Image, Mirrored};
@@ -23,7 +25,8 @@ const MIRRORED_ADDRESS_BITS: u32 = 29;
 /// Zero bytes at the end, so that four bytes can be read wherever one can.
 const PADDING_BYTES: usize = 4;
 
-/// Encodes the body. Nodes must be turned to their most used image, because the root pointer cannot store a mirror.
+/// Encodes the body. Nodes must be turned to their most used image, because the root pointer cannot store a
+/// mirror.
 ///
 /// # Errors
 /// Returns [`adumbra_bake::Error::TooManyWords`] if the nodes exceed the range of addresses.
@@ -76,8 +79,8 @@ fn images(block: &[Word; 8]) -> impl Iterator<Item = Image> {
     })
 }
 
-/// Returns the nodes in file order: first the nodes used more than once, most used first, then the root, each followed
-/// by all nodes below it that are used once.
+/// Returns the nodes in file order: first the nodes used more than once, most used first, then the root, each
+/// followed by all nodes below it that are used once.
 fn order(graph: &Mirrored) -> Vec<u32> {
     let Node::Inner(root) = graph.root.node() else { return Vec::new() };
     let root = Image::of(root).node;
@@ -86,7 +89,8 @@ fn order(graph: &Mirrored) -> Vec<u32> {
     for image in graph.nodes.iter().flat_map(images) {
         uses[image.node as usize] += 1;
     }
-    // Bytes of a node and the nodes that follow it if all pointers were short. Children precede their parents.
+    // Bytes of a node and the nodes that follow it if all pointers were short. Children precede their
+    // parents.
     let mut sizes = vec![0_u64; count];
     for (n, block) in graph.nodes.iter().enumerate() {
         let below = images(block).map(|i| i.node as usize).filter(|&c| uses[c] == 1);

@@ -1,7 +1,8 @@
 //! Looks up the visibility of a voxel directly in the bytes.
 //!
-//! The path to a voxel is a number with three bits per level. The mirror of a pointer flips these bits in all levels
-//! below, which is a single xor. Each level costs two reads, one of a header and one of the bytes of a child.
+//! The path to a voxel is a number with three bits per level. The mirror of a pointer flips these bits in all
+//! levels below, which is a single xor. Each level costs two reads, one of a header and one of the bytes of a
+//! child.
 
 use crate::tree::symmetric::{SymmetricTree, node};
 use crate::tree::word::{Node, Word};
@@ -13,8 +14,8 @@ const EVERY_LEVEL: u64 = 0o111_111_111_111_111;
 const POINTERS: u32 = 0b1111_0100;
 /// By kind: mask of the bits that belong to the child, out of the next four bytes.
 const VALUE: [u32; 8] = [0, 0, 0, 0xff, 0xff, 0xffff, 0xff_ffff, !0];
-/// By kind, as masks: whether addresses count from the end of the node (`NEXT`) or the end of the pointer (`NEAR`),
-/// else from 0.
+/// By kind, as masks: whether addresses count from the end of the node
+/// (`NEXT`) or the end of the pointer (`NEAR`), else from 0.
 const NEXT: [u32; 8] = [0, 0, !0, 0, 0, 0, 0, 0];
 const NEAR: [u32; 8] = [0, 0, 0, 0, !0, 0, 0, 0];
 /// By kind, with mirrors: mask of the mirror bits.
@@ -36,7 +37,8 @@ impl SymmetricTree {
         self.find(xyz).0
     }
 
-    /// Returns the visibility of voxel (x, y, z) and the level of the cube that determines it: 0 = a single voxel.
+    /// Returns the visibility of voxel (x, y, z) and the level of the cube that determines it: 0 = a single
+    /// voxel.
     pub fn find(&self, xyz: [u32; 3]) -> (bool, u32) {
         if self.mirrors { self.descend::<true>(xyz) } else { self.descend::<false>(xyz) }
     }

@@ -1,11 +1,11 @@
-//! Merges subtrees that are mirror images of each other into one node. Source: Jaspe Villanueva, Marton, Gobbetti,
-//! *SSVDAGs: Symmetry-aware Sparse Voxel DAGs* (2016), §3.
+//! Merges subtrees that are mirror images of each other into one node. Source: Jaspe Villanueva, Marton,
+//! Gobbetti, *SSVDAGs: Symmetry-aware Sparse Voxel DAGs* (2016), §3.
 //!
-//! A mirror is three bits, x = 4, y = 2, z = 1, as in a child number. Mirror f moves child i to position i ^ f and is
-//! passed on to every child. Mirrors compose by xor. Departures: leaves of eight voxels are stored in the block of
-//! their parent, so a mirror permutes their bits and needs no bits of its own. If a subtree is its own mirror image,
-//! several mirrors of it mean the same, and the smallest of them is written. The paper leaves that open, in which case
-//! equal blocks may differ in their bits.
+//! A mirror is three bits, x = 4, y = 2, z = 1, as in a child number. Mirror f moves child i to position i ^
+//! f and is passed on to every child. Mirrors compose by xor. Departures: leaves of eight voxels are stored
+//! in the block of their parent, so a mirror permutes their bits and needs no extra bits. If a subtree is its
+//! own mirror image, several mirrors of it mean the same, and the smallest of them is written. The paper
+//! leaves that open, in which case equal blocks may differ in their bits.
 
 use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
@@ -14,8 +14,8 @@ use crate::tree::blocks::Blocks;
 use crate::tree::word::{Node, Word};
 use adumbra_scene::random::mix;
 
-/// A graph whose inner words are [`Image`]s of `nodes`. Children precede their parents. No two nodes are mirror images
-/// of each other.
+/// A graph whose inner words are [`Image`]s of `nodes`. Children precede their parents. No two nodes are
+/// mirror images of each other.
 pub(crate) struct Mirrored {
     /// The root node.
     pub(crate) root: Word,
@@ -91,8 +91,8 @@ impl Smallest {
     }
 }
 
-/// Merges blocks that are equal and, if `mirrors` is set, those that are mirror images of each other. Of the eight
-/// images of a node the one with the smallest words is kept. Cost: linear, eight images per block.
+/// Merges blocks that are equal and, if `mirrors` is set, those that are mirror images of each other. Of the
+/// eight images of a node the one with the smallest words is kept. Cost: linear, eight images per block.
 pub(crate) fn mirror(tree: &Blocks, mirrors: bool) -> Mirrored {
     let mut smallest = Smallest::default();
     let mut nodes: Vec<[Word; 8]> = Vec::new();
@@ -133,9 +133,9 @@ pub(crate) fn mirror(tree: &Blocks, mirrors: bool) -> Mirrored {
 }
 
 impl Mirrored {
-    /// Turns every node to the image that is referenced most often, so that few pointers need mirror bits: a pointer to
-    /// a node that is referenced once never does. Parents come first, because turning them changes the pointers to
-    /// their children.
+    /// Turns every node to the image that is referenced most often, so that few pointers need mirror bits: a
+    /// pointer to a node that is referenced once never does. Parents come first, because turning them changes
+    /// the pointers to their children.
     pub(crate) fn turn_to_most_used(&mut self) {
         // Number of pointers to each node, by mirror.
         let mut uses = vec![[0_u32; 8]; self.nodes.len()];

@@ -13,10 +13,10 @@
 //! | 6 | 110 | 3 | the node at this address, with mirrors in the low three bits |
 //! | 7 | 111 | 4 | the node at this address, with mirrors in the low three bits |
 //!
-//! Addresses are byte offsets from the start of the body, little-endian. In kinds 6 and 7 of a tree with mirrors, bits
-//! 2, 1, 0 of the value are the mirror along x, y, z and the rest is the address. Without mirrors, all bits are the
-//! address. Worked value: lit, mask 0x0f, the node at 0x1234, five shadowed: kinds 1, 3, 5, 0 … give the header `59 01
-//! 00`, then `0f`, then `34 12`.
+//! Addresses are byte offsets from the start of the body, little-endian. In kinds 6 and 7 of a tree with
+//! mirrors, bits 2, 1, 0 of the value are the mirror along x, y, z and the rest is the address. Without
+//! mirrors, all bits are the address. Worked value: lit, mask 0x0f, the node at 0x1234, five shadowed: kinds
+//! 1, 3, 5, 0 … give the header `59 01 00`, then `0f`, then `34 12`.
 
 /// Bytes of a header.
 pub(crate) const HEADER_BYTES: u32 = 3;
@@ -54,8 +54,8 @@ pub(crate) enum Child {
 /// Bytes of a child by kind.
 const BYTES: [u8; 8] = [0, 0, 0, 1, 1, 2, 3, 4];
 
-/// Total bytes of four children, by their twelve bits of the header. Two table reads replace a population count, which
-/// is slower on processors without an instruction for it.
+/// Total bytes of four children, by their twelve bits of the header. Two table reads replace a population
+/// count, which is slower on processors without an instruction for it.
 static FOUR_CHILDREN: [u8; 4096] = {
     let mut sums = [0; 4096];
     let mut kinds = 0;
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn symmetric_node_bytes_of_every_kind() {
+    fn symmetric_node_sizes_of_every_kind() {
         let all = header([0, 1, 2, 3, 4, 5, 6, 7]);
         for i in 0..8 {
             assert_eq!(kind(all, i), i);

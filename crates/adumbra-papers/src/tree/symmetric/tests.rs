@@ -17,7 +17,7 @@ fn reduced(space: &Spelled) -> VoxelTree {
     blocks.finish(root).number(space.depth)
 }
 
-/// The space with its two halves along each axis of `both` made mirror images of each other.
+/// Returns the space with its two halves along each axis of `both` made mirror images of each other.
 fn with_images(mut space: Spelled, both: u8) -> Spelled {
     let side = 1_u32 << space.depth;
     let states = all_voxels(space.depth).map(|xyz| {
@@ -43,7 +43,7 @@ const L: Word = Word::LIT;
 
 proptest! {
     #[test]
-    fn symmetric_answers_and_unpacks_as_the_tree_of_words(space in spaces(), both in 0..8_u8) {
+    fn symmetric_matches_words_and_decodes_to_them(space in spaces(), both in 0..8_u8) {
         let words = reduced(&with_images(space, both));
         let depth = words.depth();
         let [plain, mirrored] = [false, true].map(|mirrors| SymmetricTree::of(&words, mirrors).unwrap());
@@ -63,7 +63,7 @@ proptest! {
     }
 
     #[test]
-    fn symmetric_halves_of_an_image_are_stored_once(space in spaces(), axis in 0..3_u32) {
+    fn symmetric_mirrored_halves_are_stored_once(space in spaces(), axis in 0..3_u32) {
         let axis = 1 << axis;
         let words = reduced(&with_images(space, axis));
         let graph = mirror(&Blocks::of(&words), true);
@@ -80,7 +80,8 @@ proptest! {
 
 #[test]
 fn symmetric_worked_example() {
-    // The example of the specification: child 0 of the root and child 4 are mirror images of each other along x.
+    // The example of the specification: child 0 of the root and child 4 are mirror images of each other along
+    // x.
     let low = [Word::leaf(0x01), L, S, S, S, S, S, S];
     let high = [S, S, S, S, Word::leaf(0x10), L, S, S];
     let words = tree(3, inner(2), &[low, high, [inner(0), S, S, S, inner(1), S, S, L]]);
@@ -103,7 +104,7 @@ fn symmetric_worked_example() {
 }
 
 #[test]
-fn symmetric_mirrors_of_a_subtree_that_is_its_own_image_are_one() {
+fn symmetric_uses_smallest_mirror_of_self_symmetric_subtree() {
     // The node is its own mirror image along y, so its mirrors x and xy mean the same.
     let own = [Word::leaf(0x05), S, Word::leaf(0x05), S, L, S, L, S];
     let x = [L, S, L, S, Word::leaf(0x50), S, Word::leaf(0x50), S];
@@ -112,8 +113,8 @@ fn symmetric_mirrors_of_a_subtree_that_is_its_own_image_are_one() {
         blocks: vec![
             own,
             x,
-            // These two are mirror images of each other along y and have the same two images below, so they are one
-            // node, which is its own mirror image again.
+            // These two are mirror images of each other along y and have the same two images below, so they
+            // are one node, which is its own mirror image again.
             [inner(0), inner(1), S, S, S, S, S, S],
             [S, S, inner(0), inner(1), S, S, S, S],
             [inner(2), S, S, inner(3), L, S, S, S],
@@ -132,7 +133,7 @@ fn symmetric_mirrors_of_a_subtree_that_is_its_own_image_are_one() {
 }
 
 #[test]
-fn symmetric_leaves_as_roots() {
+fn symmetric_round_trips_trees_of_one_leaf() {
     for root in [S, L, Word::leaf(0x35)] {
         for mirrors in [false, true] {
             let words = tree(2, root, &[]);
@@ -149,7 +150,7 @@ fn symmetric_leaves_as_roots() {
 }
 
 #[test]
-fn symmetric_refuses_bytes_that_are_no_body() {
+fn symmetric_rejects_invalid_bodies() {
     let body = |root: u32, nodes: &[u8]| {
         let mut bytes = [1, 0, 0, 0].to_vec();
         bytes.extend(root.to_le_bytes());

@@ -1,5 +1,6 @@
-//! Validates untrusted bytes as a body that can be traversed: nodes are stored end to end, every pointer leads to the
-//! start of a node, all nodes are reached, and none is its own descendant or deeper than the tree.
+//! Validates untrusted bytes as a body that can be traversed: nodes are stored end to end, every pointer
+//! leads to the start of a node, all nodes are reached, and no node is its own descendant or deeper than the
+//! tree.
 
 use crate::tree::error::SymmetricError;
 use crate::tree::symmetric::encode::{BODY_HEADER_BYTES, MIRRORS};
@@ -8,8 +9,8 @@ use crate::tree::symmetric::node::Child;
 use crate::tree::word::MAX_DEPTH;
 use crate::tree::word::{Node, Word};
 
-/// State of each byte: no node begins there, a node that has not been visited, a node that the walk is inside; else the
-/// height of the node.
+/// State of each byte: no node begins there, a node that has not been visited, a node that the walk is
+/// inside; else the height of the node.
 const NOTHING: u8 = 0;
 const UNVISITED: u8 = 1;
 const OPEN: u8 = 255;

@@ -1,5 +1,5 @@
-//! Pages as files: page 0 at the path itself, page n with its number before the extension (`out.png`, `out.1.png`,
-//! `out.2.png` …).
+//! Pages as files: page 0 at the path itself, page n with its number before the extension
+//! (`out.png`, `out.1.png`, `out.2.png` …).
 
 use adumbra::IoError;
 use std::fs::File;
@@ -33,13 +33,13 @@ pub fn page_path(path: &Path, page: u32) -> PathBuf {
 
 /// Writes `words` and `rest` as PNG pages to `path` and next to it; see [`crate::tree::texture::encode`].
 ///
-/// All files are written before any existing file is replaced, and page 0 is replaced last. Until then, page 0 of an
-/// earlier export remains, and its checksums show that the later pages are not its own. Extra pages of an earlier,
-/// longer export are not deleted; nothing reads them.
+/// All files are written before any existing file is replaced, and page 0 is replaced last. Until then, page
+/// 0 of an earlier export remains, and its checksums show that the later pages are not its own. Extra pages
+/// of an earlier, longer export are not deleted; nothing reads them.
 ///
 /// # Errors
-/// Returns [`Error::Io`] if the operating system refuses or two pages are the same file, in which case an earlier
-/// export is unchanged. Returns [`Error::WordTexture`] if the words do not fit.
+/// Returns [`Error::Io`] if the operating system refuses or two pages are the same file, in which case an
+/// earlier export is unchanged. Returns [`Error::WordTexture`] if the words do not fit.
 pub fn write(path: &Path, words: &[u32], rest: &[u8], max_side: u32) -> Result<ExportSummary> {
     let refused = |source| Error::WordTexture { path: path.to_owned(), source };
     let stream = Stream::new(words, rest, max_side).map_err(refused)?;
@@ -101,11 +101,11 @@ impl<W: Write> Write for Faults<W> {
     }
 }
 
-/// Reads what [`write()`] wrote at `path`: the words and the rest, bit for bit.
+/// Reads the words and the rest that [`write()`] wrote at `path`, bit for bit.
 ///
 /// # Errors
-/// Returns [`Error::Io`] if the operating system refuses, and [`Error::WordTexture`] with the file of the page if it is
-/// not what was written.
+/// Returns [`Error::Io`] if the operating system refuses, and [`Error::WordTexture`] with the file of a page
+/// that differs from the page written.
 pub fn read(path: &Path) -> Result<(Vec<u32>, Vec<u8>)> {
     let mut joiner = Joiner::default();
     while let Some(page) = joiner.next_page() {

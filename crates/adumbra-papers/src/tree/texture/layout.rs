@@ -1,9 +1,9 @@
 //! The position of each word: page and pixel.
 //!
-//! Word i is pixel `i mod (width · rows)` of page `i / (width · rows)`, counted along rows from the top left: x is the
-//! remainder of that index by `width`, y its quotient. The width is a power of two and equal for all pages. All pages
-//! but the last have the same number of rows. Worked value: with width 16 and 15 rows, word 250 is page 1, x = 10, y =
-//! 0.
+//! Word i is pixel `i mod (width · rows)` of page `i / (width · rows)`, counted along rows from the top left:
+//! x is the remainder of that index by `width`, y its quotient. The width is a power of two and equal for all
+//! pages. All pages but the last have the same number of rows. Worked value: with width 16 and 15 rows, word
+//! 250 is page 1, x = 10, y = 0.
 
 use crate::tree::error::TextureError;
 use crate::tree::texture::{MAX_PAGES, MAX_SIDE, MIN_SIDE, MIN_WIDTH};
@@ -17,13 +17,13 @@ pub struct Layout {
     pub rows: u32,
     /// Number of pages.
     pub pages: u32,
-    /// Total number of words, those of the rest included.
+    /// Total number of words, including those of `rest`.
     pub stream_words: u64,
 }
 
 impl Layout {
-    /// Computes the layout of `words` words followed by `rest_bytes` bytes: one page, roughly square, if one is enough,
-    /// else pages as large as `max_side` allows.
+    /// Computes the layout of `words` words followed by `rest_bytes` bytes: one page, roughly square, if one
+    /// is enough, else pages as large as `max_side` allows.
     ///
     /// # Errors
     /// Returns [`TextureError::Side`] or [`TextureError::TooManyPages`].
@@ -70,8 +70,8 @@ impl Layout {
     }
 }
 
-/// Returns the number of pages of `rows` rows that the words need; at least one, which contains only a signature if
-/// there are no words.
+/// Returns the number of pages of `rows` rows that the words need; at least one, which contains only a
+/// signature if there are no words.
 pub(crate) fn pages_for(stream_words: u64, width: u32, rows: u32) -> u64 {
     let capacity = u64::from(width) * u64::from(rows);
     stream_words.div_ceil(capacity.max(1)).max(1)

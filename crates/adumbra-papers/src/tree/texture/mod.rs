@@ -1,11 +1,11 @@
-//! Words as RGBA8 textures, saved and loaded bit for bit. Source: *The Optimization and realization of Compact
-//! Precomputed Voxelized Shadows Algorithm* (2021), §3.3.2: a 32-bit word is a pixel, R = bits 7..0, G = 15..8, B =
-//! 23..16, A = 31..24.
+//! Words as RGBA8 textures, saved and loaded bit for bit. Source: *The Optimization and realization of
+//! Compact Precomputed Voxelized Shadows Algorithm* (2021), §3.3.2: a 32-bit word is a pixel, R = bits 7..0,
+//! G = 15..8, B = 23..16, A = 31..24.
 //!
-//! Departures: words that do not fit one page continue on further pages. The words may be followed by other bytes (the
-//! header of a file), stored as words padded with zeros. The last row of every page is a signature (`signature.rs`), so
-//! that a page that was cropped, resized, or passed through a lossy or colour-managing program is refused and not
-//! misread.
+//! Departures: words that do not fit one page continue on further pages. The words may be followed by other
+//! bytes (the header of a file), stored as words padded with zeros. The last row of every page is a signature
+//! (`signature.rs`), so that a page that was cropped, resized, or passed through a lossy or colour-managing
+//! program is refused and not misread.
 //!
 //! The root is pixel (0, 0) of page 0; [`Layout`] has the rule for every other word. Worked value: the word
 //! `0xc000_00f0` is the pixel R = 240, G = 0, B = 0, A = 192.

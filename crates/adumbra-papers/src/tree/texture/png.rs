@@ -1,6 +1,6 @@
-//! Converts a [`Page`] to PNG and back. Written PNGs are RGBA with 8 bits per channel and contain the chunks IHDR, IDAT
-//! and IEND only, so that no reader has a reason to change colours. Only PNGs of the same pixel format are read;
-//! anything that would need a conversion is refused.
+//! Converts a [`Page`] to PNG and back. Written PNGs are RGBA with 8 bits per channel and contain the chunks
+//! IHDR, IDAT and IEND only, so that no reader has a reason to change colours. Only PNGs of the same pixel
+//! format are read; anything that would need a conversion is refused.
 
 use std::io::{self, Cursor, Write};
 
@@ -21,13 +21,14 @@ impl Page {
     /// Writes the page as a PNG.
     ///
     /// # Errors
-    /// Returns the errors of `out`, and [`io::ErrorKind::InvalidInput`] if the bytes are not the pixels of the page.
+    /// Returns the errors of `out`, and [`io::ErrorKind::InvalidInput`] if the bytes are not the pixels of
+    /// the page.
     pub fn write_png(&self, out: impl Write) -> io::Result<()> {
         let mut encoder = Encoder::new(out, self.width, self.height);
         encoder.set_color(ColorType::Rgba);
         encoder.set_depth(BitDepth::Eight);
-        // Equal words repeat, but neighbours are not similar as in a photograph. A filter doubles the size, and a
-        // higher compression level gains little for the time it takes.
+        // Equal words repeat, but neighbours are not similar as in a photograph. A filter doubles the size,
+        // and a higher compression level gains little for the time it takes.
         encoder.set_filter(Filter::NoFilter);
         encoder.set_deflate_compression(DeflateCompression::Level(1));
         let mut writer = encoder.write_header()?;
@@ -38,8 +39,8 @@ impl Page {
     /// Decodes a PNG from its bytes.
     ///
     /// # Errors
-    /// Returns [`TextureError`] if it is not an RGBA PNG with 8 bits per channel, is larger than [`MAX_SIDE`] or is
-    /// damaged. The header is checked before anything is allocated.
+    /// Returns [`TextureError`] if it is not an RGBA PNG with 8 bits per channel, is larger than [`MAX_SIDE`]
+    /// or is damaged. The header is checked before anything is allocated.
     pub fn from_png(bytes: &[u8]) -> Result<Self, TextureError> {
         let [width, height] = check_header(bytes)?;
         let pixel_bytes = u64::from(width) * u64::from(height) * 4;
@@ -97,7 +98,7 @@ pub(crate) fn check_header(bytes: &[u8]) -> Result<[u32; 2], TextureError> {
     Ok([width, height])
 }
 
-/// Describes bytes that are not a PNG by what they look like.
+/// Describes bytes that are not a PNG by the format that they seem to have.
 fn kind_of(bytes: &[u8]) -> String {
     let known: &[(&[u8], &str)] = &[
         (b"\xff\xd8\xff", "a JPEG, which loses bits"),

@@ -6,7 +6,7 @@
 //! | 2 | version, 1 |
 //! | 3, 4 | width and height of the page, including this row |
 //! | 5, 6 | number of the page, from 0; number of pages |
-//! | 7 | words on this page, those of the rest included |
+//! | 7 | words on this page, including those of the rest |
 //! | 8 | total number of words, without those of the rest |
 //! | 9 | bytes of the rest |
 //! | 10 | CRC-32 of all words and the rest, as bytes, the rest padded with zeros to whole words |
@@ -92,8 +92,8 @@ impl Signature {
             page_checksum: field(11),
         };
         let expected = [signature.width, signature.height];
-        // The remaining fields of a row that was cropped at its end still give the original size, so the size is
-        // checked before the checksum.
+        // The remaining fields of a row that was cropped at its end still give the original size, so the size
+        // is checked before the checksum.
         let plausible = expected.iter().all(|side| (1..=MAX_SIDE).contains(side));
         let (stored, computed) = (field(12), row_checksum(row));
         if expected != [width, height] && (plausible || stored == computed) {
@@ -113,7 +113,7 @@ impl Signature {
         Ok(signature)
     }
 
-    /// Total number of words, those of the rest included.
+    /// Total number of words, including those of the rest.
     fn stream_words(&self) -> u64 {
         u64::from(self.words) + u64::from(self.rest_bytes.div_ceil(4))
     }

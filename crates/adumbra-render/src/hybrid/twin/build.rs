@@ -1,5 +1,5 @@
-//! Builds the map on the CPU. Twin of passes/hybrid_merge_*.wgsl, hybrid_scan.wgsl and hybrid_place.wgsl, word for
-//! word.
+//! Builds the map on the CPU. Twin of passes/hybrid_merge_*.wgsl, hybrid_scan.wgsl and hybrid_place.wgsl,
+//! word for word.
 
 use adumbra_shaders::constants::{
     HYBRID_DEPTH_STEP, HYBRID_E0, HYBRID_INDEX, HYBRID_LAST_DEPTH, HYBRID_LAST_SLOPE, HYBRID_ONE,

@@ -15,8 +15,8 @@ pub(super) fn middle(word: u32) -> i32 {
     ((word >> 14) as i32 + 1) * HYBRID_DEPTH_STEP
 }
 
-/// Twin of `adumbra_hybrid_leaf`. Returns the depth at the texel's middle and its change per texel to the right and
-/// down.
+/// Twin of `adumbra_hybrid_leaf`. Returns the depth at the texel's middle and its change per texel to the
+/// right and down.
 pub(super) fn leaf(test: MergeTest, word: u32, unit: i32) -> [f32; 3] {
     let code = |first: u32| (word << (25 - first)) as i32 >> 25;
     match test {
@@ -32,7 +32,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn plane_s_worked_value() {
+    fn plane_leaf_has_the_worked_value() {
         let plane = MergeTest::Plane { tolerance_texels: 0.5 };
         assert_eq!(leaf(plane, 0x4000_0183, 4096), [65537.0 / 131_072.0, 9.0 / HYBRID_ONE, 9.0 / HYBRID_ONE]);
         // Slope codes are signed.

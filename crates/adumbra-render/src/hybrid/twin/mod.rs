@@ -1,5 +1,5 @@
-//! Hybrid maps on the CPU: the build, identical to the GPU's word for word, and the look-up, comparing every finest
-//! texel.
+//! Hybrid maps on the CPU: the build, identical to the GPU's word for word, and the look-up, comparing every
+//! finest texel.
 
 mod build;
 mod leaf;
@@ -29,8 +29,8 @@ impl DepthImage {
     /// Validates `texels` and wraps them.
     ///
     /// # Errors
-    /// Returns [`RenderError::DepthImage`] if `side` is not a power of two from 2 to 16,384, if the number of texels is
-    /// not its square, or if a depth is NaN or outside 0 to 1.
+    /// Returns [`RenderError::DepthImage`] if `side` is not a power of two from 2 to 16,384, if the number of
+    /// texels is not its square, or if a depth is NaN or outside 0 to 1.
     pub fn new(side: usize, texels: Vec<f32>) -> Result<Self> {
         let wrong = |what: String| RenderError::DepthImage { what };
         if !side.is_power_of_two() || !(2..=16384).contains(&side) {
@@ -104,8 +104,8 @@ pub struct HybridTree {
 }
 
 impl HybridTree {
-    /// Builds a map with 1 to 3 merges. With 16-bit precision, depths are rounded to it first. Cost: one read of the
-    /// image per level.
+    /// Builds a map with 1 to 3 merges. With 16-bit precision, depths are rounded to it first. Cost: one read
+    /// of the image per level.
     ///
     /// # Errors
     /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3 or the image is too small for it.
@@ -114,8 +114,8 @@ impl HybridTree {
         Ok(build::tree(image, settings))
     }
 
-    /// Returns the depth that the map holds at a finest texel's centre, and the level that holds it. Coordinates are
-    /// clamped to the border.
+    /// Returns the depth that the map holds at a finest texel's centre, and the level that holds it.
+    /// Coordinates are clamped to the border.
     pub fn texel(&self, x: i64, y: i64) -> (f32, u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as usize);
         let mut level = self.settings.merges;
@@ -162,8 +162,8 @@ fn leaf_at(test: MergeTest, word: u32, slope: i32, level: u32, [x, y]: [usize; 2
     d + (dx * offset(x) + dy * offset(y))
 }
 
-/// Share of the area that each level covers, the finest first. `split` counts the blocks of each level that did not
-/// merge.
+/// Share of the area that each level covers, the finest first. `split` counts the blocks of each level that
+/// did not merge.
 pub fn level_shares(start: u32, merges: u32, split: [u32; 3]) -> [f64; 4] {
     let cells = f64::from(start).powi(2);
     let mut shares = [0.0; 4];
@@ -189,8 +189,8 @@ pub struct HybridTwin<'a> {
 }
 
 impl HybridTwin<'_> {
-    /// Visibility of the sun at a point, 1 = lit. Matches `adumbra_shadow_factor` of passes/hybrid_map.wgsl, but
-    /// compares every finest texel.
+    /// Visibility of the sun at a point, 1 = lit. Matches `adumbra_shadow_factor` of passes/hybrid_map.wgsl,
+    /// but compares every finest texel.
     pub fn visibility(&self, s: &Surface) -> f32 {
         let (size, width) = (self.params.start_texels, self.params.filter_width);
         let Some(r) = self.receiver(s) else { return 1.0 };

@@ -50,7 +50,7 @@ mod tests {
     }
 
     #[test]
-    fn mean_is_that_of_unit_vectors_to_a_byte() {
+    fn mean_matches_unit_vectors_to_a_byte() {
         let n = [[128, 255], [255, 128], [128, 128], [200, 60]];
         let sets = (0..5000_u32).map(|i| {
             n.map(|[a, b]: [u8; 2]| {

@@ -76,12 +76,12 @@ struct Source {
 }
 
 impl HybridPaper {
-    /// Builds a map with 1 to 3 merges from depth and one packed normal per texel. Cost: one read of the image per
-    /// level.
+    /// Builds a map with 1 to 3 merges from depth and one packed normal per texel. Cost: one read of the
+    /// image per level.
     ///
     /// # Errors
-    /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3, if the image is too small for it, or if the
-    /// number of normals is not the number of texels.
+    /// Returns [`RenderError::DepthImage`] if `merges` is not 1 to 3, if the image is too small for it, or if
+    /// the number of normals is not the number of texels.
     pub fn build(image: &DepthImage, normals: &[[u8; 2]], settings: MergeSettings) -> Result<Self> {
         let merges = settings.merges;
         merges_fit(image, merges)?;
@@ -148,8 +148,8 @@ impl HybridPaper {
         }
     }
 
-    /// Returns the texel that holds a finest texel's depth, and its level. Follows each list, from the coarsest level
-    /// down, to the texel with the wanted coordinates. Coordinates are clamped to the border.
+    /// Returns the texel that holds a finest texel's depth, and its level. Follows each list, from the
+    /// coarsest level down, to the texel with the wanted coordinates. Coordinates are clamped to the border.
     pub fn found(&self, x: i64, y: i64) -> ([u32; 4], u32) {
         let [x, y] = [x, y].map(|c| c.clamp(0, i64::from(self.start) - 1) as u32);
         let mut level = self.settings.merges;

@@ -11,7 +11,7 @@ fn tree(side: usize, merges: u32, test: MergeTest, depth: impl Fn(usize, usize) 
 }
 
 #[test]
-fn image_refuses_what_is_no_depth() {
+fn image_rejects_invalid_depths() {
     let wrong = |side, texels| DepthImage::new(side, texels).unwrap_err().to_string();
     let mut texels = vec![0.5; 16];
     texels[6] = f32::NAN;
@@ -48,7 +48,7 @@ fn checkerboard_does_not_merge() {
 }
 
 #[test]
-fn one_texel_keeps_its_depth_and_splits_its_parents_alone() {
+fn single_texel_keeps_its_depth_and_splits_only_its_parents() {
     let t = tree(64, 3, PLANE, |x, y| if (x, y) == (21, 38) { 0.2 } else { 0.8 });
     assert_eq!(t.split, [1, 1, 1]);
     assert_eq!(t.texel(21, 38), (0.2, 0));
@@ -62,7 +62,7 @@ fn one_texel_keeps_its_depth_and_splits_its_parents_alone() {
 }
 
 #[test]
-fn plane_merges_slopes_and_is_never_before_its_texels() {
+fn plane_merges_slopes_and_is_never_in_front_of_its_texels() {
     // Steep, grazing and curved surfaces. A texel's edge is 1/1024 of the depth range.
     let shapes: [fn(f64, f64) -> f64; 4] = [
         |x, y| 0.3 + (0.7 * x - 0.2 * y) / 1024.0,
@@ -82,7 +82,7 @@ fn plane_merges_slopes_and_is_never_before_its_texels() {
 }
 
 #[test]
-fn paper_s_test_merges_what_differs_by_a_quarter() {
+fn paper_test_merges_depths_within_a_quarter() {
     // With depths 0.8, 0.8, 0.8 and d, the mean differs from d by a quarter of d at d = 0.6.
     let of = |d: f64| tree(2, 1, MergeTest::Paper, |x, y| if x + y == 2 { d } else { 0.8 }).split[0];
     assert_eq!((of(0.61), of(0.59)), (0, 1));
@@ -91,7 +91,7 @@ fn paper_s_test_merges_what_differs_by_a_quarter() {
 }
 
 #[test]
-fn finest_halves_come_back() {
+fn finest_16_bit_texels_round_trip() {
     let texels = (0..64).map(|i| ((i * 977) % 65536) as f32 / 65535.0).collect();
     let image = DepthImage::new(8, texels).unwrap();
     let units = PlaneUnits::new(PLANE, 1.0 / 4096.0);

@@ -101,7 +101,7 @@ fn layers_hold_every_scene_point_of_their_slice_with_the_margin() {
 }
 
 #[test]
-fn texels_stay_where_they_are_while_the_camera_moves_and_turns() {
+fn texels_stay_fixed_while_the_camera_moves_and_turns() {
     let extent = extent(310.0, 40.0);
     let settings = CascadeSettings { cascades: 3, ..Default::default() };
     let scene = scene_layer(&extent, depth_range(&extent, None), [0.0; 3], 1024, 4.0);
@@ -115,7 +115,8 @@ fn texels_stay_where_they_are_while_the_camera_moves_and_turns() {
         for (layer, before) in layers.iter().zip(&first) {
             assert_eq!(layer.texel_world, before.texel_world);
             moved += u32::from(layer.corner != before.corner);
-            // A fixed world point keeps its position in its texel, also in the 32-bit floats that shaders use.
+            // A fixed world point keeps its position in its texel, also in the 32-bit floats that shaders
+            // use.
             let p = [17.25, 1.5, -31.0];
             let phase = |l: &LayerFit, anchor: [f64; 3]| {
                 let rows = l.layer(anchor);
@@ -151,7 +152,7 @@ fn scene_layer_holds_the_scene_tightly() {
 }
 
 #[test]
-fn reach_is_what_is_in_view_in_powers_of_two() {
+fn reach_rounds_the_visible_depth_up_to_a_power_of_two() {
     // From the middle of the scene, the box's far corners are about 400 away.
     let inside = camera([0.0, 10.0, 0.0], 1.0, PERSPECTIVE);
     assert_eq!(reach(&inside, &SCENE, None), [0.0, 512.0]);
@@ -171,7 +172,7 @@ fn reach_is_what_is_in_view_in_powers_of_two() {
 }
 
 #[test]
-fn what_lies_beside_the_view_changes_no_cascade() {
+fn geometry_outside_the_view_changes_no_cascade() {
     let strayed = Bounds { max: [1e6, 60.0, 1e6], ..SCENE };
     let fit = |bounds: &Bounds| {
         let mut extent = LightExtent::empty(&Sun::from_angles(310.0, 40.0).unwrap());
@@ -189,7 +190,7 @@ fn what_lies_beside_the_view_changes_no_cascade() {
 }
 
 #[test]
-fn depth_grows_in_steps_to_hold_what_moves() {
+fn depth_range_grows_in_steps_to_include_movers() {
     let still = extent(310.0, 40.0);
     let alone = depth_range(&still, None);
     assert_eq!(depth_range(&still, Some(&still)), alone);
@@ -202,7 +203,7 @@ fn depth_grows_in_steps_to_hold_what_moves() {
 }
 
 #[test]
-fn a_scene_has_the_same_layers_wherever_it_stands() {
+fn layers_do_not_depend_on_the_scene_s_position() {
     let sun = Sun::from_angles(310.0, 40.0).unwrap();
     let first = [3.5, 0.25, -7.0];
     let fit = |place: [f64; 3]| {

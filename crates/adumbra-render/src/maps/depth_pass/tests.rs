@@ -1,4 +1,5 @@
-//! Compares normals with rays through the texels' centres, and depth drawn with normals with depth drawn alone.
+//! Compares normals with rays through the texels' centres, and depth drawn with normals with depth drawn
+//! alone.
 
 use adumbra::Sun;
 use adumbra_scene::{AlphaMode, Camera, GeneratedKind, Projection, Scene, generate};
@@ -25,7 +26,8 @@ struct Drawn {
     bytes: u64,
 }
 
-/// Draws a layer. With `movers`, static casters are cached and copied, and the movers are drawn over the copy.
+/// Draws a layer. With `movers`, static casters are cached and copied, and the movers are drawn over the
+/// copy.
 fn draw(gpu: &Gpu, scene: &Scene, movers: Option<&Scene>, sun: &Sun, options: DepthPassOptions) -> Drawn {
     let upload = |scene| SceneBuffers::new(gpu, scene, SceneOptions::default()).unwrap();
     let (buffers, movers) = (upload(scene), movers.map(upload));
@@ -139,7 +141,7 @@ fn depth_is_the_same_with_normals_as_without() {
 }
 
 #[test]
-fn masked_casters_leave_neither_depth_nor_normal_where_they_are_cut() {
+fn cut_parts_of_masked_casters_write_no_depth_or_normal() {
     let gpu = gpu();
     let sun = Sun::from_direction([0.2, 0.9, 0.1]).unwrap();
     let mut scene = generate(GeneratedKind::Primitives, 7);

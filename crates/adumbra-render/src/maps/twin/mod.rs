@@ -1,4 +1,5 @@
-//! The look-up on the CPU, step by step as in the shaders, on textures filled by the GPU. Counterpart of core/*.wgsl.
+//! The look-up on the CPU, step by step as in the shaders, on textures filled by the GPU. Counterpart of
+//! core/*.wgsl.
 
 mod maps;
 mod moments;

@@ -165,7 +165,7 @@ mod tests {
         MomentParams { exponents: [40.0, 5.0], min_deviation_texels: 0.0, bleed: 0.0 };
 
     #[test]
-    fn bounds_are_met_where_two_depths_are_seen() {
+    fn moment_bounds_are_exact_for_two_depths() {
         // A share of 0.3 is at depth 0.7 and the rest at 0.2, so a receiver at 0.7 is 0.3 lit.
         for kind in [MomentKind::Variance, MomentKind::ExponentialVariance, MomentKind::FourMoments] {
             let m =
@@ -183,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn cut_takes_the_tail_off() {
+    fn cut_removes_the_tail() {
         assert_eq!(cut(0.2, 0.2), 0.0);
         assert_eq!(cut(1.0, 0.2), 1.0);
         assert!((cut(0.6, 0.2) - 0.5).abs() < 1e-6);

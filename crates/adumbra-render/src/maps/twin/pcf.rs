@@ -84,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_is_the_published_formula() {
+    fn noise_matches_the_published_formula() {
         let mut mean = 0.0;
         for (x, y) in (0..64).flat_map(|y| (0..64).map(move |x| (x, y))) {
             let ramp = 0.067_110_56 * f64::from(x) + 0.005_837_15 * f64::from(y);
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn disc_lies_in_the_unit_circle_with_its_mean_in_the_middle() {
+    fn disc_taps_are_in_the_unit_circle_and_centred() {
         let mean = |a: usize| POISSON_DISC.iter().map(|p| p[a]).sum::<f32>() / 32.0;
         assert!(mean(0).abs() < 1e-3 && mean(1).abs() < 1e-3);
         for (i, p) in POISSON_DISC.iter().enumerate() {

@@ -19,8 +19,8 @@ pub(super) fn filter(settings: &OcclusionSettings, frame: &Frame, from: Vec<Ambi
     })
 }
 
-/// Share of the filter's work on surfaces that its edge test saves: skipped texels over all texels, summed over the
-/// filter's passes. `from` is the estimate.
+/// Share of the filter's work on surfaces that its edge test saves: skipped texels over all texels, summed
+/// over the filter's passes. `from` is the estimate.
 pub fn skipped(settings: &OcclusionSettings, frame: &Frame, from: &[Ambient]) -> f64 {
     let tested = OcclusionSettings { edge_test: true, ..*settings };
     let (mut left, mut all) = (0_u32, 0_u32);
@@ -165,8 +165,8 @@ pub(super) fn along(texel: [i32; 2], axis: [i32; 2], i: i32) -> [i32; 2] {
 mod tests {
     use super::run;
 
-    /// Largest distance of a line's taps from the surface that `run` predicts, relative to the view depth. `depth` is a
-    /// function of the texel.
+    /// Largest distance of a line's taps from the surface that `run` predicts, relative to the view depth.
+    /// `depth` is a function of the texel.
     fn miss(depth: impl Fn(f32) -> f32, kind: [f32; 2]) -> f32 {
         let own = depth(0.0);
         let [s, t] = run(depth(-1.0), own, depth(1.0), kind, 10.0);
@@ -177,8 +177,8 @@ mod tests {
     #[test]
     fn run_follows_planes_at_any_angle() {
         for slope in [-0.12, -0.01, 0.0, 0.003, 0.1] {
-            // In perspective, inverse view depth is linear. The steepest plane ranges from 0.68 to 1.92 times its view
-            // depth at the centre.
+            // In perspective, inverse view depth is linear. The steepest plane ranges from 0.68 to 1.92 times
+            // its view depth at the centre.
             assert!(miss(|i| 20.0 / (1.0 + slope * i), [1.0, 0.0]) < 1e-5, "{slope}");
             assert!(miss(|i| 20.0 + 30.0 * slope * i, [0.0, 1.0]) < 1e-5, "{slope}");
         }
@@ -187,10 +187,10 @@ mod tests {
     }
 
     #[test]
-    fn run_does_not_leave_a_surface_over_its_edge() {
+    fn run_stays_within_a_surface_at_its_edges() {
         let kind = [1.0, 0.0];
-        // In order: one texel wide in front of other surfaces; between the sky and a surface; at an edge, beside a
-        // neighbour of equal depth; surrounded by sky.
+        // In order: one texel wide in front of other surfaces; between the sky and a surface; at an edge,
+        // beside a neighbour of equal depth; surrounded by sky.
         assert_eq!(run(30.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
         assert_eq!(run(0.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);
         assert_eq!(run(20.0, 20.0, 40.0, kind, 10.0), [0.0; 2]);

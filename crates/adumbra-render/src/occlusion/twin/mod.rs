@@ -64,8 +64,8 @@ impl Twin {
     }
 }
 
-/// Computes ambient visibility of a first frame, matching the GPU. Cost: as many operations as on the GPU, on one
-/// thread.
+/// Computes ambient visibility of a first frame, matching the GPU. Cost: as many operations as on the GPU, on
+/// one thread.
 pub fn ambient(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Ambient> {
     Twin::new(*settings).ambient(surfaces)
 }
@@ -84,7 +84,8 @@ pub fn estimate(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Vec<Am
     texels(params.size).map(|texel| pass.occlude(settings, texel.map(|c| c as u32))).collect()
 }
 
-/// World normals computed from depth, at the size in which occlusion is estimated. `None` if the G-buffer's are used.
+/// World normals computed from depth, at the size in which occlusion is estimated. `None` if the G-buffer's
+/// are used.
 pub fn made_normals(settings: &OcclusionSettings, surfaces: &Surfaces<'_>) -> Option<Vec<[f32; 3]>> {
     (settings.normals == Normals::Depth)
         .then(|| normals::normals(&settings.params(&surfaces.frame), surfaces))

@@ -19,8 +19,8 @@ pub(crate) struct GBuffer {
     normal_view: wgpu::TextureView,
 }
 
-/// `issao` with fixed numbers, independent of tuned defaults, so that tests of the passes around the estimator always
-/// see the same noise.
+/// `issao` with fixed numbers, independent of tuned defaults, so that tests of the passes around the
+/// estimator always see the same noise.
 const ISSAO: &str =
     "issao:reading=1:lambda=1:phi=0.5:psi=0.01:zcap=5:sigma=0.01:before=nothing:relation=equal";
 
@@ -52,8 +52,8 @@ impl GBuffer {
         }
     }
 
-    /// Random view depths from `near_world` to `far_world`, a tenth of them sky, and random normals, as seen by
-    /// `frame`.
+    /// Random view depths from `near_world` to `far_world`, a tenth of them sky, and random normals, as seen
+    /// by `frame`.
     pub(crate) fn random(gpu: &Gpu, frame: Frame, [near_world, far_world]: [f32; 2], mut seed: u32) -> Self {
         let mut next = || {
             seed = seed.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
@@ -136,14 +136,14 @@ impl GBuffer {
 
 /// Checks that the GPU's values are the CPU's, within 2e-3.
 ///
-/// A software adapter computes all of them as the CPU does. The sines, quotients and roots of a GPU may be off in their
-/// last bits (WGSL, *Accuracy of Concrete Floating Point Expressions*), so that a sample at an edge falls on its other
-/// side. There, one value of 500 may be apart, and one of 50 with `depth=plain`.
+/// A software adapter computes all of them as the CPU does. The sines, quotients and roots of a GPU may be
+/// off in their last bits (WGSL, *Accuracy of Concrete Floating Point Expressions*), so that a sample at an
+/// edge falls on its other side. There, one value of 500 may be apart, and one of 50 with `depth=plain`.
 pub(crate) fn assert_same(gpu: &Gpu, found: &[f32], expected: &[f32], what: &str) {
     let worst = largest(found, expected);
     let apart = found.iter().zip(expected).filter(|(a, b)| (*a - *b).abs() >= 2e-3).count();
-    // With plain differences of depth no texel beside a pixel of a slope is close to it. The nearest in depth is taken
-    // then, but on a plane two are equally far, and rounding decides.
+    // With plain differences of depth no texel beside a pixel of a slope is close to it. The nearest in depth
+    // is taken then, but on a plane two are equally far, and rounding decides.
     let share = if what.contains("depth=plain") { 50 } else { 500 };
     let allowed = if gpu.is_software() { 0 } else { found.len() / share };
     assert!(apart <= allowed, "{what}: {apart} of {} are apart, by up to {worst}", found.len());

@@ -14,7 +14,8 @@ pub(crate) struct Buffers {
 }
 
 impl Buffers {
-    /// Uploads stored depths and world normals, row 0 at the top. Normals are stored as 32-bit floats without loss.
+    /// Uploads stored depths and world normals, row 0 at the top. Normals are stored as 32-bit floats without
+    /// loss.
     pub(crate) fn new(gpu: &Gpu, size: [u32; 2], depth: &[f32], normal: &[[f32; 3]]) -> Self {
         let target = |format, usage| {
             Target::new(gpu, "kit::buffers", size, format, usage | TextureUsages::TEXTURE_BINDING)

@@ -39,7 +39,8 @@ pub(crate) fn level_counts(tree: &HybridTree) -> [u64; 4] {
     counts
 }
 
-/// Checks the tree's shares, which are derived from the blocks that did not merge, against a count of its texels.
+/// Checks the tree's shares, which are derived from the blocks that did not merge, against a count of its
+/// texels.
 pub(crate) fn check_shares(tree: &HybridTree, what: &str) {
     let cells = f64::from(tree.start).powi(2);
     let (shares, counts) = (tree.shares(), level_counts(tree));

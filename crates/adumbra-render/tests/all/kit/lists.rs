@@ -1,5 +1,5 @@
-//! A compute pass over a list: one thread per element, workgroups of 64, binding 0 for the input, binding 1 for the
-//! output.
+//! A compute pass over a list: one thread per element, workgroups of 64, binding 0 for the input, binding 1
+//! for the output.
 
 use adumbra_render::Gpu;
 use adumbra_render::gpu::binding;
@@ -7,7 +7,8 @@ use adumbra_render::readback::read_buffer;
 use adumbra_shaders::{Source, assemble};
 use wgpu::{BufferUsages, ShaderStages};
 
-/// Runs the entry point `main` of `texts` on `count` elements, a multiple of 64, and returns `bytes` bytes per element.
+/// Runs the entry point `main` of `texts` on `count` elements, a multiple of 64, and returns `bytes` bytes
+/// per element.
 pub(crate) fn run(gpu: &Gpu, texts: &[Source], given: &[u8], count: u32, bytes: usize) -> Vec<u8> {
     let given = gpu.buffer("test::given", given, BufferUsages::STORAGE);
     let usage = BufferUsages::STORAGE | BufferUsages::COPY_SRC;

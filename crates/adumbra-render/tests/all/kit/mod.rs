@@ -32,7 +32,7 @@ pub(crate) fn sun() -> [f64; 3] {
     adumbra::Sun::from_direction([0.5, 0.8, 0.35]).unwrap().towards()
 }
 
-/// Visibility as of the technique `none`: everything is lit.
+/// The visibility of the technique `none`: everything is lit.
 pub(crate) struct AllLit;
 
 impl adumbra::PointVisibility for AllLit {

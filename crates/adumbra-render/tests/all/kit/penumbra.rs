@@ -1,5 +1,5 @@
-//! A raised plate and a post over flat ground, with points of the ground and the part of a sun's disc that each of them
-//! sees.
+//! A raised plate and a post over flat ground, with points of the ground and the part of a sun's disc that
+//! each of them sees.
 
 use adumbra_render::{Prepared, Renderer, SceneOptions, Shot, SurfacePoint};
 use adumbra_scene::{Camera, Projection, Scene};

@@ -3,8 +3,8 @@
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::{Renderer, Shot};
 
-/// Returns the surfaces of the frame drawn last, as the shader receives them. `None` for surfaces that face away from
-/// the sun and for the background.
+/// Returns the surfaces of the frame drawn last, as the shader receives them. `None` for surfaces that face
+/// away from the sun and for the background.
 pub(crate) fn surfaces(renderer: &Renderer, shot: &Shot) -> Vec<Option<Surface>> {
     let image = renderer.read_surface(shot).unwrap();
     let view = shot.camera.view();

@@ -2,14 +2,13 @@
 
 use adumbra::query::{FixedReceiver, Receiver, receiver};
 use adumbra::{Filter, Placement, Sampler, ShadowFile, Sun};
-use adumbra_bake::{BakeOptions, FrameChoice, Size};
+use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_render::Gpu;
 use adumbra_render::technique::{Resolver, Technique};
 use adumbra_render::voxel::{BakedLight, Voxel, VoxelSettings};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 use adumbra_shaders::layout::{Frame, GpuType, PointQuery};
-use adumbra_testing::bake_file;
 use adumbra_truth::verify::{Solids, SurfaceSampler};
 
 /// A scene with its baked file.
@@ -26,11 +25,12 @@ impl BakedScene {
     fn in_frame(scene: Scene, sun: [f64; 3], resolution: u64, frame: FrameChoice) -> Self {
         let sun = Sun::from_direction(sun).unwrap();
         let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
-        let light = bake_file(&scene, &options).unwrap();
+        let light = Bake::with_options(&scene, &options).in_memory().unwrap();
         Self { scene, light }
     }
 
-    /// Bakes generated scenes under a sun that is half high: one in the light's frame and one in the oblique frame.
+    /// Bakes generated scenes under a sun that is half high: one in the light's frame and one in the oblique
+    /// frame.
     pub(crate) fn in_each_frame(resolution: u64) -> [Self; 2] {
         let bake = |kind, frame| Self::in_frame(generate(kind, 3), [0.5, 0.8, 0.35], resolution, frame);
         [
@@ -43,8 +43,8 @@ impl BakedScene {
         self.light.sampler(filter)
     }
 
-    /// Returns random points: half on surfaces, a quarter in the scene's bounding box, a quarter in that box enlarged
-    /// to all sides. Of the latter two, a third have a normal.
+    /// Returns random points: half on surfaces, a quarter in the scene's bounding box, a quarter in that box
+    /// enlarged to all sides. Of the latter two, a third have a normal.
     pub(crate) fn points(&self, count: usize) -> Vec<([f64; 3], Option<[f64; 3]>)> {
         let solids = Solids::of(&self.scene);
         let sampler = SurfaceSampler::new(&self.scene, &solids, self.light.grid.sun.towards(), false);
@@ -67,8 +67,8 @@ impl BakedScene {
         (0..count).map(point).collect()
     }
 
-    /// Returns an anchor at the middle of the scene, and the points as a shader receives them: f32 positions relative
-    /// to it.
+    /// Returns an anchor at the middle of the scene, and the points as a shader receives them: f32 positions
+    /// relative to it.
     fn float_points(&self, count: usize) -> ([f64; 3], Vec<PointQuery>) {
         let b = self.scene.bounds();
         let anchor: [f64; 3] = std::array::from_fn(|a| f64::from((0.5 * (b.min[a] + b.max[a])) as f32));
@@ -123,8 +123,8 @@ fn nearby() -> impl Iterator<Item = [f64; 3]> {
     (0..27).map(|i| [i / 9, i / 3 % 3, i % 3].map(|c| 0.02 * (f64::from(c) - 1.0)))
 }
 
-/// Asserts that at most 1 in so many answers differs from the CPU's, and that each of those equals the CPU's answer at
-/// most 0.02 voxels away along each axis.
+/// Asserts that at most 1 in `one_in` answers differs from the CPU's. Each of these must equal the CPU's
+/// answer at a point at most 0.02 voxels away along each axis.
 fn compare(
     name: &str,
     (found, one_in): (&[f32], usize),
@@ -179,7 +179,7 @@ fn float_light_at(
     light.set_anchor(gpu, anchor).unwrap();
     let voxel = Voxel::new(format!("voxel:filter={}", filter.width()), light);
     let found = answer(gpu, &voxel, &points);
-    // Normals that are turned are rounded, and with them gradients.
+    // Rotated normals are rounded, and so are their gradients.
     let one_in = if placement == Placement::BAKED { 10_000 } else { 2000 };
     let sampler = baked.sampler(filter);
     let receiver_of = |i: usize| {

@@ -1,8 +1,8 @@
 //! The counts at the beginning of a Draco stream, read before anything is decoded.
 //!
-//! Source: the Draco bitstream specification 2.2 (Google, 2017), sections "Draco Decoder", "Metadata Decoder",
-//! "Connectivity Decoder", "Sequential Connectivity Decoder" and "Edgebreaker Decoder". glTF allows only this version of
-//! the format, and only triangle meshes.
+//! Source: the Draco bitstream specification 2.2 (Google, 2017), sections "Draco Decoder", "Metadata
+//! Decoder", "Connectivity Decoder", "Sequential Connectivity Decoder" and "Edgebreaker Decoder". glTF allows
+//! only this version of the format, and only triangle meshes.
 
 /// How deep metadata may be nested.
 const MAX_METADATA_DEPTH: u32 = 32;
@@ -14,7 +14,7 @@ pub(super) struct Header {
     pub(super) triangles: u64,
     /// Number of points; `None` if the connectivity decides it, which is then at most three per triangle.
     pub(super) points: Option<u64>,
-    /// Number of attributes with connectivity of their own.
+    /// Number of attributes with separate connectivity.
     pub(super) seamed: u64,
 }
 
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_are_read_for_both_methods() {
+    fn reads_counts_of_both_connectivity_methods() {
         let read = |bytes: &[u8]| Header::read(bytes).expect("a header");
         let sequential = Header { triangles: 300, points: Some(5), seamed: 0 };
         assert_eq!(read(&stream(0, 0, &[0xac, 2, 5])), sequential);
@@ -132,8 +132,9 @@ mod tests {
     }
 
     #[test]
-    fn metadata_before_the_counts_is_skipped() {
-        // One attribute, number 4, with an entry a = [1, 2]; the mesh with an empty part b that has an entry c = [].
+    fn skips_metadata_before_the_counts() {
+        // One attribute, number 4, with an entry a = [1, 2]; then the mesh, with an empty sub-metadata b that
+        // has an entry c = [].
         let metadata = [1, 4, 1, 1, b'a', 2, 1, 2, 0, 0, 1, 1, b'b', 1, 1, b'c', 0, 0];
         let bytes = stream(0, 0x8000, &[&metadata[..], &[6, 5]].concat());
         assert_eq!(Header::read(&bytes), Ok(Header { triangles: 6, points: Some(5), seamed: 0 }));
@@ -142,7 +143,7 @@ mod tests {
     }
 
     #[test]
-    fn headers_cut_off_or_of_other_kinds_are_named() {
+    fn rejects_truncated_and_unsupported_headers() {
         let whole = stream(1, 0, &[2, 7, 9, 3]);
         for length in 0..whole.len() {
             assert!(Header::read(&whole[..length]).is_err(), "{length}");

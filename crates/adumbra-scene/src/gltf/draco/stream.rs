@@ -1,8 +1,8 @@
 //! Decodes a Draco stream with the crate `draco-core`, within a memory budget.
 //!
-//! Memory is charged before decoding, from the counts in the stream's header and what the accessors state, and the
-//! decoder is held to the same numbers. The constants below are upper bounds on its peak, which `docs/decoders.md` has
-//! measured.
+//! Memory is charged before decoding, from the counts in the stream's header and the counts that the
+//! accessors state. The decoder is limited to the same numbers. The constants below are upper bounds on its
+//! peak memory; `docs/decoders.md` has the measurements.
 
 use ::gltf::json::accessor::ComponentType;
 use draco_core::{
@@ -18,7 +18,7 @@ use crate::budget::Budget;
 const TABLE_BYTES: u64 = 8 << 20;
 /// Memory per triangle while it is decoded, bytes.
 const TRIANGLE_BYTES: u64 = 64;
-/// Memory per triangle and attribute with connectivity of its own, bytes.
+/// Memory per triangle and attribute with separate connectivity, bytes.
 const SEAMED_TRIANGLE_BYTES: u64 = 32;
 /// Memory per point while it is decoded, without its attributes, bytes.
 const POINT_BYTES: u64 = 32;
@@ -29,9 +29,9 @@ const UNSTATED_POINT_BYTES: u64 = 16;
 
 /// Why a stream could not be decoded.
 pub(super) enum Fault {
-    /// What is wrong with it.
+    /// What is wrong with the stream.
     Broken(String),
-    /// It does not fit the memory budget.
+    /// The stream does not fit the memory budget.
     Memory(Error),
 }
 
@@ -45,8 +45,8 @@ pub(super) fn decode(
     let header = Header::read(bytes).map_err(Fault::Broken)?;
     check(&header, stated)?;
     let most = header.points.unwrap_or(header.triangles.saturating_mul(3));
-    // The accessors should state the number of points in the stream, but some writers state that of the mesh before
-    // it was cut along its seams.
+    // The accessors should state the number of points in the stream, but some writers state that of the mesh
+    // before it was cut along its seams.
     let first = stated.points.min(most);
     match decode_points(bytes, &header, first, stated, budget, place) {
         Err(Attempt::TooMany) if first < most => decode_points(bytes, &header, most, stated, budget, place),
@@ -128,7 +128,8 @@ fn decode_points(
 
 fn what_is_wrong(kind: ErrorKind) -> &'static str {
     match kind {
-        // Google's encoder predicts such normals as if they were octahedral, and its decoder returns others.
+        // For integer normals, Google's encoder uses the prediction of octahedral normals, so that its
+        // decoder returns other values.
         ErrorKind::InvalidParameter => {
             "is damaged, or has integer normals, which encoders damage at low speeds; encode normals as floats, or at speed 4 or more"
         }
@@ -136,7 +137,7 @@ fn what_is_wrong(kind: ErrorKind) -> &'static str {
     }
 }
 
-/// Copies a decoded mesh to what accessors read: packed values, one per point.
+/// Copies a decoded mesh into the form that accessors read: packed values, one per point.
 fn unpack(mesh: &Mesh, budget: &Budget<'_>, what: &dyn Fn() -> String) -> Result<Decoded, Attempt> {
     let points = mesh.num_points();
     let attributes = || (0..mesh.num_attributes()).filter_map(|i| mesh.try_attribute(i).ok());

@@ -11,24 +11,24 @@ pub(in crate::gltf) struct Compressed {
     pub(in crate::gltf) extension: &'static str,
     /// The buffer with the compressed bytes.
     pub(in crate::gltf) buffer: usize,
-    /// Where they begin in it.
+    /// Offset of the compressed bytes in the buffer.
     pub(in crate::gltf) byte_offset: u64,
-    /// How many they are.
+    /// Number of compressed bytes.
     pub(in crate::gltf) byte_length: u64,
     /// Bytes per decoded element.
     stride: u64,
-    /// Decoded elements.
+    /// Number of decoded elements.
     count: u64,
     mode: Mode,
     filter: Filter,
 }
 
-/// What a compressed buffer view holds.
+/// The content of a compressed buffer view.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Mode {
     /// Elements of any kind.
     Attributes,
-    /// Corners of triangles, three by three.
+    /// Corners of triangles, three per triangle.
     Triangles,
     /// Indices of any kind.
     Indices,
@@ -45,7 +45,8 @@ enum Filter {
 }
 
 impl Compressed {
-    /// Reads a buffer view's extension. `byte_stride` is that of the view itself. The error is a clause about the view.
+    /// Reads a buffer view's extension. `byte_stride` is that of the view itself. The error is a clause about
+    /// the view.
     pub(in crate::gltf) fn read(
         extension: &'static str,
         json: &Value,
@@ -100,7 +101,7 @@ impl Compressed {
         self.stride.saturating_mul(self.count)
     }
 
-    /// Decodes the view, which takes [`Self::decoded_bytes`]. The error is a clause about the view.
+    /// Decodes the view into [`Self::decoded_bytes`] bytes. The error is a clause about the view.
     pub(in crate::gltf) fn decode(&self, compressed: &[u8]) -> Result<Vec<u8>, String> {
         let too_large = || format!("its {} has {} elements, which is too many", self.extension, self.count);
         let stride = usize::try_from(self.stride).map_err(|_| too_large())?;

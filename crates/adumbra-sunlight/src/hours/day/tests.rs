@@ -1,4 +1,4 @@
-//! Days over walls and plains, against every ray.
+//! Days over walls and plains, compared with every ray.
 
 use adumbra_scene::{GeneratedKind, generate};
 use adumbra_solar::Day;
@@ -45,19 +45,20 @@ fn hours_beside_a_wall_follow_the_sun() {
     let whole = day.sun_seconds() / 60.0;
     // At an equinox the sun's centre is up for 12 hours, and the air adds some minutes.
     assert!((720.0..735.0).contains(&whole), "{whole}");
-    // The plain is lit all day, the foot north of the wall only before the sun passes east and after it passes west.
+    // The plain is lit all day, the foot north of the wall only before the sun passes east and after it
+    // passes west.
     assert_eq!(minutes[0], whole);
     assert!(minutes[1] < 20.0, "{minutes:?}");
     // The southern face is lit while the sun is in the south, the northern one during the few other minutes.
     assert!(minutes[2] > 700.0 && minutes[2] <= whole, "{minutes:?}");
     assert_eq!(minutes[2] + minutes[3], whole);
-    // Above the wall all is lit: in space, and on a sheet by turns on both sides.
+    // Above the wall, points are always lit: in space, and on a sheet from one side after the other.
     assert_eq!(minutes[4..], [whole, whole]);
     assert_eq!(hours.steps(5).len(), 1);
 }
 
 #[test]
-fn hours_without_a_sun_are_none() {
+fn night_has_no_hours_and_traces_no_rays() {
     let scene = wall();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let night = day("date=2026-03-20,from=22,to=4", 2.0);
@@ -67,7 +68,7 @@ fn hours_without_a_sun_are_none() {
 }
 
 #[test]
-fn hours_over_a_night_have_two_parts() {
+fn hours_across_a_night_have_two_spans() {
     let scene = wall();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let two = day("date=2026-06-20,from=12,to=11", 2.0);
@@ -77,8 +78,8 @@ fn hours_over_a_night_have_two_parts() {
     assert_eq!(hours.seconds(0), two.sun_seconds());
 }
 
-/// Keys find nearly every minute that all rays find, with a fraction of the rays. Where the step is long, every sun is
-/// a key.
+/// Key suns find nearly every minute that all rays find, with a fraction of the rays. With long steps, every
+/// sun is a key.
 #[test]
 fn hours_from_keys_agree_with_every_ray() {
     let scene = generate(GeneratedKind::City, 7);
@@ -96,7 +97,7 @@ fn hours_from_keys_agree_with_every_ray() {
     let wrong = every.difference(&keys).unwrap();
     assert!(wrong < 0.002, "{wrong}");
     assert!(keys.rays() * 5 < every.rays(), "{} of {}", keys.rays(), every.rays());
-    // Far keys miss more, so the comparison notices.
+    // Keys far apart miss more, so the comparison can detect errors.
     assert!(every.difference(&of("", 60.0)).unwrap() > wrong.max(0.005));
     assert_eq!(of(",step=3600", 2.0), of(",step=3600", 0.0));
 }
@@ -116,7 +117,7 @@ fn hours_do_not_depend_on_the_threads() {
 }
 
 #[test]
-fn hours_end_when_asked_and_tell_their_progress() {
+fn hours_can_be_cancelled_and_report_progress() {
     let scene = wall();
     let tracer = Tracer::build(&scene, TraceOptions::default());
     let day = day("date=2026-03-20,from=8,to=9", 2.0);
@@ -135,7 +136,7 @@ fn hours_end_when_asked_and_tell_their_progress() {
 }
 
 #[test]
-fn days_without_time_are_refused() {
+fn rejects_days_without_a_span_and_bad_key_angles() {
     let steps: Vec<_> = "lat=0,lon=0,date=2026-03-20,from=8,to=9".parse::<Day>().unwrap().steps().unwrap();
     let of = |steps: &[SunStep], key_degrees| SunDay::new(steps, DayOptions { key_degrees });
     assert!(matches!(of(&steps[..1], 2.0), Err(Error::NoSpan { steps: 1 })));
@@ -146,7 +147,7 @@ fn days_without_time_are_refused() {
 }
 
 #[test]
-fn keys_are_no_farther_apart_than_asked() {
+fn keys_are_no_farther_apart_than_key_degrees() {
     let day = day("date=2026-06-21,from=7,to=19", 2.0);
     let keys: Vec<usize> = (0..day.len()).filter(|&step| day.is_key[step]).collect();
     assert!((60..130).contains(&keys.len()), "{}", keys.len());

@@ -14,7 +14,8 @@ pub struct Census {
     pub nodes: u64,
     /// Number of leaves.
     pub leaves: u64,
-    /// Number of children of nodes by encoding, 4·high + 2·low + kind of the table in [`crate::layout::depths`].
+    /// Number of children of nodes by encoding, 4·high + 2·low + kind of the table in
+    /// [`crate::layout::depths`].
     pub children: [u64; 8],
     /// Number of leaves by their number of planes, from 0 on.
     pub leaves_by_planes: [u64; 7],

@@ -3,11 +3,13 @@
 use crate::layout::depths::slant::Slant;
 use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
-/// Near pointers below this value are addresses in the common section. The others have this bit set and are relative.
+/// Near pointers below this value are addresses in the common section. The others have this bit set and are
+/// relative.
 pub const NEAR: u32 = 1 << 15;
 /// Far pointers have this bit set if they are relative.
 pub const FAR: u32 = 1 << 31;
-/// Number of bits of a far pointer's address or distance. The bits above, up to [`FAR`], are the highest of a difference.
+/// Number of bits of a far pointer's address or distance. The bits above, up to [`FAR`], are the highest of a
+/// difference.
 pub const FAR_BITS: u32 = 25;
 /// Number of bits of a difference beside a far pointer.
 pub const FAR_DELTA_BITS: u32 = 22;
@@ -120,14 +122,14 @@ impl LeafHead {
     }
 }
 
-/// Returns the number of half-words of the fields of those children of a node that are in `children`. The other arguments
-/// are its first half-words.
+/// Returns the number of half-words of the fields of a node's children that are in the mask `children`. The
+/// other arguments are the node's first half-words.
 pub(super) fn fields_length(low: u32, high: u32, kind: u32, children: u32) -> u32 {
     let short = high & !low & !kind;
     (low & children).count_ones() + 2 * (high & children).count_ones() - (short & children).count_ones()
 }
 
-/// Returns a number of so many bits in two's complement, as 32 bits.
+/// Sign-extends a number of `bits` bits in two's complement to 32 bits.
 fn signed(value: u32, bits: u32) -> u32 {
     let unused = 32 - bits;
     ((value << unused) as i32 >> unused) as u32
@@ -179,8 +181,8 @@ impl<'c> Code<'c> {
         [0, 1, 2].map(|half| self.half(at + half))
     }
 
-    /// Decodes a child of the node at `at` from its field. `form` has its bits of the node's second, first and third
-    /// half-word.
+    /// Decodes a child of the node at `at` from its field. `form` has its bits of the node's second, first
+    /// and third half-word.
     #[inline(always)]
     fn child_at(self, at: u32, field: u32, form: [u32; 3]) -> Child {
         let back = |distance: u32| (at.wrapping_sub(distance), true);
@@ -308,8 +310,8 @@ impl LeafCode<'_> {
         self.head.never
     }
 
-    /// Returns by how much columns switch at most nearer to the sun than the base, and deeper, without those that never
-    /// switch.
+    /// Returns how far columns switch at most in front of the base, towards the sun, and at most behind it.
+    /// Columns that never switch are not counted.
     pub(crate) fn reach(self) -> [i64; 2] {
         let differences = (0..self.head.differences()).map(|index| i64::from(self.difference(index)));
         [i64::from(self.slant.largest_rise()), differences.sum()]

@@ -1,5 +1,5 @@
-//! The shapes of a common section. Its words alone do not say where a shape begins and of which level it is, but the
-//! pages do.
+//! The shapes of a common section. Its words alone do not say where a shape begins and of which level it is,
+//! but the pages do.
 
 use crate::layout::depths::code::Child;
 use crate::layout::depths::page::PAGE_LEVEL;
@@ -15,7 +15,7 @@ pub struct ShapePlace {
 }
 
 impl DepthTree {
-    /// Returns the shapes of the common section that pages lead to, by address.
+    /// Returns the shapes of the common section that pages use, by address.
     ///
     /// Cost: one visit per shape, and a byte of memory per half-word.
     pub fn common_shapes(&self) -> Vec<ShapePlace> {

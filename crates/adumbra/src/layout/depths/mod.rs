@@ -1,24 +1,26 @@
 //! Depths: a quadtree of the depths at which columns switch from lit to shadowed, in place of voxels.
 //!
-//! Source: Scandolo, Bauszat, Eisemann, *Compressed Multiresolution Hierarchies for High-Quality Precomputed Shadows*
-//! and *Merged Multiresolution Hierarchies for Shadow Map Compression*, both 2016. As there, values are chosen inside
-//! each column's interval and inherited from node to node, and they are relative to the parent's, so that equal shapes
-//! at different depths are stored once. This layout departs from the source in several points. A node has 4 × 4
-//! children. A leaf has 8 × 8 columns and stores its contour once, separately from its depths. Columns that are lit to
-//! their end are marked as such and need no value. Equal shapes are found by hash after the depths have been chosen,
-//! not by a search.
+//! Source: Scandolo, Bauszat, Eisemann, *Compressed Multiresolution Hierarchies for High-Quality Precomputed
+//! Shadows* and *Merged Multiresolution Hierarchies for Shadow Map Compression*, both 2016. As there, values
+//! are chosen inside each column's interval and inherited from node to node, and they are relative to the
+//! parent's, so that equal shapes at different depths are stored once. This layout departs from the source in
+//! several points. A node has 4 × 4 children. A leaf has 8 × 8 columns and stores its contour once,
+//! separately from its depths. Columns that are lit to their end are marked as such and need no value. Equal
+//! shapes are found by hash after the depths have been chosen, not by a search.
 //!
 //! # Words
-//! `code` is a sequence of half-words of 16 bits, two per word, the lower first. A *shape* begins at a half-word, its
-//! address. It has no depth of its own, but receives a *base* depth. The shapes that it points to come before it.
+//! `code` is a sequence of half-words of 16 bits, two per word, the lower first. A *shape* begins at a
+//! half-word, its address. It has no depth of its own, but receives a *base* depth. The shapes that it points
+//! to come before it.
 //!
-//! The code has parts: first the *common section*, then *pages*. A page is what lies below one root, 512 × 512 columns.
-//! Its shapes point to each other by distance, and to shapes of the common section by address, so a page means the same
-//! wherever its words are. What several pages need is in the common section.
+//! The code has parts: first the *common section*, then *pages*. A page has the shapes below one root, 512 ×
+//! 512 columns. Its shapes point to each other by distance, and to shapes of the common section by address,
+//! so a page does not depend on where its words are. Shapes that several pages need are in the common
+//! section.
 //!
-//! A node of level n has 4 × 4 children of level n − 2, with index `y·4 + x`. The root of a page has level 9, leaves have
-//! level 3. A node's first three half-words have one bit per child. The fields that these bits call for follow in the
-//! children's order.
+//! A node of level n has 4 × 4 children of level n − 2, with index `y·4 + x`. The root of a page has level 9,
+//! leaves have level 3. A node's first three half-words have one bit per child. The fields that these bits
+//! call for follow in the children's order.
 //!
 //! | half-word 1 (high) | 0 (low) | 2 (kind) | fields | child |
 //! |---|---|---|---|---|
@@ -38,15 +40,15 @@
 //! | short | 1 | bits 7..0: half-words back; bits 15..8: delta, two's complement |
 //! | far | 3 | half-word 0: bits 15..0 of delta; of the word of half-words 1 and 2, lower first: bits 24..0 an address in the common section, or if bit 31 = 1 half-words back; bits 30..25 = bits 21..16 of delta, two's complement |
 //!
-//! Worked value: `0x0001`, `0x0000`, `0x8200` is far, with a delta of 1 + 2^16 (bit 25 is its bit 16) and bit 31 without a
-//! distance, so the child switches at base + 65,537.
+//! Worked value: `0x0001`, `0x0000`, `0x8200` is far, with a delta of 1 + 2^16 (bit 25 is its bit 16) and bit
+//! 31 without a distance, so the child switches at base + 65,537.
 //!
 //! # Leaves
-//! A leaf has n = 1 to 64 different depths v0 < v1 < …, of which the last may be [`NEVER`]; v0 is the base. A *slanted*
-//! leaf has parallel planes instead of depths. Their gradient is gx and gy quarters of a voxel per column, and the
-//! stored depths are those at the deepest corner of each plane. Column (x, y) then switches nearer to the sun by
-//! `(|gx|·dx + |gy|·dy + 3) >> 2`, where dx = 7 − x for gx > 0, else x, and dy is 7 − y for gy > 0, else y. Depths of a
-//! leaf saturate at 0 and at [`NEVER`].
+//! A leaf has n = 1 to 64 different depths v0 < v1 < …, of which the last may be [`NEVER`]; v0 is the base. A
+//! *slanted* leaf has parallel planes instead of depths. Their gradient is gx and gy quarters of a voxel per
+//! column, and the stored depths are those at the deepest corner of each plane. Column (x, y) then switches
+//! nearer to the sun by `(|gx|·dx + |gy|·dy + 3) >> 2`, where dx = 7 − x for gx > 0, else x, and dy is 7 − y
+//! for gy > 0, else y. Depths of a leaf saturate at 0 and at [`NEVER`].
 //!
 //! | half-words | meaning |
 //! |---|---|
@@ -57,8 +59,8 @@
 //!
 //! The four half-words of a plane are stored lowest first.
 //!
-//! Worked value: if the columns of row 0 switch at 7 and all others never switch, the leaf is `0x0041`, `0xff00`,
-//! `0xffff`, `0xffff`, `0xffff`, with base 7.
+//! Worked value: if the columns of row 0 switch at 7 and all others never switch, the leaf is
+//! `0x0041`, `0xff00`, `0xffff`, `0xffff`, `0xffff`, with base 7.
 
 mod census;
 pub mod code;
@@ -121,7 +123,7 @@ struct PlacedPage {
     words: usize,
 }
 
-/// What a tree holds of a page beside its words, in bytes.
+/// Memory that a tree holds per page in addition to its words, in bytes.
 pub const PLACED_PAGE_BYTES: u64 = size_of::<PlacedPage>() as u64;
 
 /// A tree whose pages are added bundle by bundle.
@@ -131,8 +133,8 @@ pub struct TreeBuilder {
 }
 
 impl TreeBuilder {
-    /// Begins a tree of `size` voxels along x, y, z with the words of its common section. Pages are outside the grid
-    /// until they are added.
+    /// Begins a tree of `size` voxels along x, y, z with the words of its common section. Pages are outside
+    /// the grid until they are added.
     pub fn new(size: [u32; 3], common: Vec<u32>) -> Self {
         let page_dims = page::page_dims(size);
         let pages = page_dims.iter().map(|&n| n as usize).product();
@@ -171,7 +173,8 @@ impl TreeBuilder {
 
     /// Returns the tree, after checking that every look-up in it ends with a valid result.
     ///
-    /// Cost: one pass over all shapes, and a byte of memory per half-word of the common section and of one page.
+    /// Cost: one pass over all shapes, and a byte of memory per half-word of the common section and of one
+    /// page.
     ///
     /// # Errors
     /// Returns the first fault of a traversal from the roots down.
@@ -184,15 +187,16 @@ impl TreeBuilder {
     }
 }
 
-/// Bounds of the depths at which the columns of a block of 8 × 8 switch from lit to shadowed: voxel k of a column is lit
-/// if k is less than the column's depth.
+/// Bounds of the depths at which the columns of a block of 8 × 8 switch from lit to shadowed: voxel k of a
+/// column is lit if k is less than the column's depth.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Switches {
     /// No column switches nearer to the sun.
     pub nearest: u32,
     /// No column switches deeper.
     pub farthest: u32,
-    /// What [`TreeWords::switches_of_leaf`] reads the columns' depths from; `None` if all are equal to both bounds.
+    /// The leaf for [`TreeWords::switches_of_leaf`], which reads the columns' depths; `None` if all depths
+    /// equal both bounds.
     pub leaf: Option<[u32; 2]>,
 }
 
@@ -224,8 +228,8 @@ impl DepthTree {
             .map(|place| place.map_or(Page::OUTSIDE, |place| self.page(place)))
     }
 
-    /// Returns the level of the blocks at which look-ups begin: they span 2^level columns along each side. It is 5, 7 or
-    /// 9, the lowest for which the table of these blocks is small.
+    /// Returns the level of the blocks at which look-ups begin: they span 2^level columns along each side. It
+    /// is 5, 7 or 9, the lowest for which the table of these blocks is small.
     pub fn root_level(&self) -> u32 {
         self.block_level
     }
@@ -281,8 +285,8 @@ impl DepthTree {
         }
     }
 
-    /// Returns the depth at which column (i, j) switches: voxel k is lit if k is less than it. [`NEVER`] if all voxels
-    /// of the column are lit, and outside the grid.
+    /// Returns the depth at which column (i, j) switches: voxel k is lit if k is less than it. [`NEVER`] if
+    /// all voxels of the column are lit, and outside the grid.
     ///
     /// Cost: one step per two levels above 3, then one leaf.
     pub fn value(&self, i: u32, j: u32) -> u32 {
@@ -311,7 +315,8 @@ impl DepthTree {
         k < self.value(i, j)
     }
 
-    /// Returns the level of the block in which a look-up in column (i, j) ends. The column must be in the grid.
+    /// Returns the level of the block in which a look-up in column (i, j) ends. The column must be in the
+    /// grid.
     ///
     /// The block switches at one depth and spans 2^level columns along each side. Level 0 is a single column.
     pub fn end_level(&self, i: u32, j: u32) -> u32 {

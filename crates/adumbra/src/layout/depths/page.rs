@@ -1,8 +1,10 @@
-//! Pages and bundles: how a quadtree is cut into parts that can be copied anywhere, and in which order they are stored.
+//! Pages and bundles: how a quadtree is cut into parts that can be copied anywhere, and in which order they
+//! are stored.
 //!
-//! A page is a square of 2^[`PAGE_LEVEL`] columns a side, and the shapes below its root. A bundle is 4 × 4 pages.
-//! Bundles are stored along a Hilbert curve (Hilbert, *Über die stetige Abbildung einer Linie auf ein Flächenstück*,
-//! 1891), so that a range of the file is a compact piece of the grid. Within a bundle pages are in rows.
+//! A page is a square of 2^[`PAGE_LEVEL`] columns a side, and the shapes below its root. A bundle is 4 × 4
+//! pages. Bundles are stored along a Hilbert curve (Hilbert, *Über die stetige Abbildung einer Linie auf ein
+//! Flächenstück*, 1891), so that a range of the file is a compact piece of the grid. Within a bundle pages
+//! are in rows.
 
 use crate::layout::depths::{NEVER, UNIFORM};
 
@@ -12,8 +14,8 @@ pub const PAGE_LEVEL: u32 = 9;
 pub const BUNDLE_SIDE: u32 = 4;
 /// Number of pages of a bundle.
 pub const BUNDLE_PAGES: usize = (BUNDLE_SIDE * BUNDLE_SIDE) as usize;
-/// Bit of a page's root: the address counts half-words from the page's beginning. Without it, it is one in the common
-/// section.
+/// Bit of a page's root: the address counts half-words from the page's beginning. Without this bit, the
+/// address is in the common section.
 pub const IN_PAGE: u32 = 1 << 31;
 
 /// A page, wherever its words are.
@@ -31,8 +33,8 @@ impl Page<'_> {
     /// A page outside the grid.
     pub const OUTSIDE: Self = Self::uniform(NEVER);
 
-    /// Returns an address of the page's shapes, as [`Page::root`] is one, in half-words from the beginning of the common
-    /// section. The page's words are so many words behind that.
+    /// Converts an address in the form of [`Page::root`] to half-words from the beginning of the common
+    /// section. The page's words begin `words_behind` words after that beginning.
     pub fn address(root: u32, words_behind: u32) -> u32 {
         match root {
             UNIFORM => UNIFORM,
@@ -71,7 +73,7 @@ pub fn bundles(page_dims: [u32; 2]) -> Vec<[u32; 2]> {
     order
 }
 
-/// Follows the curve through the square at `corner` with these edges. Squares beside the grid are left out.
+/// Follows the curve through the square at `corner` with these edges. Squares outside the grid are left out.
 fn curve(dims: [i64; 2], corner: [i64; 2], x: [i64; 2], y: [i64; 2], order: &mut Vec<[u32; 2]>) {
     let least = [0, 1].map(|a| corner[a] + x[a].min(0) + y[a].min(0));
     if least[0] >= dims[0] || least[1] >= dims[1] {
@@ -106,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bundles_are_each_visited_once_and_next_to_each_other() {
+    fn curve_visits_each_bundle_once_and_in_adjacent_steps() {
         assert_eq!(bundles([8, 8]), [[0, 0], [1, 0], [1, 1], [0, 1]]);
         for pages in [[1, 1], [4, 4], [5, 3], [64, 64], [61, 17], [1, 400]] {
             let order = bundles(pages);
@@ -120,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn narrow_grid_does_not_cost_its_square() {
+    fn curve_of_narrow_grid_skips_the_rest_of_its_square() {
         assert_eq!(bundles([1 << 23, 1]).len(), 1 << 21);
     }
 

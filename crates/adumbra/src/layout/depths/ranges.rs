@@ -1,5 +1,5 @@
-//! The depths at which the columns of a page or bundle switch, as a range. A table of pages holds them, so that whoever
-//! chooses pages, or marches through the depths, can do without the pages themselves.
+//! The depths at which the columns of a page or bundle switch, as a range. A table of pages holds the ranges,
+//! so that code that chooses pages or marches through the depths does not need the pages themselves.
 
 use std::collections::HashMap;
 use std::sync::Mutex;
@@ -40,7 +40,8 @@ impl Range {
     }
 }
 
-/// Bounds relative to a base. They are wide enough for any sum of differences, and are limited to depths at the root.
+/// Bounds relative to a base. They are wide enough for any sum of differences, and are limited to depths at
+/// the root.
 #[derive(Clone, Copy, Debug)]
 struct Relative {
     nearest: i64,
@@ -81,8 +82,8 @@ impl Relative {
 
 /// Finds the ranges of pages that share a common section.
 ///
-/// A leaf's bounds are those of its planes: its base less the largest rise of its slant, and its base and all of its
-/// differences. Differences count with their sign.
+/// A leaf's bounds are those of its planes: its base less the largest rise of its slant, and its base and all
+/// of its differences. Differences count with their sign.
 pub struct Ranges<'c> {
     common: Code<'c>,
     /// Ranges of nodes of the common section.
@@ -91,7 +92,7 @@ pub struct Ranges<'c> {
     of_page: Known,
 }
 
-/// What is known of a common section, for any number of threads.
+/// Ranges of a common section, for use by any number of threads.
 pub struct SharedRanges<'c> {
     common: &'c [u32],
     idle: Mutex<Vec<Ranges<'c>>>,
@@ -103,7 +104,7 @@ impl<'c> SharedRanges<'c> {
         Self { common, idle: Mutex::default() }
     }
 
-    /// Calls `work` with ranges that no other thread has.
+    /// Calls `work` with ranges that no other thread uses.
     pub fn with<T>(&self, work: impl FnOnce(&mut Ranges<'c>) -> T) -> T {
         let idle = || self.idle.lock().unwrap_or_else(|e| e.into_inner());
         let known = idle().pop();
@@ -120,12 +121,12 @@ struct Known {
     /// For each half-word, one more than the index of the node that begins there.
     places: Vec<u32>,
     list: Vec<(u32, Relative)>,
-    /// Nodes that are reached at a second level, as only forged pages have them.
+    /// Nodes that are reached at a second level. Only forged pages have such nodes.
     others: HashMap<(u32, u32), Relative>,
 }
 
 impl Known {
-    /// Forgets everything, and has room for the nodes of so many words.
+    /// Clears everything, and makes room for the nodes of `words` words.
     fn begin(&mut self, words: usize) {
         self.places.clear();
         self.places.resize(2 * words, 0);
@@ -183,7 +184,8 @@ impl<'c> Ranges<'c> {
     fn of_common(&mut self, at: u32, level: u32) -> Relative {
         let (code, mut known) = (self.common, std::mem::take(&mut self.known));
         let range = self.of_shape(&mut known, code, at, level);
-        // A shape of the common section leads to others of it alone, so nothing was added meanwhile.
+        // Shapes of the common section point only to each other, so nothing was added to `self.known`
+        // meanwhile.
         self.known = known;
         range
     }

@@ -23,8 +23,8 @@ impl Slant {
         u16::from(self.x as u8) | u16::from(self.y as u8) << 8
     }
 
-    /// Returns by how much a column switches nearer to the sun than the deepest corner of its plane, in voxels, rounded
-    /// up.
+    /// Returns by how much a column switches nearer to the sun than the deepest corner of its plane, in
+    /// voxels, rounded up.
     #[inline(always)]
     pub fn rise(self, column: u32) -> u32 {
         let along = |g: i8, at: u32| -i32::from(g) * (at as i32 - if g > 0 { 7 } else { 0 });
@@ -48,8 +48,8 @@ impl Slant {
         (quarters + (1 << SLANT_BITS) - 1) >> SLANT_BITS
     }
 
-    /// Returns the columns that rise by less than `rise`, which must be at least 1. In every row they begin at the
-    /// deepest column.
+    /// Returns the columns that rise by less than `rise`, which must be at least 1. In every row they begin
+    /// at the deepest column.
     pub fn below(self, rise: u32) -> u64 {
         let [x, y] = [self.x, self.y].map(|g| i32::from(g.unsigned_abs()));
         // The largest rise that is below the limit, in quarters.
@@ -59,9 +59,9 @@ impl Slant {
             let rows = if y == 0 { 8 } else { (most / y + 1).min(8) };
             return if self.y > 0 { u64::MAX << (64 - 8 * rows) } else { u64::MAX >> (64 - 8 * rows) };
         }
-        // One division instead of eight. `inverse` exceeds 2^20 / x by at most 1, so `left * inverse / 2^20` exceeds
-        // `left / x` by at most `left / 2^20`. The floors are equal if that is less than 1 / x, which holds because
-        // left * x <= 7 * 128 * 128 < 2^20.
+        // One division instead of eight. `inverse` exceeds 2^20 / x by at most 1, so `left * inverse /
+        // 2^20` exceeds `left / x` by at most `left / 2^20`. The floors are equal if that is less than 1 / x,
+        // which holds because left * x <= 7 * 128 * 128 < 2^20.
         let inverse = (1 << RECIPROCAL_BITS) / x + 1;
         (0..8).fold(0, |mask, row| {
             let left = most - y * if self.y > 0 { 7 - row } else { row };

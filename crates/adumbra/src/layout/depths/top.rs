@@ -1,6 +1,6 @@
-//! The table of blocks at which look-ups begin. A file has one root per page, 512 × 512 columns. Where the grid is small,
-//! a table of smaller blocks costs little and saves the steps above them, so it is made when the file is read. No answer
-//! depends on it.
+//! The table of blocks at which look-ups begin. A file has one root per page, 512 × 512 columns. Where the
+//! grid is small, a table of smaller blocks costs little and saves the steps above them, so it is made when
+//! the file is read. No answer depends on it.
 
 use crate::layout::depths::code::{Child, Code};
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
@@ -23,8 +23,8 @@ pub fn block_dims(size: [u32; 3], level: u32) -> [u32; 2] {
     [size[0], size[1]].map(|n| n.div_ceil(1 << level))
 }
 
-/// Returns the blocks of a page, x fastest: the address of each block's node, as that of a page's root, and its base.
-/// The page must be valid.
+/// Returns the blocks of a page, x fastest: the address of each block's node, as that of a page's root, and
+/// its base. The page must be valid.
 pub fn page_blocks(page: &Page<'_>, common: &[u32], level: u32) -> Vec<[u32; 2]> {
     let side = 1 << (PAGE_LEVEL - level);
     let columns = (0..side).flat_map(|y| (0..side).map(move |x| [x << level, y << level]));

@@ -1,9 +1,10 @@
-//! Look-ups in the words of a quadtree, wherever the words are: in a file that was read whole, or in a pool.
+//! Look-ups in the words of a quadtree, which are in a file that was read whole, or in a pool.
 
 use crate::layout::depths::code::{Code, ColumnNode, Node};
 use crate::layout::depths::{NEVER, Switches, UNIFORM};
 
-/// Stored in place of an address if the block's page is not resident. A file that was read whole has none.
+/// Stored in place of an address if the block's page is not resident. A file that was read whole has no such
+/// blocks.
 pub const ABSENT: u32 = u32::MAX - 1;
 
 /// The words of a quadtree.
@@ -34,7 +35,7 @@ impl<'w> TreeWords<'w> {
         self.shapes().descend(self.root(i, j), [i, j])
     }
 
-    /// Returns the root that contains a column. Beside the grid, no column switches.
+    /// Returns the root that contains a column. Outside the grid, no column switches.
     #[inline]
     pub fn root(self, i: u32, j: u32) -> Node {
         let level = self.block_level;
@@ -64,8 +65,8 @@ impl<'w> TreeWords<'w> {
         }
     }
 
-    /// Returns bounds of the depths at which the columns of the block of 8 × 8 that contains column (i, j) switch. The
-    /// column must be in the grid. Columns outside the grid may have any depth.
+    /// Returns bounds of the depths at which the columns of the block of 8 × 8 that contains column (i, j)
+    /// switch. The column must be in the grid. Columns outside the grid may have any depth.
     pub fn switches(self, i: u32, j: u32) -> Switches {
         match self.place(i, j).0 {
             ColumnNode::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },

@@ -1,10 +1,10 @@
-//! Validates a quadtree from an untrusted source: every shape is within its page or the common section, every pointer
-//! leads to an earlier shape of the same page or to one of the common section, and every column of a leaf has one of its
-//! depths.
+//! Validates a quadtree from an untrusted source: every shape is within its page or the common section, every
+//! pointer leads to an earlier shape of the same page or to one of the common section, and every column of a
+//! leaf has one of its depths.
 //!
-//! The levels at which an address has been validated are remembered, and shapes that overlap are refused, so the walk takes
-//! time linear in the half-words, and what is remembered of shapes takes memory linear in them. Whether equal shapes were
-//! merged and whether all half-words are in use is not checked, since that affects the size and not the results.
+//! The walk remembers the levels at which an address has been validated, and refuses shapes that overlap. Its
+//! time and memory are therefore linear in the number of half-words. It does not check whether equal shapes
+//! were merged and whether all half-words are in use, since that affects the size and not the results.
 
 use std::fmt;
 
@@ -50,8 +50,8 @@ pub enum DepthsError {
         /// The root as it is stored.
         root: u32,
     },
-    /// A pointer leads neither to a place before the shape that contains it, in the same part, nor from a page to the
-    /// common section.
+    /// A pointer leads neither to a place before the shape that contains it, in the same part, nor from a
+    /// page to the common section.
     #[error(
         "the shape at half-word {at} of {part} has a pointer for child {child} that leads neither to an earlier shape of that part nor to the common section"
     )]
@@ -85,8 +85,8 @@ pub enum DepthsError {
         /// The half-word with the bits.
         half: u32,
     },
-    /// The shapes that were found have more half-words together than their part, so some overlap, or one is used at two
-    /// levels.
+    /// The shapes that were found have more half-words together than their part, so some overlap, or one is
+    /// used at two levels.
     #[error("the shapes of {part} overlap: at half-word {at} they have more half-words than there are")]
     Overlap {
         /// The part.
@@ -135,7 +135,7 @@ pub(super) fn validate(tree: &DepthTree) -> Result<(), DepthsError> {
     places.into_iter().try_for_each(|place| validator.page(place, &tree.page(place)))
 }
 
-/// What has been validated of a common section.
+/// The validated shapes of a common section.
 #[derive(Debug)]
 pub struct Proved {
     levels: Vec<u8>,
@@ -156,12 +156,13 @@ impl<'c> PageValidator<'c> {
         Self { common: Walk::new(common, Part::Common, vec![0; 2 * common.len()]), of_page: Vec::new() }
     }
 
-    /// Goes on with the same common section, of which has been validated what [`PageValidator::into_proved`] returned.
+    /// Continues with the same common section. Its shapes that [`PageValidator::into_proved`] returned count
+    /// as validated.
     pub fn resume(common: &'c [u32], Proved { levels, left }: Proved) -> Self {
         Self { common: Walk { left, ..Walk::new(common, Part::Common, levels) }, of_page: Vec::new() }
     }
 
-    /// Returns what has been validated of the common section.
+    /// Returns the validated shapes of the common section.
     pub fn into_proved(self) -> Proved {
         Proved { levels: self.common.proved, left: self.common.left }
     }
@@ -216,7 +217,8 @@ impl<'c> Walk<'c> {
         Self { code: Code { words }, part, end, proved, left: end }
     }
 
-    /// Validates the shape at an address within the part. `common` is the common section, unless the part is.
+    /// Validates the shape at an address within the part. `common` is the common section, or `None` if the
+    /// part itself is.
     fn shape(&mut self, common: Option<&mut Walk<'_>>, at: u32, level: u32) -> Result<(), DepthsError> {
         let bit = 1 << ((level - LEAF_LEVEL) / NODE_LEVELS);
         let slot = at as usize;
@@ -234,7 +236,7 @@ impl<'c> Walk<'c> {
         Err(DepthsError::End { part: self.part, at, level })
     }
 
-    /// Counts the half-words of a shape.
+    /// Counts the half-words of a shape against the part's.
     fn spend(&mut self, at: u32, length: u32) -> Result<(), DepthsError> {
         let part = self.part;
         self.left = self.left.checked_sub(length).ok_or(DepthsError::Overlap { part, at })?;

@@ -1,5 +1,5 @@
-//! Writes shapes as half-words, each after what it points to, in the shortest form that holds it. There is one way to
-//! write given shapes in a given order.
+//! Writes shapes as half-words, each after the shapes that it points to, in the shortest form that holds it.
+//! Given shapes in a given order are written in only one way.
 
 use crate::layout::depths::code::{FAR, FAR_BITS, FAR_DELTA_BITS, NEAR, SHORT_BITS};
 
@@ -28,7 +28,7 @@ pub enum PlacedChild {
     },
 }
 
-/// A shape or a difference is out of reach of the longest pointer. Bakes are limited so that none is.
+/// A shape or a difference is out of reach of the longest pointer. Limits on bakes prevent this.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
     "a part of the quadtree is too large: a distance above 2^25 half-words, or a difference of depths above 2^21"
@@ -63,7 +63,7 @@ impl Writer {
     /// Writes a node and returns its address.
     ///
     /// # Errors
-    /// Returns [`OutOfReach`] if a child needs more bits than there are.
+    /// Returns [`OutOfReach`] if a child needs more bits than a pointer has.
     pub fn node(&mut self, children: &[PlacedChild; 16]) -> Result<u32, OutOfReach> {
         let from = self.halves.len() as u32;
         let mut bits = [0_u16; 3];
@@ -124,13 +124,14 @@ impl Writer {
     }
 }
 
-/// Whether a difference fits so many bits in two's complement.
+/// Whether a difference fits `bits` bits in two's complement.
 fn fits(delta: u32, bits: u32) -> bool {
     let limit = 1 << (bits - 1);
     (-limit..limit).contains(&(delta as i32))
 }
 
-/// Returns the half-words of a far pointer with a difference. `pointer` is an address, or [`FAR`] and a distance.
+/// Returns the half-words of a far pointer with a difference. `pointer` is an address, or [`FAR`] and a
+/// distance.
 fn far(delta: u32, pointer: u32) -> Result<[u16; 3], OutOfReach> {
     if !fits(delta, FAR_DELTA_BITS) || (pointer & !FAR) >> FAR_BITS != 0 {
         return Err(OutOfReach);
@@ -144,7 +145,7 @@ mod tests {
     use super::*;
     use crate::layout::depths::code::{Child, Code};
 
-    /// Writes a node behind so many half-words, and reads its first child back.
+    /// Writes a node after `filler` half-words, and reads its first child back.
     fn there_and_back(mut writer: Writer, filler: usize, child: PlacedChild) -> (usize, Child) {
         writer.leaf(&vec![0; filler]);
         let mut children = [PlacedChild::Never; 16];

@@ -1,5 +1,5 @@
-// Draws a level square, seen from straight above, at moments of a sun path, and returns the visibility at each pixel beside what
-// look-ups on the CPU say.
+// Draws a level square, seen from straight above, at moments of a sun path. Returns the visibility at each
+// pixel, and the visibility from look-ups on the CPU.
 
 import * as THREE from 'three';
 import { SunPathFile } from 'adumbra-three/path';
@@ -30,7 +30,7 @@ window.draw = async ({ backend, url, moments, height, width, filter }) => {
   for (const { seconds, waits } of moments) {
     if (waits) await path.load(seconds);
     else path.update(seconds);
-    // Keys come while pixels are read.
+    // Take both now, because keys arrive while pixels are read.
     const [{ stats }, sampler] = [path, path.sampler({ filter })];
     parts.renderer.setRenderTarget(parts.target);
     parts.renderer.render(scene, camera);

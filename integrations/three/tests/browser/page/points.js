@@ -5,7 +5,7 @@ import * as THREE from 'three';
 
 import { encode, renderers } from './renderers.js';
 
-/** Number of pixels along a side, where a task names no other. */
+/** Number of pixels along a side, if a task names no other. */
 const SIDE = 256;
 
 const lookUps = () => import('adumbra-three/look-ups');
@@ -64,7 +64,7 @@ async function loseContext(renderer) {
   }
 }
 
-/** Makes an object one with a morph target: half as large until it is morphed, and then as it was. */
+/** Gives an object a morph target: it is half as large until it is morphed, and then as before. */
 function morph(object) {
   const { geometry: shape } = object;
   const whole = shape.attributes.position.clone();
@@ -74,7 +74,7 @@ function morph(object) {
   object.morphTargetInfluences[0] = 1;
 }
 
-/** Clips what is below the ground, which is nothing that is seen. */
+/** Clips everything below the ground, where nothing is visible. */
 async function clip({ renderer }, object) {
   const below = [new THREE.Plane(new THREE.Vector3(0, 1, 0), 1)];
   if (renderer.isWebGLRenderer) {
@@ -93,7 +93,7 @@ function split(camera, side) {
   const eyes = [0, 1].map((i) => {
     const eye = camera.clone();
     Object.assign(eye, i === 0 ? { right: 0 } : { left: 0 });
-    // Each is at a place of its own, and looks at what it draws.
+    // Each is at a different place, and looks at its half of the picture.
     const middle = (eye.left + eye.right) / 2;
     eye.position.x += middle;
     Object.assign(eye, { left: eye.left - middle, right: eye.right - middle, viewport: new THREE.Vector4((i * side) / 2, 0, side / 2, side) });
@@ -110,8 +110,9 @@ function split(camera, side) {
 }
 
 /**
- * Draws and returns the visibility of each pixel, from the top left, row by row. Settings of `later` are set one after
- * the other, each with a picture of its own. `cycles` detach the shadows and attach those of one of the files.
+ * Draws and returns the visibility of each pixel, from the top left, row by row. Settings of `later` are set
+ * one after the other, each with a separate picture. `cycles` detach the shadows and attach those of one of
+ * the files.
  */
 window.draw = async (task) => {
   const { backend, files: urls, lookUp, height, middle, width, pixelsAcross = SIDE } = task;
@@ -131,7 +132,7 @@ window.draw = async (task) => {
   const object = objects[task.object ?? 'mesh'](material);
   object.position.set(middle[0], height, middle[1]);
   object.scale.setScalar(task.shown ?? width);
-  // Seen from behind, a double-sided surface faces the camera all the same.
+  // Seen from behind, a double-sided surface faces the camera too.
   if (task.side === 'double') object.rotation.x = Math.PI;
   object.receiveShadow = true;
   object.frustumCulled = false;
@@ -168,7 +169,7 @@ window.draw = async (task) => {
   let baked = parts.attach({ scene, light, files: choice, ...options });
   const drawn = [await picture()];
   for (const [i, placement] of (task.placements ?? []).entries()) {
-    // Every other time one copy answers, and then the other.
+    // The two copies answer in turn.
     const [here, there] = i % 2 === 0 ? [root, twin] : [twin, root];
     here.matrix.fromArray(placement).decompose(here.position, here.quaternion, here.scale);
     there.copy(here).position.x += 1e4 * here.scale.x;
@@ -196,7 +197,7 @@ window.draw = async (task) => {
     light.castShadow = false;
     await picture();
     memory.push({ ...parts.renderer.info.memory, shaders: parts.renderer.info.programs?.length });
-    // Another file each time, so that a look-up in one that is gone is seen.
+    // Use another file each time, so that a look-up in a removed file would show.
     const file = files[(cycle + 1) % files.length];
     baked = parts.attach({ scene, light, files: [file], ...options });
     drawn.push(await picture());
@@ -224,7 +225,7 @@ function putInRig(camera, scene, scale) {
   camera.updateProjectionMatrix();
 }
 
-/** Moves what is drawn and the camera with a root. */
+/** Moves the drawn object and the camera with a root. */
 function see({ matrix, position, quaternion, scale: { x: scale } }, { object, camera, height, middle, width }) {
   for (const [each, y] of [
     [object, height],
@@ -246,8 +247,8 @@ async function openStreamed(url, options) {
 }
 
 /**
- * Draws frames until all is there that the camera needs. Returns the answers on the CPU at its pixels and the levels that gave
- * them, the longest task of the page meanwhile, and the file's statistics.
+ * Draws frames until everything that the camera needs is resident. Returns the answers on the CPU at its
+ * pixels and the levels that gave them, the longest task of the page meanwhile, and the file's statistics.
  */
 async function streamAll(file, camera, frame, { settings, cpu, height, middle, width, shown, pixelsAcross = SIDE }) {
   const atFirst = file.stats;

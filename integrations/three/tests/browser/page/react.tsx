@@ -1,5 +1,5 @@
-// The example for React Three Fiber in a page: a ground seen from above, under the sun of one file, then of another, then
-// of none.
+// The example for React Three Fiber in a page: a ground seen from above, under the sun of one file, then of
+// another, then of none.
 
 import { Canvas } from '@react-three/fiber';
 import { StrictMode, Suspense, useState } from 'react';

@@ -1,4 +1,4 @@
-// What differs between renderers, for pages that read what they draw.
+// The differences between renderers, for pages that read their pictures.
 
 import * as THREE from 'three';
 

@@ -1,8 +1,9 @@
 // A small world with a sun that is drawn from straight above, and the plays of `scene.test.ts` in it: each sets something
 // up, draws, and returns what it saw.
 //
-// The ground is level at y = 0. A wall, which is in the files, casts to the one side or the other, and so does a box that
-// hovers and is in no file. Visibility at a point is red, green or blue there, divided by what an unshadowed ground has.
+// The ground is level at y = 0. A wall, which is in the files, casts to the one side or the other, and so
+// does a box that hovers and is in no file. Visibility at a point is red, green or blue there, divided by the
+// value of an unshadowed ground.
 
 import * as THREE from 'three';
 
@@ -84,7 +85,7 @@ const plane = (up = 1) => new THREE.PlaneGeometry(40, 40).rotateX((-up * Math.PI
 
 const white = () => new THREE.MeshLambertMaterial();
 
-/** Everything that is drawn, and what draws it. */
+/** Everything that is drawn, and its renderer. */
 async function world(backend) {
   started[backend] ??= renderers[backend]();
   const parts = await started[backend];
@@ -365,7 +366,7 @@ const plays = {
       light.castShadow = castShadow;
       states.push(await w.look());
     }
-    // Another in its place, without a word to the one before.
+    // Another shadow in its place, without disposing the one before.
     baked = w.bake(light, b, { statics: w.statics, movers: 'shadow' });
     states.push(await w.look());
     baked.dispose();
@@ -451,7 +452,7 @@ const plays = {
     const gone = await look();
     baked = w.bake(light, files[0]);
     const again = await look();
-    // A hook that comes later and calls what it finds; its twin has none.
+    // A later hook that calls the one that it finds; its twin has none.
     const { onBeforeCompile: found } = third.material;
     third.material.onBeforeCompile = (shader, renderer) => {
       found(shader, renderer);
@@ -566,7 +567,7 @@ void main() {
     return states;
   },
 
-  /** What an app does after it has attached a file. */
+  /** Actions of an app after it has attached a file. */
   async afterwards(backend) {
     const w = await world(backend);
     const [a, b] = await load('a', 'b');

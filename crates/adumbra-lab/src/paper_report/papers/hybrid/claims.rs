@@ -170,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn foliage_is_held_to_gain_less_than_other_models() {
+    fn foliage_claim_holds_if_it_gains_less_than_others() {
         let of = foliage_of;
         let others = [model(false, Some(1.1), Some(0.8)), model(false, Some(1.3), Some(0.9))];
         let with = |oak: ModelFigures| of(&[others.as_slice(), &[oak]].concat());
@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn range_of_nothing_is_no_number() {
+    fn range_without_finite_values_is_not_measured() {
         let of = |values: &[f64]| range(values, |v| format!("{v:.0} %"));
         assert_eq!([of(&[]), of(&[f64::NAN])], ["not measured", "not measured"]);
         assert_eq!([of(&[1.0, f64::NAN, 3.0]), of(&[2.0])], ["1 % to 3 %", "2 %"]);

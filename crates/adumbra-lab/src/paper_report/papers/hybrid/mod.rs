@@ -54,8 +54,8 @@ fn row<'v>(model: &'v ModelFigures, start: u32, name: &str) -> Option<&'v Row> {
 
 /// Returns frame times of a model at a START.
 ///
-/// These are the milliseconds of the shadow map and of the hybrid map with one merge, and the ratio of hybrid to shadow
-/// map for a moving light and for a still one.
+/// These are the milliseconds of the shadow map and of the hybrid map with one merge, and the ratio of hybrid
+/// to shadow map for a moving light and for a still one.
 fn frames(model: &ModelFigures, start: u32) -> Option<[f64; 4]> {
     let plain = row(model, start, &format!("sm:size={start}"))?;
     let hybrid = row(model, start, &format!("hrsm:{start}-{}:filter=1", start / 2))?;

@@ -198,7 +198,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lossy_is_held_to_the_survey() {
+    fn lossy_claim_is_compared_with_survey() {
         let of = |shares: &[f64]| {
             let row = |times_plain: &f64| OptionRow {
                 scene: "city".to_owned(),

@@ -1,4 +1,5 @@
-//! Counterpart to the voxel shadows of 2021: `bench tree`, a path over a landscape, and a ball that rolls into shadow.
+//! Counterpart to the voxel shadows of 2021: `bench tree`, a path over a landscape, and a ball that rolls
+//! into shadow.
 
 mod claims;
 

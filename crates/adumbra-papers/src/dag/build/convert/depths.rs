@@ -23,8 +23,8 @@ const MIN_SHAPES_LIMIT: u64 = 1 << 24;
 /// Size of a graph in bytes that is always allowed.
 const MIN_BYTES_LIMIT: u64 = 1 << 30;
 
-/// Builds depths with the same defined voxels as `leaf_masks`. Where a column is free, `leaf_masks` may answer
-/// anything; each column switches at a single depth there. `root_level` is that of the bake.
+/// Builds depths with the same defined voxels as `leaf_masks`. Where a column is free, `leaf_masks` may
+/// answer anything; each column switches at a single depth there. `root_level` is that of the bake.
 ///
 /// Cost: about ten look-ups per block of 8 × 8 columns, more where silhouettes pass; single-threaded.
 ///
@@ -41,16 +41,17 @@ pub fn depths_of(leaf_masks: &dyn LeafMasks, root_level: u32) -> Result<DepthTre
     let corners = |n: u32| (0..n).step_by(1 << level);
     let block = |(y, x)| block_of(leaf_masks, &sink, level, [x, y]);
     let blocks = corners(size[1]).flat_map(|y| corners(size[0]).map(move |x| (y, x))).map(block).collect();
-    // Nothing is on disk, and no depth is beyond a quadtree's.
+    // The sink is in memory and all depths fit a quadtree, so the only possible error is too many words.
     sink.finish(blocks).tree().map_err(|_| TooLarge::words())
 }
 
-/// Builds the graph of the same voxels as `depths`, which must be valid. Cost: one visit to each shape below each
-/// distinct root, as if no shapes were shared.
+/// Builds the graph of the same voxels as `depths`, which must be valid. Cost: one visit to each shape below
+/// each distinct root, as if no shapes were shared.
 ///
 /// # Errors
-/// Returns [`TooLarge`] if a small input would expand too far: more than 2^24 root cubes, more than 2^31 voxels along
-/// the light, more than 2^24 shapes and 64 times as many as there are, or more than 2^30 bytes and 64 times its own.
+/// Returns [`TooLarge`] if a small input would expand too far: more than 2^24 root cubes, more than 2^31
+/// voxels along the light, more than 2^24 shapes and 64 times as many as there are, or more than 2^30 bytes
+/// and 64 times its own.
 pub fn graph_of_depths(depths: &DepthTree) -> Result<Dag, TooLarge> {
     TooLarge::check_roots(depths.size(), depths.root_level())?;
     let reader = Reader { depths };
@@ -58,7 +59,8 @@ pub fn graph_of_depths(depths: &DepthTree) -> Result<Dag, TooLarge> {
     let max_bytes = MIN_BYTES_LIMIT + MAX_GROWTH * depths.bytes();
     let sink = GraphSink::new(depths.size(), depths.root_level());
     let dims = top_dims(depths.size(), depths.root_level());
-    // The roots along the light of each distinct root of the depths, and for each column the index of its entry.
+    // The roots along the light of each distinct root of the depths, and for each column the index of its
+    // entry.
     let mut roots: Vec<Vec<NodeState>> = Vec::new();
     let mut known = HashMap::new();
     let mut columns = Vec::with_capacity(depths.top().len());
@@ -87,8 +89,8 @@ struct Reader<'d> {
 }
 
 impl Reader<'_> {
-    /// Checks that the distinct roots, expanded as if no shapes were shared, do not have far more shapes than are
-    /// stored.
+    /// Checks that the distinct roots, expanded as if no shapes were shared, do not have far more shapes than
+    /// are stored.
     fn check_shapes(&self) -> Result<(), TooLarge> {
         let mut known = HashMap::new();
         let roots: HashSet<[u32; 2]> =
@@ -162,8 +164,8 @@ fn block_of(leaf_masks: &dyn LeafMasks, sink: &DepthsSink, level: u32, [x, y]: [
     let inside =
         (0..64).filter(|i| x + (i & 7) < nx && y + (i >> 3) < ny).fold(0_u64, |mask, i| mask | 1 << i);
     let ends_lit = leaf_masks.look_up(x, y, nz - 1) & inside;
-    // Each entry: columns, a depth before which they are lit, and a depth at which they are shadowed. Each column
-    // switches between the two.
+    // Each entry: columns, a depth before which they are lit, and a depth at which they are shadowed. Each
+    // column switches between the two.
     let mut open = vec![(inside & !ends_lit, 0, nz - 1)];
     while let Some((mask, low, high)) = open.pop() {
         if mask == 0 {

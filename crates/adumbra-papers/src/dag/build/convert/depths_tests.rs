@@ -1,4 +1,4 @@
-//! Graphs of quadtrees: the same voxels, and back.
+//! Conversions from quadtrees to graphs and back keep every voxel.
 
 use adumbra::layout::depths::{DepthTree, NEVER};
 use adumbra_testing::{Leaf, from_leaves};
@@ -33,7 +33,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     #[test]
-    fn depths_become_a_graph_and_back(leaves in any_leaves(), base in 0_u32..3_500) {
+    fn depths_round_trip_through_graph(leaves in any_leaves(), base in 0_u32..3_500) {
         let found = from_leaves(&leaves, 4, base, DEPTH).unwrap();
         let dag = graph_of_depths(&found).unwrap();
         prop_assert_eq!(dag.validate(), Ok(()));

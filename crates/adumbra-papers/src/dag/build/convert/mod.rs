@@ -32,8 +32,8 @@ pub fn body_in(layout: DagLayout, dag: Dag) -> Result<DagBody, PackError> {
 /// Returns a graph in the plain layout. Cost: none if it already is, otherwise that of [`unpack`].
 ///
 /// # Errors
-/// Returns [`DagFileError::Packed`] if the packed graph is not valid, and [`DagFileError::TooLarge`] if the plain one
-/// could be too large: a few bytes can represent any number of root cubes.
+/// Returns [`DagFileError::Packed`] if the packed graph is not valid, and [`DagFileError::TooLarge`] if the
+/// plain one could be too large: a few bytes can represent any number of root cubes.
 pub fn graph_of(body: &DagBody) -> Result<Cow<'_, Dag>, DagFileError> {
     Ok(match body {
         DagBody::Plain(dag) => Cow::Borrowed(dag),

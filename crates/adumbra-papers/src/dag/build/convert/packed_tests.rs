@@ -66,8 +66,9 @@ fn assert_same(dag: &Dag, packed: &PackedDag) {
 }
 
 #[test]
-fn packed_pools_beyond_narrow_slots_answer_alike() {
-    // 20,000 blocks that occur about three times each: their pool has more units than narrow slots can address.
+fn packed_matches_plain_beyond_narrow_slots() {
+    // 20,000 blocks that occur about three times each: their pool has more units than narrow slots can
+    // address.
     let block = |x: u32, y: u32| mix(u64::from(x / 8) << 32 | u64::from(y / 8)) % 20_000;
     let height = |x: u32, y: u32| (mix(block(x, y) << 6 | u64::from(y % 8 * 8 + x % 8)) % 3) as u32 + 2;
     let dag = graph([2048, 2048, 8], 8, &height);
@@ -82,8 +83,9 @@ fn packed_pools_beyond_narrow_slots_answer_alike() {
 }
 
 #[test]
-fn packed_nodes_of_several_levels_answer_alike() {
-    // Steps of 8 and of 16 voxels without a leaf mask below: one plain node serves two levels, a packed node only one.
+fn packed_matches_plain_for_nodes_shared_by_levels() {
+    // Steps of 8 and of 16 voxels without a leaf mask below: one plain node serves two levels, a packed node
+    // only one.
     let height = |x: u32, _: u32| if x < 32 { 16 * (x / 16) } else { 8 * (x / 8 % 2) };
     let dag = graph([64, 32, 64], 5, &height);
     let packed = pack(&dag).unwrap();
@@ -92,7 +94,7 @@ fn packed_nodes_of_several_levels_answer_alike() {
 }
 
 #[test]
-fn packed_refuses_what_is_lit_behind_shadow() {
+fn packed_rejects_columns_lit_behind_shadow() {
     let mut lit_below = graph([8, 8, 16], 3, &|_, _| 8);
     assert_eq!(lit_below.top.len(), 2);
     lit_below.top.swap(0, 1);
@@ -129,7 +131,7 @@ fn hills(seed: u64, roughness: u32, flat: u32) -> impl Fn(u32, u32) -> u32 {
 }
 
 #[test]
-fn packed_trails_lead_where_ways_from_the_top_do() {
+fn packed_look_ups_with_trail_match_look_ups_from_root() {
     let dag = graph([70, 60, 66], 4, &hills(7, 12, 3));
     let packed = pack(&dag).unwrap();
     let mut trails = [Trail::new(); 2];
@@ -163,7 +165,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
-    fn packed_graphs_answer_as_plain_ones(
+    fn packed_matches_plain_for_random_graphs(
         size in [1_u32..70, 1_u32..70, 1_u32..70], root_level in 3_u32..8, seed: u64, roughness in 1_u32..20, flat in 1_u32..9,
     ) {
         let dag = graph(size, root_level, &hills(seed, roughness, flat));
@@ -177,7 +179,7 @@ proptest! {
     }
 
     #[test]
-    fn packed_graphs_that_are_broken_are_refused_or_answer(
+    fn broken_packed_graphs_are_rejected_or_answer(
         seed: u64, breaks in prop::collection::vec((any::<u16>(), any::<u32>(), 0..3_u8), 1..4),
     ) {
         let size = [40, 24, 50];

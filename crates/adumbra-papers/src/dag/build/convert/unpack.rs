@@ -10,12 +10,13 @@ use crate::dag::plain::Dag;
 
 /// Converts a packed graph to the plain layout, in canonical form.
 ///
-/// If the packed graph was made from one whose equal nodes were merged, as all graphs made by `bake` are, the result is
-/// that graph again. Cost: one visit per node. Memory: twice the plain graph, and twelve bytes per node of a pool.
+/// If the packed graph was made from one whose equal nodes were merged, as all graphs made by `bake` are, the
+/// result is that graph again. Cost: one visit per node. Memory: twice the plain graph, and twelve bytes per
+/// node of a pool.
 ///
 /// # Errors
-/// Returns [`PackedError`] if the graph is not valid, or if its top grid is too large: the plain layout stores each
-/// root cube separately.
+/// Returns [`PackedError`] if the graph is not valid, or if its top grid is too large: the plain layout
+/// stores each root cube separately.
 pub fn unpack(packed: &PackedDag) -> Result<Dag, PackedError> {
     packed.validate()?;
     TooLarge::check_roots(packed.size, packed.root_level)?;
@@ -46,8 +47,8 @@ pub fn unpack(packed: &PackedDag) -> Result<Dag, PackedError> {
 struct Reader<'p> {
     packed: &'p PackedDag,
     store: NodeStore,
-    /// For each level from 3 up, the nodes of its pool: the offset in units from the pool's first unit, ascending, and
-    /// the node's state in the store.
+    /// For each level from 3 up, the nodes of its pool: the offset in units from the pool's first unit,
+    /// ascending, and the node's state in the store.
     pools: Vec<Vec<(u32, NodeState)>>,
 }
 

@@ -7,8 +7,8 @@ use crate::dag::plain::Dag;
 
 /// Numbers of the nodes of a plain graph, by header word and level.
 ///
-/// A node's own number is its rank among the headers. Nodes without leaf masks below may be used at several levels. At
-/// all but the first of those, they are numbered after the nodes' own numbers.
+/// A node's own number is its rank among the headers. Nodes without leaf masks below may be used at several
+/// levels. At all but the first of those, they are numbered after the nodes' own numbers.
 pub(super) struct Keys {
     chunks: Vec<Chunk>,
     /// For each own number: the level at which the node was first encountered; 0 before that.

@@ -1,7 +1,8 @@
-//! [`Dag`] → [`PackedDag`], level by level from the bottom up, so that a node's size is known before its parents'.
+//! [`Dag`] → [`PackedDag`], level by level from the bottom up, so that a node's size is known before its
+//! parents'.
 //!
-//! The bytes depend on the graph alone: nodes are processed in the order of their words, and pools are sorted by the
-//! number of references, then by that order. Memory: the packed graph, and 14 bytes per node.
+//! The bytes depend on the graph alone: nodes are processed in the order of their words, and pools are sorted
+//! by the number of references, then by that order. Memory: the packed graph, and 14 bytes per node.
 
 mod graph;
 mod keys;
@@ -18,7 +19,8 @@ use keys::Keys;
 
 /// Packs a graph.
 ///
-/// Equal graphs have equal packed forms. Cost: two visits per node, and a sort of the nodes that have several parents.
+/// Equal graphs have equal packed forms. Cost: two visits per node, and a sort of the nodes that have several
+/// parents.
 ///
 /// # Errors
 /// Returns [`PackError`] if the graph is not valid, not monotone along z, or too large.
@@ -46,7 +48,8 @@ struct Encoder<'d> {
     references: Vec<u32>,
     /// By key: see `place.rs`.
     places: Vec<u32>,
-    /// By level: words of the nodes used at that level, in order. After the pool is laid out, only those in the pool.
+    /// By level: words of the nodes used at that level, in order. After the pool is laid out, only those in
+    /// the pool.
     words: Vec<Vec<u32>>,
     /// By leaf mask: its index among the shared leaf masks.
     leaf_mask_places: Vec<u32>,
@@ -73,8 +76,8 @@ impl<'d> Encoder<'d> {
         for &root in graph.top.iter().filter(|&&root| root < SHADOWED) {
             encoder.refer(root, root_level);
         }
-        // A node's words come before those of its children, so everything that refers to it at its own level has been
-        // visited.
+        // A node's words come before those of its children, so everything that refers to it at its own level
+        // has been visited.
         let mut at = 0;
         while at < graph.nodes.len() {
             let level = encoder.keys.level(at as u32);
@@ -185,8 +188,8 @@ fn not_monotone(word: u32, level: u32) -> PackError {
     PackError::NotMonotone { place: GraphPlace::Node { word: word as usize }, level }
 }
 
-/// The quarters of a plain node above level 3: their codes, and their mixed children, with equal near and far children
-/// listed once.
+/// The quarters of a plain node above level 3: their codes, and their mixed children, with equal near and far
+/// children listed once.
 #[derive(Default)]
 struct Pairs {
     codes: u32,

@@ -1,7 +1,8 @@
 //! Computes sizes and places of nodes, and writes the nodes.
 //!
-//! With [`POOLED`], a place is the node's offset in its level's pool once the pool is laid out. Before that, and for
-//! nodes that are stored inside their parent, it is the node's size including everything stored inside it.
+//! With [`POOLED`], a place is the node's offset in its level's pool once the pool is laid out. Before that,
+//! and for nodes that are stored inside their parent, it is the node's size including everything stored
+//! inside it.
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 use rayon::prelude::*;
@@ -28,8 +29,8 @@ struct Plan {
 }
 
 impl Encoder<'_> {
-    /// Computes the size of each node of a level, and the place of each node of the level below. Must be called for
-    /// levels in order, from 3 up.
+    /// Computes the size of each node of a level, and the place of each node of the level below. Must be
+    /// called for levels in order, from 3 up.
     pub(super) fn size_level(&mut self, level: u32) -> Result<(), PackError> {
         let words = std::mem::take(&mut self.words[level as usize]);
         if level > LEAF_NODE_LEVEL {
@@ -63,8 +64,8 @@ impl Encoder<'_> {
         u64::from(plan.node.units(self.high_bits(level))) + plan.inside_units
     }
 
-    /// Children stored inside a node must begin near it. Returns the numbers of the largest children, which do not and
-    /// go to the pool.
+    /// Children stored inside a node must begin near it. Returns the numbers of the largest children, which
+    /// would begin too far away and therefore go to the pool.
     fn far_children(&self, word: u32, level: u32) -> impl Iterator<Item = usize> {
         let mut far = [None; 8];
         if let Some(pairs) = pairs(self.graph, word) {
@@ -158,7 +159,7 @@ impl Encoder<'_> {
                 words.iter().for_each(|&word| self.write_node(word, level, &mut units));
                 units
             };
-            // A few batches at a time, so that little is held twice.
+            // Process a few batches at a time, so that only a few nodes are held twice.
             for part in pool.chunks(BATCH * 16) {
                 let batches: Vec<Vec<u16>> = part.par_chunks(BATCH).map(batch).collect();
                 batches.iter().for_each(|units| packed.units.extend_from_slice(units));
@@ -190,8 +191,8 @@ impl Encoder<'_> {
     }
 }
 
-/// Returns the pointers whose children are stored inside the node: ordered by size, except that the first must be one
-/// that the header can name.
+/// Returns the pointers whose children are stored inside the node: ordered by size, except that the first
+/// must be one that the header can name.
 fn inside(places: &[u32]) -> ([usize; 8], usize) {
     let mut order = [0; 8];
     let mut count = 0;

@@ -1,8 +1,8 @@
-//! Converts blocks of columns to nodes, as runs along z. Below a silhouette the same leaf mask repeats, so a curtain of
-//! any height costs a few operations.
+//! Converts blocks of columns to nodes, as runs along z. Below a silhouette the same leaf mask repeats, so a
+//! curtain of any height costs a few operations.
 //!
-//! A block of level n is a list of runs of equal nodes of 2^n voxels a side, nearest first. A parent is built from the
-//! aligned pieces of its quarters' runs.
+//! A block of level n is a list of runs of equal nodes of 2^n voxels a side, nearest first. A parent is built
+//! from the aligned pieces of its quarters' runs.
 
 mod switches;
 
@@ -17,7 +17,7 @@ use switches::{FOREVER, for_each_cube, roundest};
 /// Builds a [`Dag`] from blocks.
 pub struct GraphSink {
     store: NodeStore,
-    /// Number of voxels along x, y, z. Everything behind the last along the light is free.
+    /// Number of voxels along x, y, z. The space behind the last voxel along the light is free.
     size: [u32; 3],
     /// Level of the root cubes.
     level: u32,
@@ -161,6 +161,14 @@ impl BlockSink for GraphSink {
             }
             z = end;
         }
+    }
+
+    fn known(&self, _number: usize) -> Option<Runs> {
+        None
+    }
+
+    fn taken(&self, _number: usize, block: Runs) -> Runs {
+        block
     }
 }
 

@@ -1,11 +1,11 @@
-//! Chooses where columns switch from lit to shadowed within their intervals. Masks are kept as long as possible, and
-//! depths are rounded. This makes curtains long, and lets neighbours and upper levels agree.
+//! Chooses where columns switch from lit to shadowed within their intervals. Masks are kept as long as
+//! possible, and depths are rounded. This makes curtains long, and lets neighbours and upper levels agree.
 
 use adumbra::layout::LEAF_NODE_LEVEL;
 use adumbra_bake::structure::{BlockColumns, FREE_TO_END};
 
-/// log2 of the multiple to which depths are rounded up behind the last surface of a column whose end is free. The
-/// shadow still begins close behind the surface, for objects that move there.
+/// log2 of the multiple to which depths are rounded up behind the last surface of a column whose end is free.
+/// The shadow still begins close behind the surface, for objects that move there.
 const FREE_ROUND_LEVEL: u32 = 6;
 
 /// Beyond every layer of a grid.
@@ -15,9 +15,9 @@ pub(super) const FOREVER: u32 = u32::MAX;
 /// `visit(end, masks)` covers all cubes from the end of the previous call up to `end`, which all have these
 /// eight leaf masks, bit y·8 + x, 1 = lit. The end of the last call is [`FOREVER`].
 ///
-/// Everything is lit until a column must be shadowed. From there on a mask is kept as long as allowed while first
-/// surfaces are crossed. Where none is crossed, the mask is what must be lit: the outline of the surfaces still to
-/// come.
+/// Everything is lit until a column must be shadowed. From there on a mask is kept as long as allowed while
+/// first surfaces are crossed. Where no first surface is crossed, the mask has only the columns that must be
+/// lit: the outline of the surfaces still to come.
 pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl FnMut(u32, [u64; 8])) {
     let latest = columns.e.iter().fold(0, |m, &e| m.max(e));
     let forced = columns.x.iter().fold(FOREVER, |m, &x| m.min(x));
@@ -53,7 +53,7 @@ pub(super) fn for_each_cube(columns: &BlockColumns, depth: u32, mut visit: impl 
         next_cube = cube + 1;
         visit(next_cube, leaf_masks);
     }
-    // Nothing is looked up behind the grid's end, so what is lit there stays lit.
+    // No look-up reaches behind the grid's end, so columns that are lit at the end stay lit.
     let last = (next_cube << LEAF_NODE_LEVEL).min(depth - 1);
     visit(FOREVER, [must_be_lit(columns, last); 8]);
 }
@@ -86,8 +86,8 @@ fn cubes_of_ends(columns: &BlockColumns, forced: u32) -> Vec<u32> {
     cubes
 }
 
-/// Returns the number in `[start, end]` that is a multiple of the highest power of two. If the end is free, returns the
-/// first multiple of 2^[`FREE_ROUND_LEVEL`] from `start` on.
+/// Returns the number in `[start, end]` that is a multiple of the highest power of two. If the end is free,
+/// returns the first multiple of 2^[`FREE_ROUND_LEVEL`] from `start` on.
 pub(super) fn roundest(start: u32, end: u32) -> u32 {
     if end >= FREE_TO_END {
         return start.checked_next_multiple_of(1 << FREE_ROUND_LEVEL).unwrap_or(start);
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn roundest_is_the_number_with_most_zeros() {
+    fn roundest_has_most_trailing_zeros() {
         for start in 0..200_u32 {
             for end in start..200 {
                 let best = (start..=end).max_by_key(|n| n.trailing_zeros()).unwrap_or(start);
@@ -141,7 +141,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn cubes_hold_to_every_column(ends in prop::collection::vec((0_u32..300, 0_u32..90), 64), depth in 1_u32..320) {
+        fn cubes_respect_interval_of_every_column(ends in prop::collection::vec((0_u32..300, 0_u32..90), 64), depth in 1_u32..320) {
             let mut columns = BlockColumns::free();
             for (i, (e, length)) in ends.into_iter().enumerate() {
                 columns.e[i] = e.min(depth);

@@ -1,4 +1,5 @@
-//! Canonical numbering of a graph: pre-order of first visit over the top grid, whatever order the nodes were made in.
+//! Canonical numbering of a graph: pre-order of first visit over the top grid, regardless of the order in
+//! which the nodes were made.
 
 use super::{
     MAX_WORDS, NodeRef, NodeState, NodeStore, Shard, children_of, encode, leaf_mask_place, node_length,
@@ -6,14 +7,16 @@ use super::{
 use crate::dag::plain::{Dag, LIT, SHADOWED};
 
 const UNVISITED: u32 = u32::MAX;
-/// Bit of a header in the store: the node has been copied, and the other bits are its number. Headers use 16 bits,
-/// numbers 31.
+/// Bit of a header in the store: the node has been copied, and the other bits are its number. Headers use 16
+/// bits, numbers 31.
 const COPIED: u32 = 1 << 31;
 
 impl NodeStore {
-    /// Builds the finished graph under `top`, one root per cube of 2^`root_level` voxels, x fastest, then y, then z.
+    /// Builds the finished graph under `top`, one root per cube of 2^`root_level` voxels, x fastest, then y,
+    /// then z.
     ///
-    /// Nodes that no root reaches are dropped. Cost: one visit per node. Memory: twice the graph, without tables.
+    /// Nodes that no root reaches are dropped. Cost: one visit per node. Memory: twice the graph, without
+    /// tables.
     pub fn finish(self, size: [u32; 3], root_level: u32, top_dims: [u32; 3], top: &[NodeState]) -> Dag {
         let shards = self.into_shards();
         let mut numbering = Numbering {
@@ -45,8 +48,8 @@ struct Numbering {
 }
 
 impl Numbering {
-    /// Returns the number of a node. At the first visit, numbers the node and everything below it. Recursion depth: the
-    /// number of levels.
+    /// Returns the number of a node. At the first visit, numbers the node and everything below it. Recursion
+    /// depth: the number of levels.
     fn node(&mut self, reference: u32) -> u32 {
         let NodeRef { is_cube, shard, offset } = NodeRef::of(reference);
         let from = &mut self.shards[shard];

@@ -1,9 +1,9 @@
-//! Hash-consing: every leaf mask and every node is stored once, and equal contents get equal references. Several
-//! threads may store concurrently.
+//! Hash-consing: every leaf mask and every node is stored once, and equal contents get equal references.
+//! Several threads may store concurrently.
 //!
-//! Contents are compared in full before two nodes are merged; the hash only finds candidates. The hash also selects one
-//! of 64 shards, each behind its own lock. References depend on the order of insertion; the contents and their number
-//! do not.
+//! Contents are compared in full before two nodes are merged; the hash only finds candidates. The hash also
+//! selects one of 64 shards, each behind its own lock. References depend on the order of insertion; the
+//! contents and their number do not.
 //!
 //! | reference | meaning |
 //! |---|---|

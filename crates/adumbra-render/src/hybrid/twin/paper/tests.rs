@@ -20,7 +20,7 @@ fn scene(side: usize) -> (DepthImage, Vec<[u8; 2]>) {
 }
 
 #[test]
-fn texel_s_worked_value() {
+fn texels_have_the_worked_values() {
     let mut texels = vec![0.75; 64];
     texels[3 * 8 + 5] = 0.25;
     let mut normals = vec![encode([1.0, 0.0, 0.0]); 64];
@@ -41,7 +41,7 @@ fn texel_s_worked_value() {
 }
 
 #[test]
-fn unorm16_is_the_nearest_and_keeps_16_bit_depth() {
+fn unorm16_rounds_to_nearest_and_keeps_16_bit_depth() {
     for k in 0..=65535_u32 {
         assert_eq!(unorm16(k as f32 / 65535.0), k);
         let beside = (f64::from(k) + 0.49) / 65535.0;
@@ -50,7 +50,7 @@ fn unorm16_is_the_nearest_and_keeps_16_bit_depth() {
 }
 
 #[test]
-fn lists_lead_where_the_compact_tree_does() {
+fn lists_find_the_texels_of_the_compact_tree() {
     let (image, normals) = scene(64);
     for test in [PLANE, MergeTest::Paper] {
         for precision in [DepthPrecision::Bits32, DepthPrecision::Bits16] {
@@ -76,7 +76,7 @@ fn lists_lead_where_the_compact_tree_does() {
 }
 
 #[test]
-fn list_is_followed_in_whatever_order_it_is() {
+fn finds_texels_in_lists_of_any_order() {
     let (image, normals) = scene(32);
     let units = PlaneUnits::new(PLANE, 1.0 / 4096.0);
     let settings = MergeSettings { merges: 2, test: PLANE, precision: DepthPrecision::Bits32, units };
@@ -96,7 +96,7 @@ fn list_is_followed_in_whatever_order_it_is() {
 }
 
 #[test]
-fn build_refuses_another_number_of_normals() {
+fn build_rejects_a_wrong_number_of_normals() {
     let (image, normals) = scene(32);
     let units = PlaneUnits::new(PLANE, 0.01);
     let settings = MergeSettings { merges: 2, test: PLANE, precision: DepthPrecision::Bits32, units };

@@ -1,11 +1,12 @@
-//! Names and options that have been replaced appear in no source and no document.
+//! The style of sources and documents: names and options that have been replaced appear nowhere, types have
+//! names that say what they hold, and comments are narrow enough for two files side by side.
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 /// Each retired word, and what stands in its place.
-const RETIRED: [(&str, &str); 49] = [
+const RETIRED: [(&str, &str); 52] = [
     // The bake cache.
     ("FolderObjects", "DiskCache"),
     ("MemoryObjects", "MemoryCache"),
@@ -16,7 +17,10 @@ const RETIRED: [(&str, &str); 49] = [
     ("ObjectKey", "CacheKey"),
     ("PageObject", "CachedPage"),
     ("Keeper", "PartCache"),
-    ("bake_with_objects", "bake_with_cache"),
+    ("bake_with_objects", "Bake::cache"),
+    ("bake_with_cache", "Bake::cache"),
+    ("bake_to", "Bake::write_to"),
+    ("bake_again", "Bake::cache"),
     ("with_objects", "with_cache"),
     ("OBJECT_MAGIC", "ENTRY_MAGIC"),
     ("ADUMOBJ1", "ADUMENT1"),
@@ -70,7 +74,14 @@ const ELSEWHERE: [(&str, &str); 2] = [
 ];
 
 /// Files that tell of the old words.
-const HISTORY: [&str; 2] = ["CHANGELOG.md", "xtask/tests/retired_words.rs"];
+const HISTORY: [&str; 2] = ["CHANGELOG.md", "xtask/tests/house_style.rs"];
+
+/// Names of types that say nothing: a place of what, a step of what?
+const VAGUE: [&str; 10] =
+    ["Baked", "Builder", "Built", "Document", "Made", "Parts", "Place", "Seen", "Step", "Written"];
+
+/// Largest width of a comment, columns. Rows of tables may be wider.
+const COMMENT_COLUMNS: usize = 110;
 
 /// Endings of files with text.
 const ENDINGS: [&str; 17] = [
@@ -108,6 +119,69 @@ fn retired_words_are_used_nowhere() {
         for (word, instead) in RETIRED {
             if has_word(&text, word) && !ELSEWHERE.contains(&(word, name)) {
                 faults.push(format!("{name}: {word}; write {instead}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Returns the name of the type that a line of Rust declares.
+fn declared_type(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    let rest = match line.strip_prefix("pub(") {
+        Some(rest) => rest.split_once(") ")?.1,
+        None => line.strip_prefix("pub ").unwrap_or(line),
+    };
+    let rest = ["enum ", "struct ", "trait ", "type "].iter().find_map(|word| rest.strip_prefix(word))?;
+    rest.split(|c: char| !(c.is_alphanumeric() || c == '_')).next()
+}
+
+#[test]
+fn types_have_specific_names() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut faults = Vec::new();
+    for name in
+        files(root).iter().filter(|name| name.ends_with(".rs")).filter(|name| !HISTORY.contains(&&***name))
+    {
+        let Ok(text) = fs::read_to_string(root.join(name)) else { continue };
+        for (line, text) in text.lines().enumerate() {
+            if let Some(vague) = declared_type(text).filter(|name| VAGUE.contains(name)) {
+                faults.push(format!("{name}:{}: say what a {vague} is", line + 1));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn declared_types_are_found() {
+    let cases = [
+        ("pub(crate) struct Seen<'a> {", Some("Seen")),
+        ("    pub enum Step {", Some("Step")),
+        ("pub(in crate::cmd) struct Baked {", Some("Baked")),
+        ("type Built = Option<Word>;", Some("Built")),
+        ("let step = Step::new();", None),
+    ];
+    for (line, expected) in cases {
+        assert_eq!(declared_type(line), expected, "{line}");
+    }
+}
+
+#[test]
+fn comments_are_narrow() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let is_source = |name: &&String| {
+        ["rs", "ts", "tsx", "wgsl"].iter().any(|end| name.rsplit_once('.').is_some_and(|(_, e)| e == *end))
+            && !name.contains("/generated/")
+    };
+    let mut faults = Vec::new();
+    for name in files(root).iter().filter(is_source) {
+        let Ok(text) = fs::read_to_string(root.join(name)) else { continue };
+        for (number, line) in text.lines().enumerate() {
+            let Some(comment) = line.trim_start().strip_prefix("//") else { continue };
+            let is_row = comment.trim_start_matches(['/', '!', ' ']).starts_with('|');
+            if !is_row && line.chars().count() > COMMENT_COLUMNS {
+                faults.push(format!("{name}:{}: wrap at {COMMENT_COLUMNS} columns", number + 1));
             }
         }
     }
