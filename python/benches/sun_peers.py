@@ -145,7 +145,7 @@ class Peer:
     program: str = ""
 
     def absent(self) -> str:
-        """Import the modules that the peer needs. Return a message if one is missing, or an empty text."""
+        """Import the modules that the peer needs. Return a message if one or its program is missing, or an empty text."""
         for name in self.modules:
             try:
                 importlib.import_module(name)

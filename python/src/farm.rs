@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker, link, stage};
-use adumbra_files::{StagedFile, check_output, folder_of, replace_file, same_file, target_of};
+use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker, stage_link};
+use adumbra_files::{StagedFile, check_output, replace_file, same_file};
 use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
@@ -212,10 +212,9 @@ impl Plan {
             let key = |id: usize| plan.parts().get(id).map(|part| *part.key());
             let sums = sums.into_iter().filter_map(|(id, sum)| Some((key(id)?, sum))).collect();
             let cache: Arc<dyn BakeCache> = Arc::new(Checked { cache: DiskCache::open(cache)?, sums });
-            let spill = folder_of(&target_of(&output).unwrap_or_else(|_| output.clone()));
-            let limits = BakeOptions { max_memory_bytes, spill_folder: Some(spill), ..plan.options() };
+            let limits = BakeOptions { max_memory_bytes, ..plan.options() };
             pool(threads)?.install(|| {
-                let (staged, _) = stage(&output, |out| link(plan, &cache, &limits, watch, out))?;
+                let (staged, _) = stage_link(plan, &cache, &limits, watch, &output)?;
                 StagedFile::place([staged])?;
                 File::read_back(&output)
             })

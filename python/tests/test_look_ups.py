@@ -168,7 +168,7 @@ def test_verify_figures_match_the_program(mesh: Mesh, city: Path, program: Progr
         assert found.holds == all(of_class.holds for of_class in found.classes)
 
 
-def test_verify_rejects_bad_options_and_too_few_points(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_verify_rejects_bad_options_few_points_and_wrong_scenes(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     for options, message in [
         ({"volume": True}, "bake it with assume_ground=False"),
         ({"samples": 0}, "samples: 0 is out of range; it must be from 1 to 1000000000"),

@@ -1,8 +1,9 @@
 // Compresses a glTF scene as exporters do: node encode.js METHOD SCENE.glb OUT.glb
 //
-// Three keep every value: draco-lossless (sequential), draco-lossless-edgebreaker, which stores triangles and corners in
-// another order, and meshopt (EXT_meshopt_compression alone), which may begin a triangle at another corner. The others
-// are the encoders' usual ones: draco (edgebreaker, quantized), draco-speed0, meshopt-quantized, gltfpack, gltfpack-cc.
+// Three keep every value: draco-lossless (sequential), draco-lossless-edgebreaker, which stores triangles and
+// corners in another order, and meshopt (EXT_meshopt_compression alone), which may begin a triangle at
+// another corner. The others are the encoders' usual ones: draco (edgebreaker, quantized), draco-speed0,
+// meshopt-quantized, gltfpack, gltfpack-cc.
 
 import { NodeIO } from "@gltf-transform/core";
 import {

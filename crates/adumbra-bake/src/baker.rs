@@ -9,10 +9,10 @@ use adumbra::{LightGrid, ShadowFile};
 use adumbra_files::StagedFile;
 use adumbra_scene::{Edits, Scene};
 
-use crate::bake::{BakeSummary, stage};
+use crate::bake::BakeSummary;
 use crate::cache::{BakeCache, CacheKey, MemoryCache};
 use crate::error::Result;
-use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory};
+use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory, stage_link};
 use crate::options::BakeOptions;
 use crate::progress::Watch;
 use crate::sink::depths::DepthsBlock;
@@ -195,8 +195,14 @@ impl Baker {
     /// Returns the errors of [`Baker::in_memory`], and [`Error::Io`](crate::Error::Io) with the path of the
     /// file if it cannot be written.
     pub fn save(&self, path: impl AsRef<Path>, watch: Watch<'_>) -> Result<BakeSummary> {
-        let limits = self.options.spilling_beside(path.as_ref());
-        let (staged, summary) = stage(path.as_ref(), |out| self.link_to(&limits, out, watch))?;
+        let summary = self.replace_file(&self.plan, path.as_ref(), watch)?;
+        // Only earlier scenes needed the entries that were not read.
+        self.cache.tidy();
+        Ok(summary)
+    }
+
+    fn replace_file(&self, plan: &BakePlan, path: &Path, watch: Watch<'_>) -> Result<BakeSummary> {
+        let (staged, summary) = stage_link(plan, &self.cache, &self.options, watch, path)?;
         StagedFile::place([staged])?;
         Ok(summary)
     }
@@ -207,10 +213,8 @@ impl Baker {
     /// # Errors
     /// Returns the errors of [`Baker::save`].
     pub fn save_coarser(&self, path: impl AsRef<Path>, watch: Watch<'_>) -> Result<BakeSummary> {
-        let limits = self.options.spilling_beside(path.as_ref());
-        let (staged, summary) = stage(path.as_ref(), |out| self.link_coarser_to(&limits, out, watch))?;
-        StagedFile::place([staged])?;
-        Ok(summary)
+        let coarser = self.plan.without_finest();
+        self.replace_file(coarser.as_ref().unwrap_or(&self.plan), path.as_ref(), watch)
     }
 
     /// Links the pages to a file in `out`, from its position on.
@@ -219,12 +223,8 @@ impl Baker {
     /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of
     /// [`link`].
     pub fn write_to(&self, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
-        self.link_to(&self.options, out, watch)
-    }
-
-    fn link_to(&self, limits: &BakeOptions, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
-        let written = link(&self.plan, &self.cache, limits, watch, out)?;
-        // What only earlier scenes needed was not read.
+        let written = link(&self.plan, &self.cache, &self.options, watch, out)?;
+        // Only earlier scenes needed the entries that were not read.
         self.cache.tidy();
         Ok(written)
     }
@@ -235,17 +235,8 @@ impl Baker {
     /// # Errors
     /// Returns the errors of [`Baker::write_to`].
     pub fn write_coarser_to(&self, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
-        self.link_coarser_to(&self.options, out, watch)
-    }
-
-    fn link_coarser_to(
-        &self,
-        limits: &BakeOptions,
-        out: impl Write + Seek,
-        watch: Watch<'_>,
-    ) -> Result<BakeSummary> {
         let coarser = self.plan.without_finest();
-        link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, limits, watch, out)
+        link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, &self.options, watch, out)
     }
 
     /// Returns the file in memory.
@@ -254,7 +245,7 @@ impl Baker {
     /// Returns the errors of [`Baker::write_to`].
     pub fn in_memory(&self) -> Result<ShadowFile> {
         let file = link_in_memory(&self.plan, &self.cache, &self.options)?;
-        // What only earlier scenes needed was not read.
+        // Only earlier scenes needed the entries that were not read.
         self.cache.tidy();
         Ok(file)
     }

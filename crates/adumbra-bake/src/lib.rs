@@ -110,8 +110,6 @@ mod texel_mask;
 mod triangles;
 mod yaw;
 
-#[doc(hidden)]
-pub use bake::stage;
 pub use bake::{Bake, BakeSummary};
 pub use baker::{Baker, BakerPage};
 pub use cache::{
@@ -120,6 +118,8 @@ pub use cache::{
 };
 pub use error::{Error, Result};
 pub use estimate::Estimate;
+#[doc(hidden)]
+pub use farm::stage_link;
 pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
 pub use ground::Ground;
 pub use options::{

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
 use adumbra::{Bias, Bounds, Encoding, RangeError, RangeField, Receivers, Region, Sun};
-use adumbra_files::{folder_of, target_of};
+use adumbra_files::target_folder;
 
 use crate::error::{Error, Result};
 
@@ -159,13 +159,10 @@ impl BakeOptions {
         }
     }
 
-    /// Returns the options with the folder of `path` for temporary files, unless they name one. The system's
-    /// folder may be in memory; that of an output is on a disk.
+    /// Returns the options with the folder of `path` for temporary files, unless they name another folder.
     pub(crate) fn spilling_beside(&self, path: &Path) -> Self {
-        let mut options = self.clone();
-        let target = || target_of(path).unwrap_or_else(|_| path.to_owned());
-        options.spill_folder.get_or_insert_with(|| folder_of(&target()));
-        options
+        let spill_folder = self.spill_folder.clone().unwrap_or_else(|| target_folder(path));
+        Self { spill_folder: Some(spill_folder), ..self.clone() }
     }
 
     /// Returns the number of levels of a bake at this resolution.

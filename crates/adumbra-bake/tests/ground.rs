@@ -84,7 +84,7 @@ fn floor_that_receives_the_shadows_is_a_ground() {
 }
 
 #[test]
-fn scenes_without_a_continuous_floor_have_no_ground() {
+fn scenes_without_a_floor_for_their_shadows_have_no_ground() {
     assert_ground("houses", &boxes(&houses()), false);
     assert_ground("house", &boxes(&[[[0.0; 3], [8.0, 6.0, 8.0]]]), false);
     assert_ground("nothing", &Scene::default(), false);

@@ -27,7 +27,7 @@ fn scene(has_grown: bool) -> Scene {
 
 fn bake(has_grown: bool, frame: FrameChoice, voxel: f64) -> ShadowFile {
     let sun = Sun::from_direction([0.6, 0.7, 0.2]).unwrap();
-    // The same decision for both scenes.
+    // Both scenes need the same decision on the ground.
     let assume_ground = AssumeGround::Yes;
     let options = BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::VoxelSize(voxel)) };
     Bake::with_options(&scene(has_grown), &options).in_memory().unwrap()

@@ -49,9 +49,12 @@ fn setters_change_the_options() {
         options.levels = 1;
     });
     assert!(bytes(&set) == bytes(&Bake::with_options(&scene, &options)));
-    let default = Bake::new(&scene, sun()).with(|options| options.levels = 1).estimate().unwrap();
-    let medium = Bake::new(&scene, sun()).resolution(Preset::Medium.resolution().into());
-    assert_eq!(default.root_blocks, medium.estimate().unwrap().root_blocks);
+    let bytes_at = |preset: Preset| {
+        let bake = Bake::new(&scene, sun()).resolution(preset.resolution().into());
+        bake.estimate().unwrap().file_bytes
+    };
+    let default = Bake::new(&scene, sun()).estimate().unwrap().file_bytes;
+    assert!(default == bytes_at(Preset::Medium) && default != bytes_at(Preset::Low), "{default:?}");
 }
 
 #[test]

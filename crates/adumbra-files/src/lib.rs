@@ -192,7 +192,7 @@ fn check_kind(path: &Path) -> io::Result<()> {
 ///
 /// # Errors
 /// Returns [`io::Error`] if a link cannot be read, or if links form a cycle.
-pub fn target_of(path: &Path) -> io::Result<PathBuf> {
+fn target_of(path: &Path) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MAX_LINKS {
         match fs::symlink_metadata(&target) {
@@ -265,6 +265,12 @@ pub fn folder_of(path: &Path) -> PathBuf {
         Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
         _ => PathBuf::from("."),
     }
+}
+
+/// Returns the folder in which a file written to `path` will be; symbolic links are followed. It is on the
+/// disk of the output, while the system's folder for temporary files may be in memory.
+pub fn target_folder(path: &Path) -> PathBuf {
+    folder_of(&target_of(path).unwrap_or_else(|_| path.to_owned()))
 }
 
 /// Creates an empty temporary file beside `target`, to which `path` leads, with the permissions of the

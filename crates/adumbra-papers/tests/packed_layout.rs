@@ -40,7 +40,7 @@ fn packed_bake_matches_plain() {
 
 #[test]
 #[ignore = "slow: takes over eight seconds"]
-fn packed_bakes_match_plain_for_all_options() {
+fn packed_bakes_match_plain_with_various_options() {
     for kind in [GeneratedKind::City, GeneratedKind::Primitives] {
         let scene = generate(kind, 1);
         for (sun, receivers, ground, closed) in [

@@ -19,7 +19,8 @@ pub struct Moment {
     pub elevation_degrees: f64,
     /// Share of the visible points that face the sun whose answer differs from the rays, in percent.
     pub wrong_percent: f64,
-    /// The same share in the files of the keys around, each at its own sun, interpolated by time.
+    /// Share of wrong answers, in percent, in the files of the keys around, each at its own sun, interpolated
+    /// by time.
     pub own_percent: f64,
 }
 

@@ -163,7 +163,7 @@ impl Placer<'_> {
         }
         let middle = a.step.midpoint(b.step);
         let towards_sun = self.steps[middle].towards_sun;
-        // The same order as that of `SunPath::keys_at` half way.
+        // Use the order that `SunPath::keys_at` returns half way.
         let is_higher = |one: &Candidate, other: &Candidate| {
             self.steps[one.step].towards_sun[1] >= self.steps[other.step].towards_sun[1]
         };

@@ -109,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shadow_file_is_read_only_within_the_memory_limit() {
+    fn reads_shadow_file_only_within_the_memory_limit() {
         let path = adumbra_testing::vectors("valid/many_pages_depths.adumbra");
         let file = ShadowFile::read(&path).unwrap();
         assert!(MemoryLimit::new(None).read_shadow_file(&path).unwrap() == file);

@@ -2,8 +2,8 @@
 //! shadow maps. The darker of the two is used.
 //!
 //! Source: the future work of *The Optimization and realization of Compact Precomputed Voxelized Shadows
-//! Algorithm*,
-//! 2021. The cascades contain only movers, so the cost of their depth passes depends on the movers alone.
+//! Algorithm*, 2021. The cascades contain only movers, so the cost of their depth passes depends on the
+//! movers alone.
 
 use std::any::Any;
 

@@ -65,7 +65,8 @@ impl Met {
         }
     }
 
-    /// Records the name of something that is not drawn, such as an empty node. No triangles have this name.
+    /// Records which patterns match the name of something without drawn triangles, such as an empty or hidden
+    /// node.
     pub(super) fn meet_hidden(&mut self, filter: &NameFilter, name: &str) {
         if !filter.is_empty() {
             filter.mark(name, &mut self.matched_hidden);

@@ -122,7 +122,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn clock_times_round_trip_and_invalid_ones_are_rejected() {
+    fn parses_and_displays_clock_times_and_rejects_invalid_ones() {
         for (text, shown) in
             [("7", "07:00"), ("07:30", "07:30"), ("0:05", "00:05"), ("23:59:59", "23:59:59"), ("24", "24:00")]
         {

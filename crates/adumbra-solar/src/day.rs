@@ -96,7 +96,8 @@ impl Day {
         let from = self.date.at(self.from, false).and_then(|civil| zone.first(civil));
         let to = self.date.at(self.to, self.to < self.from).and_then(|civil| zone.last(civil));
         let ends = [from.ok_or_else(out_of_range)?, to.ok_or_else(out_of_range)?];
-        // Equal times are an hour apart if the clock shows them twice. Nobody means that hour, so refuse it.
+        // Equal times are an hour apart if the clock shows them twice. Refuse that hour too: equal times are
+        // almost certainly a mistake.
         if self.from == self.to || ends[0] >= ends[1] { Err(empty()) } else { Ok(ends) }
     }
 

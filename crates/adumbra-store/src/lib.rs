@@ -213,7 +213,7 @@ impl StoreCache {
     }
 }
 
-/// Returns the kind of the I/O error that caused another error. An error without such a cause has failed
+/// Returns the kind of the I/O error that caused another error. Without such a cause, the request has failed
 /// repeatedly on its way to the store, and may succeed later.
 fn kind_of_cause(error: &Error) -> ErrorKind {
     let mut cause = error.source();

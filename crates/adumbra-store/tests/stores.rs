@@ -132,7 +132,7 @@ fn rejects_urls_that_name_no_store() {
 /// An unreachable server is a temporary error, not an error of the input.
 #[test]
 fn unreachable_server_is_a_temporary_error() {
-    // As `StoreCache::open` does. Another test may have installed the provider already.
+    // `StoreCache::open` installs the provider too, so another test may have installed it already.
     let _ = rustls::crypto::ring::default_provider().install_default();
     let store = object_store::http::HttpBuilder::new()
         .with_url("http://127.0.0.1:9/entries")

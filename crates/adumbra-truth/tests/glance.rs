@@ -117,7 +117,7 @@ fn sky_within_a_mesh_is_named_by_its_material() {
         mesh.triangle_materials.push(1);
     }
     assert_eq!(names(&scene), ["sky"]);
-    // A sky that casts no shadow hides nothing and changes no result.
+    // A sky that casts no shadow hides nothing, and the shares in shadow stay about the same.
     scene.materials[1].casts = false;
     assert!(names(&scene).is_empty());
     let [with, without] = [&scene, &city].map(|scene| look(scene, sun(50.0)));

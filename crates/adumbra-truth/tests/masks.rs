@@ -247,7 +247,8 @@ struct FilteredError {
     mean: f64,
 }
 
-/// Returns the errors of a filter of `width` × `width` at random points on the ground.
+/// Returns the errors of a filter of `width` × `width` at random points on the ground: the highest opaque
+/// surface that faces up.
 fn filtered_error(scene: &Scene, tracer: &Tracer<'_>, file: &ShadowFile, width: u32) -> FilteredError {
     const POINTS: usize = 20_000;
     /// Strata of the square, along each axis.

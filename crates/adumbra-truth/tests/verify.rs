@@ -157,7 +157,7 @@ fn detects_clamped_plane_slopes_under_a_low_sun() {
             v.holds() && (is_right || v.class(Class::Grazing).points > 1_000),
             "{elevation}° {filter}: {v:?}"
         );
-        // The same look-ups, with the slope of their plane clamped to 9.95.
+        // Repeats the look-ups with the slope of their plane clamped to 9.95.
         let clamped = |honest: &LightAnswers<FileSampler>, p_world, normal| {
             let r = receiver(&baked.grid, &honest.bias(), p_world, normal);
             let slope = r.gradient[0].hypot(r.gradient[1]);

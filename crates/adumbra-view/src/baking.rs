@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn levels_end_at_the_requested_resolution() {
+    fn levels_rise_to_the_requested_resolution() {
         assert_eq!(levels(8192), [512, 2048, 8192]);
         assert_eq!(levels(1024), [1024]);
         assert_eq!(levels(256), [256]);

@@ -92,7 +92,7 @@ fn no_file_takes_more_than_300_times_its_bytes() {
 }
 
 #[test]
-fn memory_of_successive_files_adds_up() {
+fn held_memory_of_successive_files_adds_up() {
     let memory = |held_bytes, peak_bytes, writing_bytes| FileMemory { held_bytes, peak_bytes, writing_bytes };
     let [first, second] = [memory(10, 100, 40), memory(20, 50, 60)];
     assert_eq!(first.then(second), memory(30, 100, 70));

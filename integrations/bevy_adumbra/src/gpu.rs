@@ -284,7 +284,7 @@ impl WordTexture {
             view_formats: &[],
         });
         let view = texture.create_view(&Default::default());
-        // The same as Bevy's sampler for transmission.
+        // Use the same sampler as Bevy does for transmission.
         let sampler = device.create_sampler(&SamplerDescriptor {
             mag_filter: FilterMode::Linear,
             min_filter: FilterMode::Linear,

@@ -249,7 +249,7 @@ pub(crate) fn extract_resting(main: Extract<Res<RestingLights>>, mut resting: Re
     resting.0.clone_from(&main.0);
 }
 
-/// Removes the cascades of those lights in the render world.
+/// Removes, in the render world, the cascades of the lights in [`RestingLights`].
 pub(crate) fn rest_cascades(
     resting: Res<RestingLights>,
     mut lights: Query<(&MainEntity, &mut ExtractedDirectionalLight)>,

@@ -13,7 +13,8 @@ use crate::components::{BakedShadow, FileRoot, IncludedInBake, ShadowStatic};
 use crate::status::BakedShadowStatus;
 use crate::stream::ShadowStreams;
 
-/// A light whose files were not baked by the running app. The app would bake meshes where they are now.
+/// A light whose files were not baked by the running app. Files that the app bakes always fit, because it
+/// bakes meshes where they are now.
 #[cfg(feature = "bake")]
 type Loaded = (With<BakedShadow>, Without<crate::bake::RuntimeBake>);
 #[cfg(not(feature = "bake"))]
@@ -46,8 +47,9 @@ pub(crate) fn warn_of_movers(
     }
 }
 
-/// Returns, once, a static root that is not at the origin, where it was baked, if no file follows a root. A
-/// root that is itself a mesh is skipped: it is a part of a world whose origin is elsewhere.
+/// Returns, once, a static root that is moved, turned or scaled away from where it was baked, if no file
+/// follows a root. A root that is itself a mesh is skipped: it is a part of a world whose origin is
+/// elsewhere.
 pub(crate) fn find_moved_root(
     mut has_found: Local<bool>,
     lights: Query<&BakedShadowStatus, Loaded>,
@@ -63,7 +65,7 @@ pub(crate) fn find_moved_root(
     moved
 }
 
-/// Warns about that root.
+/// Warns about the root that [`find_moved_root`] has found.
 pub(crate) fn warn_of_moved_root(In(moved): In<Option<Entity>>) {
     let Some(entity) = moved else { return };
     warn!(

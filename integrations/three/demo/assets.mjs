@@ -1,7 +1,7 @@
-// Makes the assets of the pages: the city, its shadows, the truth of one view by rays, and the shadows of 2 ×
-// 2 km. The program `adumbra` makes all of them. It takes seconds, except for the shadows of 2 × 2 km, which
-// take about half a minute. Those are baked only if they are missing, so remove `demo/public` to bake them
-// again. `ADUMBRA_BIN` is the path of the program, if it is not in `PATH`.
+// Makes the assets of the pages: the city, its shadows, the truth of one view by rays, and the shadows of
+// 2 × 2 km. The program `adumbra` makes all of them. It takes seconds, except for the shadows of 2 × 2 km,
+// which take about half a minute. Those are baked only if they are missing, so remove `demo/public` to bake
+// them again. `ADUMBRA_BIN` is the path of the program, if it is not in `PATH`.
 
 import { spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';

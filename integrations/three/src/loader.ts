@@ -9,9 +9,9 @@ import { BakedShadowFile } from './file/shadow-file.js';
  * Loads a `.adumbra` file into a {@link BakedShadowFile}.
  *
  * `loadAsync` rejects with the error that `load` gives to `onError`: a {@link ShadowFileError} whose message
- * and `url` name the file, of the kind `Io` if it could not be fetched. A request that was aborted, by {@link
- * ShadowFileLoader.abort}, by {@link ShadowFileLoader.signal} or by the loading manager, gives the browser's
- * `AbortError`.
+ * and `url` name the file, of the kind `Io` if it could not be fetched. A request that was aborted, by
+ * {@link ShadowFileLoader.abort}, by {@link ShadowFileLoader.signal} or by the loading manager, gives the
+ * browser's `AbortError`.
  */
 export class ShadowFileLoader extends Loader<BakedShadowFile> {
   /** The checks: everything by default; `'header'` for files that you trust. */

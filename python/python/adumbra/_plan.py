@@ -175,7 +175,7 @@ class Plan:
         return [BakedPart(*part) for part in done]
 
     def _baker_of(self, scene: str | None, spill: str, limits: tuple[int | None, int | None]) -> _native.Baker:
-        """Return the baker of the last call, or a new one if the scene, the folder or a limit differs."""
+        """Return the baker of the last call, or a new one if the scene, folder or memory limit differs."""
         wanted = (scene, spill, limits[0])
         with self._lock:
             if self._baker is None or self._baker[0] != wanted:

@@ -16,7 +16,7 @@ Progress = Union[bool, Report, None]
 
 @contextmanager
 def reporting(progress: Progress, unit: str = "root block") -> Iterator[Report | None]:
-    """Provide the function that reports progress: of a ``tqdm`` bar, the caller's function, or ``None``."""
+    """Provide the function that reports progress: that of a ``tqdm`` bar, the caller's, or ``None``."""
     if callable(progress):
         yield progress
         return

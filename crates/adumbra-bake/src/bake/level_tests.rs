@@ -159,7 +159,7 @@ fn streamed_bake_writes_the_bytes_of_a_bake_in_memory() {
     }
 }
 
-/// Output that takes so many bytes.
+/// An output that is full after this many bytes.
 struct Full(Cursor<Vec<u8>>, usize);
 
 impl Write for Full {

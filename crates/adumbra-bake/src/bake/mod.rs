@@ -35,8 +35,7 @@ use crate::pages::Pages;
 use crate::plan::{Placement, Plan};
 use crate::progress::{NEVER, Progress, Report, Watch};
 use crate::sink::depths::DepthsSink;
-pub use output::stage;
-pub(crate) use output::{file_writer, stored_grid, write_level};
+pub(crate) use output::{file_writer, stage, stored_grid, write_level};
 use structure::{BuiltStructure, build_planned};
 
 /// A bake of a scene: set what it needs, then run it with [`save`](Bake::save), [`write_to`](Bake::write_to)
@@ -240,8 +239,8 @@ impl<'a> Bake<'a> {
         Ok(BakeSummary { grid: grids[0], settings, levels: grids.len() as u32, bytes, report })
     }
 
-    /// Bakes the pages of each level, the coarsest first, whose plan is there already, and passes them to
-    /// `take`.
+    /// Bakes the pages of each level, the coarsest first, and passes them to `take`. `coarsest` is the plan
+    /// of the coarsest level.
     fn each_level<'s>(
         &'s self,
         options: &BakeOptions,

@@ -20,7 +20,7 @@ use crate::pages::Pages;
 /// # Errors
 /// Returns the errors of `write`, and [`Error::Io`] if the file cannot be written. No temporary file is left
 /// then.
-pub fn stage(
+pub(crate) fn stage(
     path: &Path,
     write: impl FnOnce(&mut File) -> Result<BakeSummary>,
 ) -> Result<(StagedFile, BakeSummary)> {

@@ -68,8 +68,8 @@ pub trait BakeCache: fmt::Debug + Send + Sync {
     fn put(&self, key: &CacheKey, bytes: &[u8]) -> Result<(), IoError>;
 
     /// Drops entries that were neither read nor written since the last call, if the cache holds them in
-    /// memory. [`Baker`](crate::Baker) calls it after it has linked a file, when it has read every entry that
-    /// it needs.
+    /// memory. [`Baker`](crate::Baker) calls it after it has linked a file of all levels, when it has read
+    /// every entry that it needs.
     fn tidy(&self) {}
 
     /// Whether this process wrote every entry, so that entries need no validation.

@@ -137,8 +137,8 @@ pub const BESIDE_GRID: u32 = u32::MAX;
 const FOOTPRINT_HALF: f64 = 0.5 + 1.0 / SUBTEXEL as f64;
 /// Distance in texels at which a filter around a receiver may read: the reach of a 9 × 9 filter.
 const FILTER_REACH: f64 = 4.0;
-/// How far rounding of the gradient to 1/256 may move the depth of such a tap, voxels: by half a rounding
-/// step along each axis.
+/// How far rounding of the gradient to 1/256 may move the depth of a filter's tap, voxels: by half of 1/256
+/// per texel of distance, along both axes.
 const FILTER_ROUNDING: f64 = (FILTER_REACH + 0.5) / 256.0;
 /// Filters around a receiver read columns at most this far from it, texels, and find shadow there this many
 /// voxels behind the first voxel that may be in shadow, or deeper. Voxels nearer to the column's surface are

@@ -1,14 +1,16 @@
 //! Makes the file of a plan.
 
 use std::io::{Seek, Write};
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
 use adumbra::layout::depths::DepthTree;
 use adumbra::{LightGrid, ShadowFile};
+use adumbra_files::StagedFile;
 
 use super::plan::{BakePlan, PlannedLevel, PlannedPart};
-use crate::bake::{BakeSummary, file_writer, stored_grid, write_level};
+use crate::bake::{BakeSummary, file_writer, stage, stored_grid, write_level};
 use crate::cache::{BakeCache, PartCache};
 use crate::error::{Error, Result};
 use crate::options::BakeOptions;
@@ -54,6 +56,24 @@ pub fn link(
     let bytes = writer.finish().map_err(Error::Output)?;
     report.seconds = start.elapsed().as_secs_f64();
     Ok(BakeSummary { grid: grids[0], settings: plan.settings, levels: grids.len() as u32, bytes, report })
+}
+
+/// Links the entries of a plan's parts to a file that replaces the one at
+/// `path` when it is placed. See [`link`]. What exceeds the memory limit goes to the folder of
+/// `path`, unless `limits` name another one.
+///
+/// # Errors
+/// Returns the errors of [`link`], and [`Error::Io`] if the file cannot be written.
+#[doc(hidden)]
+pub fn stage_link(
+    plan: &BakePlan,
+    cache: &Arc<dyn BakeCache>,
+    limits: &BakeOptions,
+    watch: Watch<'_>,
+    path: &Path,
+) -> Result<(StagedFile, BakeSummary)> {
+    let limits = limits.spilling_beside(path);
+    stage(path, |out| link(plan, cache, &limits, watch, out))
 }
 
 /// Links the entries of a plan's parts to a file in memory. See [`link`].

@@ -16,8 +16,8 @@ mod parts;
 mod plan;
 mod stored;
 
-pub use link::link;
 pub(crate) use link::link_in_memory;
+pub use link::{link, stage_link};
 pub use parts::{BakedParts, PartBaker};
 pub(crate) use plan::Prepared;
 pub use plan::{BakePlan, PlannedPart};

@@ -174,7 +174,7 @@ impl BakePlan {
     /// Returns the plan of a file with all levels but the finest. `None` if there is only one.
     pub(crate) fn without_finest(&self) -> Option<Self> {
         let levels = self.levels.get(1..).filter(|levels| !levels.is_empty())?.to_vec();
-        // The same columns, counted in texels of the next level.
+        // The region has the same columns. Count them in texels of the next level.
         let region = self.settings.region;
         let region = region.map(|region| Region { texels: region.texels / LEVEL_STEP, ..region });
         let settings = FileSettings { resolution: self.placement(1).resolution, region, ..self.settings };

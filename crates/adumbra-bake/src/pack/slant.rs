@@ -120,6 +120,6 @@ mod tests {
             columns.x[at] = columns.e[at] + 1;
         }
         let found: Vec<_> = candidates(&Intervals::new(&columns)).collect();
-        assert_eq!(found, vec![Slant { x: 8, y: 2 }; found.len()]);
+        assert!(!found.is_empty() && found.iter().all(|slant| *slant == Slant { x: 8, y: 2 }), "{found:?}");
     }
 }

@@ -264,8 +264,8 @@ impl<'s> Casters<'s> {
 }
 
 /// Sorts the triangles by position alone, so that no file depends on their order in the mesh, nor on which
-/// corner comes first: otherwise lossless encoders change both. The order has an effect, because bounds on
-/// how freely a column may switch start from the first surface of a group.
+/// corner comes first. Mesh encoders that are lossless in all other respects change both. The order has an
+/// effect, because bounds on how freely a column may switch start from the first surface of a group.
 fn cluster_mesh(scene: &Scene, mesh: &Mesh, options: CasterOptions) -> MeshClusters {
     let topology: Option<Topology> =
         (options.closed_regions || options.outlines).then(|| topology::analyse(mesh, &scene.materials));

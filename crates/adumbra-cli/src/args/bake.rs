@@ -287,7 +287,7 @@ impl Bake {
     pub(crate) fn check_paths(&self, output: &Path) -> Result<(), Failure> {
         refuse_inputs("--output", output, self.other_files())?;
         if let Some(gltf) = &self.link_in {
-            // The target of the link may be the scene. It is itself written.
+            // The list contains the glTF file itself, which may also be the scene.
             let others = self.other_files().into_iter().filter(|(what, _)| ![SCENE, LINK_IN].contains(what));
             refuse_inputs("--link-in", gltf, others)?;
         }

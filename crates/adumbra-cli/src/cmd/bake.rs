@@ -194,10 +194,7 @@ impl<'a> Job<'a> {
         let share = limit.share(scene.memory_bytes());
         let mut options = BakeOptions {
             max_memory_bytes: share.bytes(),
-            // The system's temporary folder may be in memory. The folder of the output is on a disk.
-            spill_folder: Some(files::folder_of(
-                &files::target_of(output).unwrap_or_else(|_| output.to_owned()),
-            )),
+            spill_folder: Some(files::target_folder(output)),
             ..args.settings.options(sun.sun, args.load.ignore_alpha)
         };
         if !args.dry_run {

@@ -74,7 +74,7 @@ impl Follower<'_> {
         let start = Instant::now();
         let mut options = BakeOptions {
             max_memory_bytes: self.args.run.memory_limit().share(scene.memory_bytes()).bytes(),
-            spill_folder: Some(files::folder_of(self.output)),
+            spill_folder: Some(files::target_folder(self.output)),
             ..self.args.settings.options(sun.sun, self.args.load.ignore_alpha)
         };
         let ground = DecidedGround::of(&scene, &mut options);

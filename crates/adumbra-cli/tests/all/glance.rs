@@ -45,7 +45,7 @@ fn warns_of_sky_domes_and_strays_that_can_be_excluded() {
     let (code, said) = adumbra(&["verify", &file, "--scene", &wide, "--samples", "20000"]);
     assert!(code == 0 && !said.contains("voxels of"), "{said}");
 
-    // As JSON, too.
+    // The JSON output reports them too.
     let glance = &json(&["inspect", &dome, "--json"])["glance"];
     assert_eq!(glance["hide_the_sun"], serde_json::json!(["SkyBox"]));
     let glance = &json(&["bake", &wide, "--json", "--resolution", "256", "-o", &file])["glance"];

@@ -91,7 +91,7 @@ fn shards_of_a_world_write_the_files_of_one_bake() {
         files += 1;
     }
     assert_eq!(files, regions);
-    // An edit touches a few regions; the others come from the cache.
+    // A second bake of the edited scene takes a region's root blocks from the cache.
     let edit = folder.write("edit.json", br#"{ "removed": [4] }"#);
     let edited = || {
         let words = ["bake", &scene, "--voxel-size", "0.05", "--regions=1024", "--cache", &cache];

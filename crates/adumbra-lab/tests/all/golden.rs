@@ -159,7 +159,7 @@ fn every_occlusion_variant_matches_golden_picture() {
 
 /// Draws with techniques that need no file of a paper, and compares them with their golden pictures.
 #[test]
-fn techniques_without_paper_files_match_golden_pictures() {
+fn five_techniques_match_golden_pictures() {
     let scene = generate(GeneratedKind::Primitives, 1);
     let light = light_of(&scene);
     let baked = TechniqueFiles { light: Some(LightFile::Whole(&light)), ..TechniqueFiles::default() };

@@ -125,7 +125,7 @@ fn report_marks_figures_of_other_runs_and_hides_unrecorded() {
 }
 
 #[test]
-fn report_fails_if_its_page_is_too_large() {
+fn report_error_names_an_oversized_page() {
     let folder = Folder::new();
     earlier(&folder, &[("bake", "measured")]);
     let text = format!("# Bakes\n\n{}\n", "many words ".repeat(MAX_BYTES as usize / 11));

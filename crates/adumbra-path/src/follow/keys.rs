@@ -334,8 +334,8 @@ mod tests {
         walk(0.0, seconds, bake_seconds, at, see)
     }
 
-    /// As [`play`], with a camera that walks `walk` metres per second. A key is useful within 100 m of its
-    /// focus.
+    /// Does the same as [`play`], with a camera that walks `walk` world units per second. A key is useful
+    /// within 100 world units of its focus.
     fn walk(
         walk: f64,
         seconds: f64,

@@ -139,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn visible_volume_contains_only_visible_points() {
+    fn visible_volume_separates_visible_from_hidden_points() {
         for projection in
             [Projection::Perspective { fov_degrees: 55.0 }, Projection::Orthographic { height_world: 12.0 }]
         {

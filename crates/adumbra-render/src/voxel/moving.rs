@@ -257,12 +257,12 @@ impl KeyPool {
 
 /// The WGSL files that march through two keys, with a filter.
 pub(super) const FILTER: &[Source] = &[source::DEPTHS_MARCH, source::VOXEL_PATH, source::VOXEL_PATH_FILTER];
-/// The same for the sun's disc.
+/// The WGSL files that march through two keys, towards the sun's disc.
 pub(super) const DISC: &[Source] =
     &[source::DEPTHS_MARCH, source::DISC, source::VOXEL_PATH, source::VOXEL_PATH_DISC];
 
-/// Returns the march slopes towards a sun in both files. If no march reaches the sun, marches go to each
-/// file's sun.
+/// Returns the march slopes towards a sun in both files. If the march in either file cannot reach the sun,
+/// both marches go to the sun of their own file.
 fn slopes(files: &[ShadowFile; 2], towards_sun: [f64; 3]) -> [MarchSlope; 2] {
     let slopes = files.each_ref().map(|file| MarchSlope::new(&file.grid, towards_sun));
     match slopes {

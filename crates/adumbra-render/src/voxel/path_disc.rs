@@ -19,8 +19,8 @@ struct Key<'k> {
 }
 
 impl<'k> PathDiscTwin<'k> {
-    /// Creates the look-up for a sun of `sun_degrees`. Rays march through the first key first. `None` if no
-    /// march reaches the sun.
+    /// Creates the look-up for a sun of `sun_degrees`. Rays march through the first key first. `None` if the
+    /// march in either key cannot reach the sun.
     pub fn new(keys: [&'k ShadowFile; 2], towards_sun: [f64; 3], sun_degrees: f64) -> Option<Self> {
         let key = |file: &'k ShadowFile| {
             let growth = file.grid.cone_texels_per_voxel(sun_degrees) as f32;

@@ -1,9 +1,10 @@
 //! Geometry compressed with Draco, as in the glTF extension KHR_draco_mesh_compression (Khronos, ratified).
 //!
-//! A primitive names a buffer view with a Draco stream, and gives the stream's id for each of its attributes.
-//! The stream's content replaces the accessors' data: its triangles replace the indices, whatever the
-//! primitive's mode, and its counts and component types replace those of the accessors. An accessor says only
-//! whether its values are normalised. Attributes that are not in the stream are read as usual.
+//! A primitive names a buffer view with a Draco stream, and gives for each of its attributes the id that the
+//! attribute has in the stream. The stream's content replaces the accessors' data: its triangles replace the
+//! indices, whatever the primitive's mode, and its counts and component types replace those of the accessors.
+//! An accessor says only whether its values are normalised. Attributes that are not in the stream are read as
+//! usual.
 //!
 //! A primitive may have uncompressed data as well, for programs that do not know the extension. Where all of
 //! its accessors have data and the file does not require the extension, that data is read: it has not been

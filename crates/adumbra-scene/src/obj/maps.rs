@@ -101,7 +101,7 @@ impl Map {
         self.names[0].eq_ignore_ascii_case(&other.names[0])
     }
 
-    /// Reads the options, and returns the text after them, which has at least one word.
+    /// Reads the options, and returns the text after them, which includes the last word.
     fn read_options<'t>(&mut self, text: &'t [u8]) -> &'t [u8] {
         let mut text = trim(text);
         while text.starts_with(b"-")

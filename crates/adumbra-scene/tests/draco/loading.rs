@@ -36,7 +36,7 @@ fn draco_lossless_triangles_equal_the_plain_ones() {
 fn draco_quantised_triangles_are_within_half_a_step() {
     let plain = Fixture::read("plain").load().expect("loads");
     // Positions have 12 bits for the 8 units of the longest side. The joint weights of the torus have 8 bits,
-    // and move it by one step.
+    // and its joints are one unit apart.
     let (step, weight, uv_step) = (8.0 / 4095.0 / 2.0, 1.0 / 255.0, 1.0 / 1023.0 / 2.0);
     for name in ["edgebreaker-quantized", "edgebreaker-quantized-slow", "sequential-quantized"] {
         let scene = Fixture::read(name).load().expect(name);

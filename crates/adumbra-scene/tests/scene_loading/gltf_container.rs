@@ -84,7 +84,7 @@ fn gltf_reads_unusual_containers() {
 }
 
 #[test]
-fn gltf_shadow_name_changes_nothing_else_in_a_container() {
+fn gltf_shadow_name_keeps_triangles_and_other_chunks() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).expect("above the horizon");
     for (what, name, bytes) in odd_files() {
         let (_folder, path) = crate::kit::file(name, &bytes);
@@ -360,7 +360,7 @@ fn gltf_uris_with_backslashes_stay_in_the_folder() {
 }
 
 #[test]
-fn files_of_gltf_lists_files_of_unusual_containers() {
+fn files_of_gltf_accepts_unusual_and_faulty_files() {
     let listed = |name: &str, bytes: &[u8]| files_of_gltf(Path::new(name), bytes);
     for (what, name, bytes) in odd_files() {
         assert!(listed(name, &bytes).unwrap_or_else(|error| panic!("{what}: {error}")).is_empty(), "{what}");

@@ -133,7 +133,7 @@ fn gltf_ignores_names_that_are_not_strings() {
 }
 
 #[test]
-fn gltf_text_that_is_not_json_is_a_parse_error() {
+fn gltf_text_that_is_not_gltf_json_is_a_parse_error() {
     for text in ["", " ", "{", "[]", "5", "{\"asset\": }", "null", "{\"nodes\": {}}x", "\u{feff}\u{feff}{}"] {
         let error =
             crate::kit::load_bytes("scene.gltf", text.as_bytes(), &LoadOptions::default()).expect_err(text);

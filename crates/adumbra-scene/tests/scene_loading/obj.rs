@@ -312,7 +312,7 @@ fn material_names_are_compared_as_bytes() {
 }
 
 #[test]
-fn first_library_wins_and_duplicate_definitions_are_warnings() {
+fn first_library_wins_and_conflicting_definitions_are_warnings() {
     let obj = format!("mtllib a.mtl b.mtl\n{SQUARE}usemtl m\nf 1 2 3\n");
     let folder = Folder::new(obj).with("a.mtl", "newmtl m\nd 0.7\n").with("b.mtl", "newmtl m\nd 0.2\n");
     let scene = folder.load().expect("loads");

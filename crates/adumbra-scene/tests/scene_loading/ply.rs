@@ -305,8 +305,8 @@ fn strips_alternate_winding_and_restart_at_separators() {
         let read = load(&ply.bytes("ascii")).expect("loads").notes.read;
         assert_eq!(read, Counts { meshes: 1, nodes: 0, faces: 2 }, "{what}");
     }
-    // Strips may be joined by triangles without area. This strip has an even number of them, so the next
-    // strip begins at an odd position.
+    // Strips may be joined by triangles without area. This strip has an even number of corners, so the
+    // next strip begins at an odd position.
     let joined = strips(ints, &[&[8., 0., 1., 2., 2., end, 0., 2., 3.]]);
     for format in FORMATS {
         let scene = assert_square(format, &joined.bytes(format));

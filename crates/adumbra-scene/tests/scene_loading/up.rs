@@ -64,7 +64,7 @@ fn z_up_files_are_rotated_to_y_up() {
 }
 
 #[test]
-fn gltf_rejects_any_other_up_axis() {
+fn gltf_rejects_up_axes_other_than_y() {
     let glb = Glb::triangle();
     let with = |up| glb.load_with(&LoadOptions { up, ..LoadOptions::default() });
     assert!(matches!(with(Some(UpAxis::Z)), Err(Error::GltfIsYUp { .. })));

@@ -150,7 +150,7 @@ impl SunDay {
     }
 }
 
-/// Returns the first step after `low` that is not `alike`. `high` must not be.
+/// Returns the first step after `low` that is not `alike`. `high` must not be `alike`.
 fn bisect(mut low: u32, mut high: u32, mut alike: impl FnMut(u32) -> bool) -> u32 {
     while high - low > 1 {
         let middle = low + (high - low) / 2;

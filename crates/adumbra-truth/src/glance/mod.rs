@@ -57,7 +57,7 @@ pub fn shadowed_share(points: &[LitPoint]) -> Option<f64> {
 
 impl Glance {
     /// Examines a scene under a sun in the direction `towards_sun`, of length 1. Points inside solids are
-    /// left out, because nobody stands in a wall.
+    /// left out, because people do not stand in walls.
     ///
     /// Cost: seven passes over all triangles of all instances, on the current rayon pool; a few bytes per
     /// instance.

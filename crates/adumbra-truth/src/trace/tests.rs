@@ -405,7 +405,7 @@ fn trace_ambient_is_open_on_a_plane_and_closed_in_a_ball() {
 fn trace_handles_coincident_shrinking_and_huge_triangles() {
     let empty = Scene::default();
     assert!(!tracer(&empty).occluded(&down([0.0; 3])));
-    // The same triangle many times over, and triangles of ever smaller size, which give a very deep tree.
+    // Test one triangle many times over, and triangles of ever smaller size, which give a very deep tree.
     let (points, _) = square(1.0);
     let coincident = scene((points.clone(), vec![[0, 1, 2]; 20_000]), &[IDENTITY]);
     let mut hits = 0;

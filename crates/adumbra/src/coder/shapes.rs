@@ -185,7 +185,7 @@ pub(super) enum Shape<'s> {
 /// The children of a node.
 #[derive(Clone, Copy)]
 pub(super) struct Node<'s> {
-    /// As in an [`Entry`].
+    /// Bits of the children, as in an [`Entry`].
     children: u32,
     /// The listed children of the node, then those of later nodes.
     listed: &'s [Child],
@@ -371,7 +371,7 @@ impl<'s> Layout<'s> {
 }
 
 /// Reads shapes from the half-words of valid pages, or of a valid common section. Equal shapes of pages are
-/// listed once. A common section has no equal shapes.
+/// listed once. Shapes of a common section are not merged.
 pub(super) struct Reader<'c> {
     common: &'c Common,
     /// Whether this reads a common section.

@@ -22,7 +22,7 @@ struct Block {
     /// Bounds of the columns' depths.
     nearest: i32,
     farthest: i32,
-    /// The leaf from which to read `depths`; `None` once they are read.
+    /// The leaf from which `depths` still have to be read, if any.
     leaf: Option<[u32; 2]>,
     /// The columns' depths by row.
     depths: [[i32; 8]; 8],

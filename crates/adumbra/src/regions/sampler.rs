@@ -10,8 +10,8 @@ use crate::query::{Filter, PointVisibility, Sampler};
 use crate::settings::{Bias, FileSettings};
 
 /// Looks up the visibility of points of a world in the files of its regions. The answers are those of one
-/// file of the whole world, except where a file may answer either way. Filters read beyond the sides of a
-/// region, because its file extends beyond them.
+/// file of the whole world, except where a file may answer either way. Filters can read beyond the sides of
+/// a region, because its file extends beyond them.
 pub struct RegionSampler {
     regions: Regions,
     samplers: HashMap<Region, Sampler>,

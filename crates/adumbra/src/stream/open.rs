@@ -29,7 +29,7 @@ pub(super) struct Open {
     pub(super) contents: Contents,
     pub(super) layout: Arc<PoolLayout>,
     pub(super) residents: Residents,
-    /// As [`PoolLayout::levels`].
+    /// Levels in use, in the order of [`PoolLayout::levels`].
     levels: Vec<Level>,
     pub(super) views: Vec<View>,
     /// Chosen bundles, the most urgent first.

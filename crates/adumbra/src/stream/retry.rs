@@ -123,7 +123,7 @@ impl Retries {
         self.failed.get(&part).is_none_or(|failed| failed.not_before <= now)
     }
 
-    /// Whether no requested part has failed.
+    /// Whether no requested part is missing because of a fault.
     pub(super) fn is_empty(&self) -> bool {
         self.failed.is_empty()
     }

@@ -44,7 +44,8 @@ impl View {
         Self { position_world, planes, pixel_world: 0.0, pixel_per_distance: 2.0 * half_y / height }
     }
 
-    /// An orthographic camera: as [`View::perspective`], with the height of the picture in world units.
+    /// An orthographic camera. Its parameters are those of [`View::perspective`], except that the height of
+    /// the picture in world units replaces the angle.
     pub fn parallel(
         position_world: [f64; 3],
         forward: [f64; 3],

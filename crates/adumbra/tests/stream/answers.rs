@@ -74,7 +74,7 @@ fn resident_city_has_tables_as_fine_as_its_file() {
 }
 
 #[test]
-fn texture_headers_differ_from_the_files_only_in_word_places() {
+fn texture_headers_differ_from_the_files_only_in_words_and_levels() {
     let file = ShadowFile::from_bytes(city()).unwrap();
     let options = StreamOptions { reserved_words: 896, ..StreamOptions::default() };
     let mut streamer = Streamer::new(BytesSource(city()), options);
@@ -372,7 +372,8 @@ fn jump(city: &'static [u8], budgets: &[u64]) {
                 assert_pages_apart(&streamer);
             }
         }
-        // Without views, resident bundles stay. The pool is in use only if bundles are resident.
+        // Without views, resident bundles stay. Beyond the tables and the coarsest level, only these bundles
+        // take words.
         assert!(streamer.settle(&[], LIMIT, |_| ()));
         let counts = streamer.counts();
         assert!(

@@ -340,8 +340,8 @@ fn ignores_a_swap_to_a_material_that_casts_alike() {
     assert!(stage.is_pending() && stage.is_marked());
 }
 
-/// The same with rendered pictures: `moved_mesh_stays_in_cascades_until_its_keys_are_shown`, in
-/// `tests/gpu/follow.rs`.
+/// `moved_mesh_stays_in_cascades_until_its_keys_are_shown`, in `tests/gpu/follow.rs`, tests the same with
+/// rendered pictures.
 #[test]
 fn moved_mesh_casts_until_its_keys_are_written() {
     let mut stage = Stage::new();

@@ -45,8 +45,8 @@ fn sun_visibility(towards_light: vec3<f32>, p_world: vec3<f32>, normal: vec3<f32
     return abs(baked_visibility(towards_light, p_world, normal, pixel));
 }
 
-// Returns the visibility of a point in fog. `cascades` is the visibility from the light's cascades; it is
-// valid only if `is_inside`.
+// Returns the visibility of a point in fog. `cascades` is the visibility from the light's cascades; the point
+// is inside of them only if `is_inside`.
 fn fog_visibility(cascades: f32, is_inside: bool, towards_light: vec3<f32>, p_world: vec3<f32>) -> f32 {
     let baked = baked_visibility(towards_light, p_world, vec3<f32>(0.0), vec2<f32>(0.0));
     if (baked < 0.0) {

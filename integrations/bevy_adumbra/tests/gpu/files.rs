@@ -119,7 +119,7 @@ fn reloads_a_file_replaced_on_the_disk() {
 }
 
 /// Draws the first file, then the second file, which replaces it, and the second file again after a damaged
-/// file has replaced it on the disk.
+/// file has replaced it in the asset source.
 fn replaced_and_damaged(stage: &mut Stage, [first, second]: [&ShadowFile; 2], replace: impl Fn(Vec<u8>)) {
     let handle = stage.app.world().resource::<AssetServer>().load("city.adumbra");
     stage.app.world_mut().entity_mut(stage.light).insert(BakedShadow::new(handle.clone()));

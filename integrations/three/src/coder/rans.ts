@@ -24,8 +24,8 @@ const LAST_STATE = 2 ** 16;
 const HALVES = 0x80008000;
 
 /**
- * Shifts by which intervals move towards the symbol that was read, by the number of earlier symbols, at most
- * 31.
+ * Shifts by which intervals move towards the symbol that was read, by the number of earlier symbols, which
+ * counts up to 31.
  */
 const SHIFTS = /* @__PURE__ */ Uint8Array.from({ length: 32 }, (_, count) => (count < 2 ? 2 : count < 6 ? 3 : count < 31 ? 4 : 5));
 

@@ -19,7 +19,7 @@ export interface Part {
   update(renderer: AnyRenderer, camera: Camera): void;
   /** Is called with each material of the scene, after the update. */
   meet?(material: Material): void;
-  /** Is called when the scene is drawn, and all drawings that began within it. */
+  /** Is called once the drawing of the scene has ended, with all drawings that began within it. */
   end?(): void;
   /**
    * The roots of the objects in files in use, and of the objects in the light's other files. None while the

@@ -28,8 +28,8 @@ export function sunAt({ steps }: Course, seconds: number): Vec3 | undefined {
 
 /**
  * Returns the numbers of the keys that answer at a moment: the key that is looked up first, and the other
- * key. Before the first key, after the last and at a key, both are the same key. `undefined` where {@link
- * sunAt} has no sun.
+ * key. Before the first key, after the last and at a key, both are the same key. `undefined` where
+ * {@link sunAt} has no sun.
  */
 export function keysAt(course: Course, seconds: number): [first: number, second: number] | undefined {
   /** How many times nearer the key with the lower sun must be to be the first. */

@@ -42,8 +42,8 @@ export interface Bundle extends Waiting {
   /** Where its pages are while they are in the pool. */
   pages: readonly PlacedPage[];
   /**
-   * How many times coarser than wanted the picture is without it, as of the last choice. It is wanted above
-   * 1.
+   * How many times coarser than wanted the picture is without it, as of the last choice. The bundle is wanted
+   * if this is above 1.
    */
   need: number;
   /** Number of the last choice that it was part of. */

@@ -21,8 +21,8 @@ export function putOffNoMore(what: Waiting): void {
 }
 
 /**
- * Milliseconds until a part that has failed `failures` times in a row, at least once, is requested again: 1
- * s, 2 s, 4 s, … at most 60 s.
+ * Milliseconds until a part that has failed `failures` times in a row, at least once, is requested again:
+ * 1 s, 2 s, 4 s, … at most 60 s.
  */
 export function backoff(failures: number): number {
   return Math.min(1000 * 2 ** (failures - 1), 60_000);

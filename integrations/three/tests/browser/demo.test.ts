@@ -76,7 +76,8 @@ afterAll(async () => {
 });
 
 /**
- * Opens the page and waits for its first picture. Without `options` the page is as on a desk, with a mouse.
+ * Opens the page and waits for its first picture. Settings that `options` leaves out are as on a desk, with a
+ * mouse.
  */
 async function open(
   query: string,

@@ -98,7 +98,7 @@ test('nothing is hooked again after dispose', () => {
   expect(material.onBeforeCompile).toBe(Material.prototype.onBeforeCompile);
 });
 
-test('the scene is restored in whatever order its shadows end', () => {
+test('the scene is restored after shadows that overlap have ended', () => {
   const { scene } = world();
   const { onBeforeRender, onAfterRender } = scene;
   let last = attach(scene);
@@ -153,7 +153,7 @@ test('copied hooks keep the programs of their materials apart', () => {
 test('a deleted hook is restored in the next frame', () => {
   const { scene, material } = world();
   attach(scene);
-  // As three's addon CSM does on dispose.
+  // Three's addon CSM does the same on dispose.
   delete (material as Partial<Material>).onBeforeCompile;
   expect(lookUps(compiled(material).fragmentShader)).toBe(0);
   frame(scene);

@@ -17,7 +17,7 @@ function city() {
   return { sun, gltf: { animations: [], scenes: [scene] } as unknown as GLTF };
 }
 
-test('a light whose shadow file is missing loads without it', async () => {
+test('a missing shadow file is reported, and its light loads without', async () => {
   const { sun, gltf } = city();
   const [attach, onError] = [vi.fn<(shadow: NamedShadow) => void>(), vi.fn<(error: unknown, light: unknown) => void>()];
   await new GLTFBakedShadow(parser, attach, onError).afterRoot(gltf);

@@ -36,7 +36,7 @@ function codeOf(forms: typeof FORMS): Uint16Array {
 it.each(FORMS.map((form, index) => [form[0], index] as const))('%s', (_, index) => {
   // After the fields of all earlier children.
   expect(childrenOf(codeOf(FORMS))(NODE, index)).toMatchObject(FORMS[index]![5]);
-  // As the last of sixteen.
+  // The form may also be that of the last of sixteen children.
   const last = [...Array(15).fill(FORMS[0]), FORMS[index]!] as typeof FORMS;
   expect(childrenOf(codeOf(last))(NODE, 15)).toMatchObject(FORMS[index]![5]);
 });

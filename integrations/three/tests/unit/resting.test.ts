@@ -82,7 +82,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       barn.castShadow = false;
       if (isNested) return;
       isNested = true;
-      // As an app does for a map in a corner.
+      // An app does the same for a map in a corner.
       shown.frame();
     };
     const seen: boolean[][] = [];

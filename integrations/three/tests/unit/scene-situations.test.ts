@@ -89,7 +89,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       const seen: boolean[] = [];
       shown.frame(() => {
         seen.push(house.castShadow);
-        // As an object's onBeforeRender does.
+        // An object's onBeforeRender does the same.
         shown.frame(() => seen.push(house.castShadow));
         expect(house.castShadow).toBe(true);
       });
@@ -97,7 +97,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       expect(castIn(shown, house)).toEqual([false]);
     });
 
-    test('the app’s own orthographic camera may look as the sun shines', () => {
+    test('castShadow is restored after a camera that looks as the sun shines', () => {
       const [city, house] = [new Group(), caster()];
       const shown = show({ statics: city.add(house) });
       shown.frame();

@@ -11,7 +11,7 @@ export interface Faults {
   noRanges?: boolean;
   /** No Content-Range and no ETag can be read, as from another origin. */
   isHidden?: boolean;
-  /** Changes the answer to a request, or throws as `fetch` does. */
+  /** Changes the answer to a request, or throws as `fetch` does. `number` counts requests from 0 on. */
   answer?(request: { number: number; from: number; to: number; signal: AbortSignal | undefined }, bytes: Uint8Array): Response | Uint8Array | Promise<Response | Uint8Array> | undefined;
 }
 

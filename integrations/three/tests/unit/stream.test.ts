@@ -224,7 +224,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     await settled(file);
     expect(file.stats.fading).toBe(0);
     expect([...compare(file, whole, 5, 1000).keys()]).toEqual([0]);
-    // As shaders see it.
+    // Shaders see whether pages are absent or fade in these words.
     const { lookUps } = file.openWords({ filter: 5 }, 8192);
     expect(lookUps.map(({ words }) => words[16 + 78])).toEqual([2, 2, 1]);
     file.dispose();

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use adumbra_bake::{BakeOptions, BakeSummary, Watch, link, stage};
+use adumbra_bake::{BakeOptions, BakeSummary, Watch, stage_link};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
@@ -49,17 +49,10 @@ pub(crate) fn run(args: &Link) -> Outcome {
         let share = limit.share(0);
         let cache = open_or_create(&place)?;
         let output = &args.output;
-        let limits = BakeOptions {
-            max_memory_bytes: share.bytes(),
-            spill_folder: Some(files::folder_of(
-                &files::target_of(output).unwrap_or_else(|_| output.clone()),
-            )),
-            ..plan.options()
-        };
+        let limits = BakeOptions { max_memory_bytes: share.bytes(), ..plan.options() };
         let guard = Guard::new(limit);
         let progress = |_| guard.look();
-        let linked =
-            stage(output, |out| link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), out));
+        let linked = stage_link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), output);
         let (staged, written) = guard.end("linking", &share, linked)?;
         StagedFile::place([staged])?;
         let BakeSummary { levels, bytes: file_bytes, report, .. } = written;

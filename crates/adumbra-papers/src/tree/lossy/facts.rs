@@ -1,4 +1,4 @@
-//! Facts about each block that a lossy merge stores.
+//! The facts that a lossy merge stores about each block.
 
 use crate::tree::word::{Node, Word};
 

@@ -133,8 +133,8 @@ mod tests {
 
     #[test]
     fn skips_metadata_before_the_counts() {
-        // One attribute, number 4, with an entry a = [1, 2]; then the mesh, with an empty sub-metadata b that
-        // has an entry c = [].
+        // One attribute, number 4, with an entry a = [1, 2]; then the mesh, with no entries, but with a
+        // sub-metadata b that has an entry c = [].
         let metadata = [1, 4, 1, 1, b'a', 2, 1, 2, 0, 0, 1, 1, b'b', 1, 1, b'c', 0, 0];
         let bytes = stream(0, 0x8000, &[&metadata[..], &[6, 5]].concat());
         assert_eq!(Header::read(&bytes), Ok(Header { triangles: 6, points: Some(5), seamed: 0 }));

@@ -220,7 +220,7 @@ impl<'c> Code<'c> {
         self.descend_through(node, column, |_| ())
     }
 
-    /// As [`Code::descend`], and calls `passed` with each node that has children.
+    /// Does the same as [`Code::descend`], and calls `passed` with each node that has children.
     #[inline]
     pub fn descend_through(
         self,

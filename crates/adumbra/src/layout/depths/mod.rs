@@ -115,7 +115,7 @@ pub struct DepthTree {
 /// A page of a tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct PlacedPage {
-    /// As in [`Page`].
+    /// The root and its base, as in [`Page`].
     root: u32,
     base: u32,
     /// Index of the page's first word in the code.
