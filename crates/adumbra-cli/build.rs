@@ -3,5 +3,5 @@
 mod revision;
 
 fn main() {
-    revision::emit(&["adumbra-lab", "adumbra-testing"]);
+    revision::emit(&["adumbra-testing", "papers", "program"]);
 }

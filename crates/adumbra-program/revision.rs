@@ -13,26 +13,26 @@ const SHARED: [&str; 2] = ["Cargo.toml", "Cargo.lock"];
 const OF_PACKAGE: [&str; 5] = ["Cargo.toml", "build.rs", "src", "data", "wgsl"];
 
 /// Sets `ADUMBRA_REVISION` for the package that is being built, empty if git does not know it, and
-/// `ADUMBRA_VERSION`, which has both the version and the revision. Packages in `without` are not part of the
-/// program.
+/// `ADUMBRA_VERSION`, which has both the version and the revision. Packages in the folders `without` are not
+/// part of the program.
 pub(crate) fn emit(without: &[&str]) {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=revision.rs");
     let folder = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    let [package, version] =
-        ["CARGO_PKG_NAME", "CARGO_PKG_VERSION"].map(|name| env::var(name).unwrap_or_default());
-    let revision = revision(&folder, &package, without).unwrap_or_default();
+    let version = env::var("CARGO_PKG_VERSION").unwrap_or_default();
+    let revision = revision(&folder, without).unwrap_or_default();
     println!("cargo::rustc-env=ADUMBRA_REVISION={revision}");
     let long = if revision.is_empty() { version } else { format!("{version} ({revision})") };
     println!("cargo::rustc-env=ADUMBRA_VERSION={long}");
 }
 
-fn revision(folder: &Path, package: &str, without: &[&str]) -> Option<String> {
+fn revision(folder: &Path, without: &[&str]) -> Option<String> {
+    let root = folder.ancestors().nth(2)?;
+    let within = folder.strip_prefix(root).ok()?.to_str()?;
     // In a registry's cache or a vendor folder, the surrounding repository belongs to another project.
-    if git(folder, &["rev-parse", "--show-prefix"])? != format!("crates/{package}/") {
+    if git(folder, &["rev-parse", "--show-prefix"])? != format!("{within}/") {
         return None;
     }
-    let root = folder.ancestors().nth(2)?;
     let sources = sources(root, without);
     sources.iter().for_each(|path| watch(&root.join(path)));
     // The log changes with every commit, even if the branch's own file is packed.
@@ -52,10 +52,12 @@ fn revision(folder: &Path, package: &str, without: &[&str]) -> Option<String> {
 /// Returns the paths of everything that goes into the program, relative to the root.
 fn sources(root: &Path, without: &[&str]) -> Vec<String> {
     let mut sources: Vec<String> = SHARED.map(str::to_owned).into();
-    let packages = fs::read_dir(root.join("crates")).into_iter().flatten().flatten();
-    let names = packages.map(|p| p.file_name().to_string_lossy().into_owned());
-    for package in names.filter(|name| !without.contains(&name.as_str())) {
-        sources.extend(OF_PACKAGE.map(|part| format!("crates/{package}/{part}")));
+    for folder in ["crates", "lab"] {
+        let packages = fs::read_dir(root.join(folder)).into_iter().flatten().flatten();
+        let names = packages.map(|p| p.file_name().to_string_lossy().into_owned());
+        for package in names.filter(|name| !without.contains(&name.as_str())) {
+            sources.extend(OF_PACKAGE.map(|part| format!("{folder}/{package}/{part}")));
+        }
     }
     sources
 }

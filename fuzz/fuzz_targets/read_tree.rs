@@ -7,7 +7,7 @@
 #![no_main]
 
 #[allow(dead_code, reason = "the mutator is for the quick test; libFuzzer has its own")]
-#[path = "../../crates/adumbra-papers/tests/tree_format_support/mod.rs"]
+#[path = "../../lab/papers/tests/tree_format_support/mod.rs"]
 mod tree_format_support;
 
 use libfuzzer_sys::fuzz_target;

@@ -12,7 +12,7 @@ use adumbra_render::TECHNIQUES;
 const REGISTRIES: [&str; 3] = [
     "crates/adumbra-render/src/techniques/product.rs",
     "crates/adumbra-render/src/occlusion/spec.rs",
-    "crates/adumbra-papers/src/techniques/mod.rs",
+    "lab/papers/src/techniques/mod.rs",
 ];
 /// Names that are also everyday words or sections of the report. A comparison with them counts only if it
 /// involves `.name()`.
@@ -23,7 +23,7 @@ const COMPARING_CALLS: [&str; 5] = ["starts_with(", "ends_with(", "strip_prefix(
 fn technique_names_are_compared_only_in_registries() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut files = Vec::new();
-    for folder in ["crates", "xtask/src"] {
+    for folder in ["crates", "lab", "xtask/src"] {
         sources(&root.join(folder), &mut files);
     }
     assert!(files.len() > 300, "only {} sources found", files.len());

@@ -55,7 +55,7 @@
 //! one file into regions with a file each; `region_grids` places their grids.
 //!
 //! Dependencies go one way: triangles → columns → root_blocks → pack → pages → cache → sink → fast and plain
-//! → plan → region_grids → ground → choose → regions → inputs → bake → farm → baker. [`layers`] provides
+//! → plan → region_grids → ground → choose → regions → inputs → bake → farm → baker. `layers` provides
 //! first surfaces and insides of solids to structures that voxelize depth themselves.
 //!
 //! # Design decisions, and departures from the specification
@@ -85,14 +85,13 @@ mod cache;
 mod choose;
 mod columns;
 mod error;
-mod estimate;
 mod farm;
 mod fast;
 #[cfg(test)]
 mod fuzz;
 mod ground;
 mod inputs;
-pub mod layers;
+mod layers;
 mod options;
 mod pack;
 mod pages;
@@ -110,14 +109,13 @@ mod texel_mask;
 mod triangles;
 mod yaw;
 
-pub use bake::{Bake, BakeSummary};
+pub use bake::{Bake, BakeSummary, Estimate};
 pub use baker::{Baker, BakerPage};
 pub use cache::{
     BakeCache, BestEffortCache, CacheKey, CacheReport, CacheUsage, DiskCache, ENTRY_MAGIC, Fetched,
     MemoryCache,
 };
 pub use error::{Error, Result};
-pub use estimate::Estimate;
 #[doc(hidden)]
 pub use farm::stage_link;
 pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
@@ -135,6 +133,9 @@ pub mod structure {
     pub use crate::bake::structure::{BuiltStructure, build};
     pub use crate::columns::BlockColumns;
     pub use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
+    pub use crate::layers::{
+        FixedDepth, LayerBuffers, LayerCapture, LayerOptions, Layers, sorting_bytes, working_bytes,
+    };
     pub use crate::pages::Pages;
     pub use crate::sink::depths::{DepthsBlock, DepthsSink};
     pub use crate::sink::{BlockSink, Structure};

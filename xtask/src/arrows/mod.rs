@@ -38,7 +38,9 @@ const ORDER: [&str; 18] = [
     "adumbra-lab",
 ];
 
-/// Sources in Rust that are not below `crates/`.
+/// Crates that are not in `crates/` but in another folder.
+const LABORATORY: [(&str, &str); 2] = [("adumbra-papers", "lab/papers"), ("adumbra-lab", "lab/program")];
+/// Other sources in Rust.
 const OTHER_RUST: [&str; 5] = [
     "integrations/bevy_adumbra/src",
     "integrations/three/generator/src",
@@ -69,12 +71,18 @@ impl Arrows {
     }
 }
 
+/// Returns the folder of a crate of [`ORDER`], relative to the root.
+fn folder_of(name: &str) -> String {
+    let elsewhere = LABORATORY.iter().find(|(lab, _)| *lab == name);
+    elsewhere.map_or_else(|| format!("crates/{name}"), |(_, folder)| (*folder).to_owned())
+}
+
 /// Returns every cycle of modules in the repository's sources, one line each.
 ///
 /// # Errors
 /// Returns a message if a file cannot be read or is not Rust.
 pub(crate) fn circles(root: &Path) -> Result<Vec<String>, String> {
-    let crates = ORDER.iter().map(|name| format!("crates/{name}/src"));
+    let crates = ORDER.iter().map(|name| format!("{}/src", folder_of(name)));
     let mut found = Vec::new();
     for source in crates.chain(OTHER_RUST.map(str::to_owned)) {
         let folder = root.join(&source);
@@ -101,17 +109,19 @@ pub(crate) fn circles(root: &Path) -> Result<Vec<String>, String> {
 /// each.
 ///
 /// # Errors
-/// Returns a message if the folder of the crates cannot be read.
+/// Returns a message if a folder of crates cannot be read.
 pub(crate) fn back_arrows(root: &Path) -> Result<Vec<String>, String> {
     let mut found = Vec::new();
-    let folder = root.join("crates");
-    let entries = fs::read_dir(&folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+    let mut folders = Vec::new();
+    for parent in ["crates", "lab"].map(|name| root.join(name)) {
+        let entries = fs::read_dir(&parent).map_err(|e| format!("cannot read {}: {e}", parent.display()))?;
+        folders.extend(entries.filter_map(Result::ok).map(|entry| entry.path()));
+    }
     let place = |name: &str| ORDER.iter().position(|&known| known == name);
-    for entry in entries.filter_map(Result::ok) {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        let manifest = entry.path().join("Cargo.toml");
-        let Ok(text) = fs::read_to_string(&manifest) else { continue };
-        let Some(own) = place(&name) else {
+    for folder in folders {
+        let Ok(text) = fs::read_to_string(folder.join("Cargo.toml")) else { continue };
+        let name = text.split("name = \"").nth(1).and_then(|rest| rest.split('"').next()).unwrap_or_default();
+        let Some(own) = place(name) else {
             found.push(format!("{name} is not in the order of crates"));
             continue;
         };
@@ -214,7 +224,7 @@ mod tests {
         }
         let mut real = BTreeMap::new();
         for name in ORDER {
-            let manifest = root().join("crates").join(name).join("Cargo.toml");
+            let manifest = root().join(folder_of(name)).join("Cargo.toml");
             let text = fs::read_to_string(manifest).unwrap();
             let section = text.split("[dependencies]").nth(1).unwrap_or_default();
             let section = section.split("\n[").next().unwrap_or_default();

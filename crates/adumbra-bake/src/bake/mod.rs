@@ -3,10 +3,12 @@
 //!
 //! | file | contents |
 //! |---|---|
+//! | `estimate.rs` | forecasts time, memory and bytes from a few root blocks |
 //! | `output.rs` | writes the levels of a file, and files that replace others when they are complete |
 //! | `structure.rs` | builds the quadtree, or another structure, from the columns of a plan |
 //! | `run.rs` | distributes root blocks over all threads |
 
+mod estimate;
 #[cfg(test)]
 mod level_tests;
 #[cfg(test)]
@@ -28,13 +30,13 @@ use adumbra_scene::Scene;
 use crate::cache::{BakeCache, PartCache, PartGrid};
 use crate::choose::Choice;
 use crate::error::{Error, Result};
-use crate::estimate::{Estimate, estimate};
 use crate::inputs::SceneHashes;
 use crate::options::{BakeOptions, Preset, Size};
 use crate::pages::Pages;
 use crate::plan::{Placement, Plan};
 use crate::progress::{NEVER, Progress, Report, Watch};
 use crate::sink::depths::DepthsSink;
+pub use estimate::Estimate;
 pub(crate) use output::{file_writer, stage, stored_grid, write_level};
 use structure::{BuiltStructure, build_planned};
 
@@ -223,7 +225,7 @@ impl<'a> Bake<'a> {
     /// Returns the errors of [`Bake::in_memory`] but for those of the cache. The memory limit applies to the
     /// forecast itself, not to the bake that it predicts.
     pub fn estimate(&self) -> Result<Estimate> {
-        estimate(self.scene, &self.options, self.cancel)
+        estimate::estimate(self.scene, &self.options, self.cancel)
     }
 
     fn write_with(&self, options: &BakeOptions, out: impl Write + Seek) -> Result<BakeSummary> {

@@ -5,7 +5,7 @@
 //! Cost: each surface is visited once per block that it is near, unless an ancestor of the block was
 //! resolved. The number of texels drawn is about the contours' length in texels.
 
-use adumbra::layout::LEAF_NODE_LEVEL;
+use adumbra::layout::depths::LEAF_LEVEL;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::columns::Columns;
@@ -191,7 +191,7 @@ impl<S: BlockSink> Descent<'_, S> {
             Classification::Unresolved { resolved } => resolved,
         };
         let known_behind = buffers.forget_behind(&block, from, resolved, &self.setting).min(known_behind);
-        if block.level == LEAF_NODE_LEVEL {
+        if block.level == LEAF_LEVEL {
             return Ok(self.leaf(block, [from, from_beside], known_behind, buffers));
         }
         let (to, to_beside) = (buffers.lists.len(), buffers.beside.len());

@@ -36,6 +36,7 @@ impl Pages {
     /// # Errors
     /// Returns [`Error::Spill`] if pages could not be kept on disk, and [`Error::TooManyWords`] if a part is
     /// too large.
+    #[inline(never)] // Counted by `cargo xtask count`.
     pub(crate) fn link(self) -> Result<Linked> {
         if self.is_too_large {
             return Err(OutOfReach.into());

@@ -13,7 +13,7 @@ pub(crate) mod from_columns;
 pub(crate) mod limit;
 pub(crate) mod recent;
 
-use adumbra::layout::LEAF_NODE_LEVEL;
+use adumbra::layout::depths::LEAF_LEVEL;
 
 use crate::columns::BlockColumns;
 use crate::error::Result;
@@ -26,7 +26,7 @@ const HELD_LEAF_BYTES: u64 = 512;
 
 /// Returns the bytes that a sink holds for the root block that a worker is building.
 pub(crate) fn building_bytes(root_level: u32) -> u64 {
-    HELD_LEAF_BYTES << (2 * (root_level.min(MAX_HELD_LEVEL) - LEAF_NODE_LEVEL))
+    HELD_LEAF_BYTES << (2 * (root_level.min(MAX_HELD_LEVEL) - LEAF_LEVEL))
 }
 
 /// A structure that is built from blocks. Calls come from many threads. Equal calls must return blocks of

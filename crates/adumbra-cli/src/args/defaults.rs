@@ -427,7 +427,7 @@ fn argument_types_are_not_generic() {
             std::fs::read_dir(root.join(folder)).unwrap().map(|e| e.unwrap().path()).collect();
         entries.into_iter()
     };
-    let folders = ["src/args", "../adumbra-lab/src/args", "../adumbra-program/src/args"];
+    let folders = ["src/args", "../../lab/program/src/args", "../adumbra-program/src/args"];
     let verbs = within("../adumbra-compare/src/verbs").filter(|path| path.is_dir());
     let files = ["src/args.rs", "../adumbra-compare/src/args.rs"].map(|file| root.join(file));
     let shared =

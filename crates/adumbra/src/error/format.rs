@@ -96,16 +96,6 @@ pub enum FormatError {
         /// The value that is allowed, as text.
         expected: String,
     },
-    /// A padding byte between two sections is not zero.
-    #[error(
-        "the padding byte {offset} between two sections is {value:#04x}, but must be 0; copy the file again, or bake it again"
-    )]
-    Padding {
-        /// The byte's offset in the file.
-        offset: u64,
-        /// The byte's value.
-        value: u8,
-    },
     /// A bundle of pages does not fit its entry in the table, or the grid.
     #[error("the {section} has {found}, but must have {expected}; bake it again")]
     Bundle {
@@ -181,7 +171,6 @@ impl FormatError {
             Self::SectionChecksum { .. } => "SectionChecksum",
             Self::HeaderField { .. } => "HeaderField",
             Self::SectionBounds { .. } => "SectionBounds",
-            Self::Padding { .. } => "Padding",
             Self::Bundle { .. } => "Bundle",
             Self::Coded { .. } => "Coded",
             Self::Uncodable { .. } => "Uncodable",

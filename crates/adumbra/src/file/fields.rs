@@ -35,10 +35,6 @@ pub const LIGHT: Kind = Kind {
     version: 4,
     oldest: 4,
 };
-/// A file with a world-aligned tree.
-pub const TREE: Kind =
-    Kind { magic: *b"ADUMTREE", shown: "\"ADUMTREE\"", name: "tree file", version: 1, oldest: 1 };
-
 /// A file with the path of a sun.
 pub const PATH: Kind =
     Kind { magic: *b"ADUMDAY\n", shown: "\"ADUMDAY\\n\"", name: "sun path", version: 1, oldest: 1 };
@@ -56,7 +52,7 @@ pub fn is_path(bytes: &[u8]) -> bool {
 pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<(u32, Decoder<'a>), FormatError> {
     let start = &bytes[..bytes.len().min(kind.magic.len())];
     if !kind.magic.starts_with(start) {
-        return Err(match [LIGHT, TREE, PATH].iter().find(|other| other.magic == start) {
+        return Err(match [LIGHT, PATH].iter().find(|other| other.magic == start) {
             Some(other) => FormatError::OtherKind { found: other.name, needed: kind.name },
             None => FormatError::Magic { found: start.to_vec(), expected: kind.shown },
         });

@@ -37,7 +37,6 @@ pub use write::FileWriter;
 use std::sync::Arc;
 
 use crate::grid::{LightGrid, Sun};
-use crate::layout::Composition;
 use crate::layout::depths::DepthTree;
 use crate::settings::FileSettings;
 
@@ -139,11 +138,6 @@ impl ShadowFile {
     /// Whether the bake treated masked materials as opaque.
     pub fn ignores_alpha(&self) -> bool {
         self.settings.ignore_alpha
-    }
-
-    /// Returns the breakdown of the bytes of the finest level. Cost: one pass over its voxels.
-    pub fn composition(&self) -> Composition {
-        self.tree.composition()
     }
 }
 

@@ -48,34 +48,8 @@ impl GridParameters {
     /// # Errors
     /// Returns [`RangeError`] if a side has more than [`MAX_FIXED_SIDE`] voxels.
     pub fn new(grid: &LightGrid, anchor_world: [f64; 3]) -> Result<Self, RangeError> {
+        let &LightGrid { axes, edges, voxel_size, size, .. } = grid;
         let anchor_voxels = grid.to_grid(anchor_world);
-        Self::of(grid.axes, grid.edges, grid.voxel_size, grid.size, anchor_voxels)
-    }
-
-    /// Creates the transform for a cube whose axes are the world's, with its corner at
-    /// `corner_world` and `side` voxels of `voxel_size` world units a side. Positions in the shader are
-    /// relative to `anchor_world`.
-    ///
-    /// # Errors
-    /// Returns [`RangeError`] if a side has more than [`MAX_FIXED_SIDE`] voxels.
-    pub fn of_cube(
-        corner_world: [f64; 3],
-        voxel_size: f64,
-        side: u32,
-        anchor_world: [f64; 3],
-    ) -> Result<Self, RangeError> {
-        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let anchor_voxels = std::array::from_fn(|a| (anchor_world[a] - corner_world[a]) / voxel_size);
-        Self::of(axes, axes, voxel_size, [side; 3], anchor_voxels)
-    }
-
-    fn of(
-        axes: [[f64; 3]; 3],
-        edges: [[f64; 3]; 3],
-        voxel_size: f64,
-        size: [u32; 3],
-        anchor_voxels: [f64; 3],
-    ) -> Result<Self, RangeError> {
         let longest = size.into_iter().fold(0, u32::max);
         if longest > MAX_FIXED_SIDE {
             const { assert!(MAX_FIXED_SIDE == 516_096, "the message below names the limit") };

@@ -2,15 +2,17 @@
 //!
 //! A step is either a function here that is never inlined, or a library function called by one.
 
+use std::error::Error;
 use std::hint::black_box;
+use std::sync::Arc;
 
 use adumbra::layout::depths::DepthTree;
-use adumbra::{Bias, Filter, LightGrid, PointVisibility, Sampler, ShadowFile, Sun};
+use adumbra::{Bias, Encoding, Filter, FormatError, LightGrid, PointVisibility, Sampler, ShadowFile, Sun};
 use adumbra_bake::{Bake, BakeOptions, Size, Watch};
 use adumbra_papers::dag::build::{self, DagOptions, pack};
 use adumbra_papers::dag::packed::PackedDag;
 use adumbra_papers::dag::plain::Dag;
-use adumbra_papers::dag::{DagBody, DagFile, DagLayout, DagQuery, Error, LeafMasks};
+use adumbra_papers::dag::{self, DagBody, DagFile, DagLayout, DagQuery};
 use adumbra_scene::{GeneratedKind, Mesh, Scene, generate};
 use adumbra_testing::{add_box, scene_of};
 
@@ -25,27 +27,27 @@ const fn step(name: &'static str, symbol: [&'static str; 2]) -> HotStep {
     HotStep { name, symbol }
 }
 
-/// All steps. Library functions are counted over all bakes.
-pub(super) const STEPS: [HotStep; 19] = [
-    step("bake into the graph", ["count::steps", "bake_graph"]),
-    step("bake into depths", ["count::steps", "bake_depths"]),
+/// All steps: those of the product, then three of the papers' graphs. Library functions are counted over all
+/// bakes.
+pub(super) const STEPS: [HotStep; 18] = [
+    step("bake", ["count::steps", "bake_depths"]),
     step("surfaces of the root blocks", ["fast::gather", "gather"]),
     step("descent of the root blocks", ["fast::descent", "build_root"]),
     step("bounds of blocks", ["fast::classify", "classify"]),
     step("columns of leaves", ["fast::leaf", "leaf_columns"]),
-    step("graph: leaf masks", ["sink::GraphSink", "::leaf"]),
-    step("graph: join", ["sink::GraphSink", "::join"]),
-    step("depths: leaves", ["depths::DepthsSink", "::leaf"]),
-    step("packed: encode", ["count::steps", "packed_encode"]),
-    step("plain: look-up", ["count::steps", "plain_leaf_masks"]),
-    step("packed: look-up", ["count::steps", "packed_leaf_masks"]),
-    step("packed: 9 x 9 in rows", ["count::steps", "packed_rows"]),
-    step("depths: value", ["count::steps", "depths_values"]),
-    step("depths: look-up", ["count::steps", "depths_leaf_masks"]),
-    step("depths: 9 x 9 in rows", ["count::steps", "depths_rows"]),
+    step("leaves", ["depths::DepthsSink", "::leaf"]),
+    step("link the pages", ["link::Pages", "::link"]),
+    step("encode a file", ["count::steps", "encode_coded"]),
+    step("decode a file", ["count::steps", "decode_coded"]),
+    step("read a raw file", ["count::steps", "read_raw"]),
+    step("depth of a column", ["count::steps", "depths_values"]),
+    step("look-ups of 9 x 9 in rows", ["count::steps", "depths_rows"]),
     step("1,000 boxes in one another", ["count::steps", "bake_1000_boxes"]),
     step("2,000 boxes in one another", ["count::steps", "bake_2000_boxes"]),
     step("4,000 boxes in one another", ["count::steps", "bake_4000_boxes"]),
+    step("graph: bake", ["count::steps", "bake_graph"]),
+    step("graph: pack", ["count::steps", "packed_encode"]),
+    step("graph: look-ups of 9 x 9 in rows", ["count::steps", "packed_rows"]),
 ];
 
 const RESOLUTION: u64 = 1024;
@@ -54,94 +56,95 @@ const BOXES_RESOLUTION: u64 = 8;
 /// Number of look-ups of each kind.
 const LOOK_UPS: u32 = 20_000;
 
-/// Runs every step once.
+/// Runs every step once, on the only thread of a pool, so that work handed to the pool is counted under the
+/// step.
 ///
 /// # Errors
 /// Returns the error of the step that fails.
-pub(super) fn run() -> Result<(), Box<dyn std::error::Error>> {
+pub(super) fn run() -> Result<(), Box<dyn Error>> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build()?;
+    pool.install(run_steps).map_err(|error| -> Box<dyn Error> { error })
+}
+
+fn run_steps() -> Result<(), Box<dyn Error + Send + Sync>> {
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction([-0.45, 0.75, -0.35])?;
     let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(RESOLUTION)) };
-    // Run on the only thread of the pool, so that work handed to the pool stays on this thread and is counted
-    // under the step.
-    rayon::ThreadPoolBuilder::new().num_threads(1).build()?.install(|| -> Result<(), Error> {
-        let graph = bake_graph(&scene, &options)?;
-        let file = bake_depths(&scene, &options)?;
-        let depths = &file.tree;
-        let points = rows(&graph.grid);
-        let DagBody::Plain(dag) = &graph.body else { unreachable!("the layout is the one requested") };
-        let packed = packed_encode(dag)?;
-        black_box(plain_leaf_masks(dag));
-        black_box(packed_leaf_masks(&packed));
-        black_box(depths_leaf_masks(depths));
-        black_box(depths_values(depths));
-        let graph = DagQuery::new(&graph.grid, &packed, Bias::default(), Filter::Box9);
-        black_box(packed_rows(&points, &graph));
-        black_box(depths_rows(&points, &file.sampler(Filter::Box9)));
-        for bake in [bake_1000_boxes, bake_2000_boxes, bake_4000_boxes] {
-            black_box(bake(sun)?);
-        }
-        Ok(())
-    })?;
+    let graph = bake_graph(&scene, &options)?;
+    let file = bake_depths(&scene, &options)?;
+    let points = rows(&graph.grid);
+    let DagBody::Plain(dag) = &graph.body else { unreachable!("the layout is the one requested") };
+    let packed = packed_encode(dag)?;
+    let coded = encode_coded(&file)?;
+    black_box(decode_coded(&coded)?);
+    black_box(read_raw(&file.to_bytes(Encoding::Raw)?)?);
+    black_box(depths_values(&file.tree));
+    let graph = DagQuery::new(&graph.grid, &packed, Bias::default(), Filter::Box9);
+    black_box(packed_rows(&points, &graph));
+    black_box(depths_rows(&points, &file.sampler(Filter::Box9)));
+    for bake in [bake_1000_boxes, bake_2000_boxes, bake_4000_boxes] {
+        black_box(bake(sun)?);
+    }
     Ok(())
 }
 
 #[inline(never)]
-fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<DagFile, Error> {
+fn bake_graph(scene: &Scene, options: &BakeOptions) -> Result<DagFile, dag::Error> {
     let options = DagOptions { bake: options.clone(), layout: DagLayout::Plain };
     Ok(build::bake(scene, &options, Watch::none())?.file)
 }
 
 #[inline(never)]
-fn bake_depths(scene: &Scene, options: &BakeOptions) -> Result<ShadowFile, Error> {
-    Ok(Bake::with_options(scene, options).in_memory()?)
+fn bake_depths(scene: &Scene, options: &BakeOptions) -> Result<ShadowFile, adumbra_bake::Error> {
+    Bake::with_options(scene, options).in_memory()
 }
 
 #[inline(never)]
-fn bake_1000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
+fn bake_1000_boxes(sun: Sun) -> Result<ShadowFile, adumbra_bake::Error> {
     bake_boxes(1000, sun)
 }
 
 #[inline(never)]
-fn bake_2000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
+fn bake_2000_boxes(sun: Sun) -> Result<ShadowFile, adumbra_bake::Error> {
     bake_boxes(2000, sun)
 }
 
 #[inline(never)]
-fn bake_4000_boxes(sun: Sun) -> Result<ShadowFile, Error> {
+fn bake_4000_boxes(sun: Sun) -> Result<ShadowFile, adumbra_bake::Error> {
     bake_boxes(4000, sun)
 }
 
 /// Bakes nested boxes, so that rays pass through many solids. The time may grow linearly with the number of
 /// boxes, but not with its square.
-fn bake_boxes(count: u16, sun: Sun) -> Result<ShadowFile, Error> {
+fn bake_boxes(count: u16, sun: Sun) -> Result<ShadowFile, adumbra_bake::Error> {
     let mut boxes = Mesh::default();
     for inner in 0..count {
         let inset = 0.9 * f32::from(inner) / f32::from(count);
         add_box(&mut boxes, [inset; 3], [2.0 - inset; 3]);
     }
     let options = BakeOptions::new(sun, Size::Resolution(BOXES_RESOLUTION));
-    Ok(Bake::with_options(&scene_of(vec![boxes]), &options).in_memory()?)
+    Bake::with_options(&scene_of(vec![boxes]), &options).in_memory()
 }
 
 #[inline(never)]
-fn packed_encode(dag: &Dag) -> Result<PackedDag, Error> {
+fn packed_encode(dag: &Dag) -> Result<PackedDag, dag::Error> {
     Ok(pack(dag)?)
 }
 
 #[inline(never)]
-fn plain_leaf_masks(dag: &Dag) -> u64 {
-    voxels(dag.size).map(|[i, j, k]| dag.look_up(i, j, k)).fold(0, u64::wrapping_add)
+fn encode_coded(file: &ShadowFile) -> Result<Vec<u8>, FormatError> {
+    file.to_bytes(Encoding::Coded)
 }
 
 #[inline(never)]
-fn packed_leaf_masks(packed: &PackedDag) -> u64 {
-    voxels(packed.size).map(|[i, j, k]| packed.look_up(i, j, k)).fold(0, u64::wrapping_add)
+fn decode_coded(bytes: &[u8]) -> Result<ShadowFile, FormatError> {
+    ShadowFile::from_bytes(bytes)
 }
 
+/// Returns the tree, for a function equal to [`decode_coded`] would be merged with it.
 #[inline(never)]
-fn depths_leaf_masks(depths: &DepthTree) -> u64 {
-    voxels(depths.size()).map(|[i, j, k]| depths.look_up(i, j, k)).fold(0, u64::wrapping_add)
+fn read_raw(bytes: &[u8]) -> Result<Arc<DepthTree>, FormatError> {
+    Ok(ShadowFile::from_bytes(bytes)?.tree)
 }
 
 #[inline(never)]

@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use adumbra::layout::{LEAF_NODE_LEVEL, top_dims};
 use adumbra_papers::dag::plain::{Dag, LIT, SHADOWED, STATE_LIT, STATE_MIXED, STATE_SHADOWED};
+use adumbra_papers::dag::roots::{LEAF_NODE_LEVEL, top_dims};
 
 use super::grids::Voxels;
 

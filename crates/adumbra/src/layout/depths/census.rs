@@ -2,7 +2,6 @@
 
 use std::collections::HashSet;
 
-use crate::layout::Composition;
 use crate::layout::depths::code::{Child, LeafHead, fields_length};
 use crate::layout::depths::page::PAGE_LEVEL;
 use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
@@ -36,20 +35,6 @@ pub struct Census {
 }
 
 impl DepthTree {
-    /// Returns the breakdown of the bytes in the terms of a graph: contours and
-    /// depths of leaves count as leaf masks.
-    pub fn composition(&self) -> Composition {
-        let census = self.census();
-        Composition {
-            nodes: census.nodes,
-            leaf_masks: census.plane_bytes / 8,
-            top_bytes: census.top_bytes,
-            header_bytes: census.head_bytes,
-            pointer_bytes: census.field_bytes,
-            leaf_mask_bytes: census.depth_bytes + census.plane_bytes,
-        }
-    }
-
     /// Counts the shapes and their bytes. Cost: one pass, and a set of all addresses.
     pub fn census(&self) -> Census {
         let mut census = Census {

@@ -366,32 +366,6 @@ impl LeafCode<'_> {
         !dark & self.at_least(shadowed_ranks)
     }
 
-    /// Returns [`LeafCode::leaf_mask`] of the eight depths from `first` on.
-    pub fn cube(self, first: u32) -> [u64; 8] {
-        let largest_rise = self.slant.largest_rise();
-        let mut lit = [0; 8];
-        let mut depth = self.base;
-        for rank in 0..=self.head.differences() {
-            if rank > 0 {
-                depth = depth.saturating_add(self.difference(rank - 1));
-            }
-            if first.saturating_add(7 + largest_rise) < depth {
-                let columns = self.at_least(rank);
-                return lit.map(|leaf_mask| leaf_mask | columns);
-            }
-            if depth > first {
-                let columns = self.of_rank(rank);
-                for (leaf_mask, k) in lit.iter_mut().zip(first..depth.min(first.saturating_add(8))) {
-                    let rise = depth - k;
-                    *leaf_mask |=
-                        if rise > largest_rise { columns } else { columns & self.slant.below(rise) };
-                }
-            }
-        }
-        let never = self.at_least(self.head.differences() + 1);
-        lit.map(|leaf_mask| leaf_mask | never)
-    }
-
     /// Returns the columns whose rank is above the last one. A valid leaf has none.
     pub(crate) fn without_depth(self) -> u64 {
         self.at_least(self.head.last + 1)

@@ -1,1 +1,0 @@
-../adumbra-program/revision.rs

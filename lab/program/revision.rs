@@ -1,0 +1,1 @@
+../../crates/adumbra-program/revision.rs
