@@ -9,6 +9,8 @@ use std::process::Command;
 
 /// Files that are part of every program, in addition to the packages.
 const SHARED: [&str; 2] = ["Cargo.toml", "Cargo.lock"];
+/// Folders of packages.
+const FOLDERS: [&str; 2] = ["crates", "lab"];
 /// Parts of each package that go into a program.
 const OF_PACKAGE: [&str; 5] = ["Cargo.toml", "build.rs", "src", "data", "wgsl"];
 
@@ -30,6 +32,9 @@ fn revision(folder: &Path, without: &[&str]) -> Option<String> {
     let root = folder.ancestors().nth(2)?;
     let within = folder.strip_prefix(root).ok()?.to_str()?;
     // In a registry's cache or a vendor folder, the surrounding repository belongs to another project.
+    if !FOLDERS.iter().any(|packages| within.starts_with(&format!("{packages}/"))) {
+        return None;
+    }
     if git(folder, &["rev-parse", "--show-prefix"])? != format!("{within}/") {
         return None;
     }
@@ -52,7 +57,7 @@ fn revision(folder: &Path, without: &[&str]) -> Option<String> {
 /// Returns the paths of everything that goes into the program, relative to the root.
 fn sources(root: &Path, without: &[&str]) -> Vec<String> {
     let mut sources: Vec<String> = SHARED.map(str::to_owned).into();
-    for folder in ["crates", "lab"] {
+    for folder in FOLDERS {
         let packages = fs::read_dir(root.join(folder)).into_iter().flatten().flatten();
         let names = packages.map(|p| p.file_name().to_string_lossy().into_owned());
         for package in names.filter(|name| !without.contains(&name.as_str())) {

@@ -133,10 +133,14 @@ pub mod structure {
     pub use crate::bake::structure::{BuiltStructure, build};
     pub use crate::columns::BlockColumns;
     pub use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
-    pub use crate::layers::{
-        FixedDepth, LayerBuffers, LayerCapture, LayerOptions, Layers, sorting_bytes, working_bytes,
-    };
     pub use crate::pages::Pages;
     pub use crate::sink::depths::{DepthsBlock, DepthsSink};
     pub use crate::sink::{BlockSink, Structure};
+
+    /// First surfaces, and the insides of solids, tile by tile.
+    pub mod layers {
+        pub use crate::layers::{
+            FixedDepth, LayerBuffers, LayerCapture, LayerOptions, Layers, sorting_bytes, working_bytes,
+        };
+    }
 }

@@ -10,6 +10,7 @@
 //! Nothing that is published depends on this crate.
 
 pub mod dag;
+mod kinds;
 mod sections;
 #[cfg(feature = "gpu")]
 pub mod techniques;

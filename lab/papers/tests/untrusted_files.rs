@@ -1,7 +1,7 @@
 //! Small valid files that declare huge grids. Look-ups in them work, but conversion to another layout is
 //! refused. If any work were proportional to the declared size, the tests would time out.
 
-use adumbra::layout::depths::code::LeafHead;
+use adumbra::layout::depths::leaf::LeafHead;
 use adumbra::layout::depths::page::PAGE_LEVEL;
 use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, TreeBuilder};
 use adumbra::{Bias, Encoding, FileSettings, Filter, PointVisibility, ShadowFile};

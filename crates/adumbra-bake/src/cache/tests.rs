@@ -17,16 +17,17 @@ fn bytes_of(key: &CacheKey, pages: &[CachedPage]) -> Vec<u8> {
 
 /// A page with a leaf of two depths in its corner, and a uniform page.
 fn pages() -> Vec<CachedPage> {
-    use crate::pages::{Child, Draft};
-    let mut draft = Draft::default();
-    let mut index = draft.leaf(&LEAF, true);
+    use adumbra::layout::depths::child::Child;
+    use adumbra::layout::depths::shapes::ShapeSet;
+    let mut draft = ShapeSet::new(true);
+    let mut index = draft.leaf(&LEAF);
     for level in [5, 7, 9] {
         let mut children = [Child::Never; 16];
-        children[0] = Child::Shape { delta: 0, index };
+        children[0] = Child::Shape { delta: 0, shape: index };
         children[5] = Child::Uniform(3);
-        index = draft.node(&children, level, true);
+        index = draft.node(level, &children);
     }
-    let (words, root) = draft.page().expect("a small page");
+    let (words, root) = crate::pages::page(draft.list()).expect("a small page");
     vec![CachedPage { root, base: 9, words }, CachedPage { root: UNIFORM, base: 7, words: Vec::new() }]
 }
 

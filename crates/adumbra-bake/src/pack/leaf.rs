@@ -6,7 +6,7 @@ use super::slant::candidates;
 use crate::columns::BlockColumns;
 use crate::pack::choose::{holds_any, intersection};
 use crate::texel_mask::texels_where;
-use adumbra::layout::depths::code::{LEAF_NEVER, LEAF_SLANTED, LEAF_WIDTH};
+use adumbra::layout::depths::leaf::{self, MOST_HALVES};
 use adumbra::layout::depths::slant::Slant;
 
 /// A leaf whose depths are still intervals.
@@ -157,29 +157,13 @@ impl Sorting {
 impl Leaf {
     /// Writes the leaf's half-words for a base within the first interval. The other depths are the nearest
     /// allowed.
-    pub(crate) fn encode(&self, base: u32, halves: &mut Vec<u16>) {
-        let depths = std::iter::once(base).chain(self.later.iter().map(|interval| interval[0]));
-        let differences: Vec<u32> =
-            depths.zip(&self.later).map(|(before, interval)| interval[0] - before).collect();
-        let width = match differences.iter().max() {
-            None | Some(0..=0xff) => 0,
-            Some(0x100..=0xffff) => 1,
-            Some(_) => 2_u16,
-        };
-        let last = differences.len() as u16 + u16::from(self.never);
-        let never = if self.never { LEAF_NEVER as u16 } else { 0 };
-        halves.clear();
-        let slanted = self.slant != Slant::default();
-        let slanted_bit = if slanted { LEAF_SLANTED as u16 } else { 0 };
-        halves.push(last | never | width << LEAF_WIDTH | slanted_bit);
-        if slanted {
-            halves.push(self.slant.to_half());
+    pub(crate) fn encode<'b>(&self, base: u32, buffer: &'b mut [u16; MOST_HALVES]) -> &'b [u16] {
+        let mut differences = [0; COLUMNS];
+        let mut before = base;
+        for (difference, interval) in differences.iter_mut().zip(&self.later) {
+            *difference = interval[0] - before;
+            before = interval[0];
         }
-        match width {
-            0 => halves.extend(differences.chunks(2).map(|d| (d[0] | d.get(1).unwrap_or(&0) << 8) as u16)),
-            1 => halves.extend(differences.iter().map(|&d| d as u16)),
-            _ => halves.extend(differences.iter().flat_map(|&d| [d as u16, (d >> 16) as u16])),
-        }
-        halves.extend(self.planes.iter().flat_map(|&p| [0, 16, 32, 48].map(|shift| (p >> shift) as u16)));
+        leaf::encode(self.slant, self.never, &differences[..self.later.len()], &self.planes, buffer)
     }
 }

@@ -4,11 +4,13 @@ use std::cmp::Reverse;
 use std::sync::{Mutex, MutexGuard};
 
 use adumbra::layout::depths::ShapePlace;
-use adumbra::layout::depths::write::{OutOfReach, ShapeRef, Writer};
+use adumbra::layout::depths::child::{Child, Children, ShapeRef};
+use adumbra::layout::depths::shapes::{Shape, ShapeList};
+use adumbra::layout::depths::write::{OutOfReach, Writer};
 use hashbrown::HashTable;
 use rayon::prelude::*;
 
-use super::shapes::{Child, Children, Reader, Shape, placed};
+use super::shapes::Reader;
 use super::sketch::{OFTEN, Sketch};
 use super::store::PageStore;
 
@@ -48,7 +50,7 @@ impl Common {
         };
         let sketch = Sketch::new(shapes_about(store));
         for_each_page(&|reader, words, root| {
-            reader.read_hashes(words, root);
+            reader.read(words, root);
             reader.hashes.iter().for_each(|&hash| sketch.count(hash));
         });
         let found = Candidates::new(sketch);
@@ -68,8 +70,8 @@ impl Common {
 /// Returns the approximate bytes that finding the common section needs.
 pub(super) fn finding_bytes(store: &PageStore) -> u64 {
     let shapes = shapes_about(store);
-    // Of the large worlds measured, one shape in 20 is common.
-    Sketch::bytes(shapes) + shapes / 20 * (size_of::<Candidate>() + size_of::<Children>()) as u64
+    // Of the large worlds measured, one shape in 20 is common. A node takes at most as much as its children.
+    Sketch::bytes(shapes) + shapes / 20 * (size_of::<Candidate>() + size_of::<Children<u32>>()) as u64
 }
 
 fn shapes_about(store: &PageStore) -> u64 {
@@ -110,9 +112,8 @@ struct Shard {
     candidates: Vec<Candidate>,
     /// Indices of the shapes by hash.
     table: HashTable<u32>,
-    leaf_halves: Vec<u16>,
-    /// Children of nodes. Those that are shapes have their ids.
-    nodes: Vec<Children>,
+    /// Contents. Children that are shapes have their ids.
+    list: ShapeList,
 }
 
 struct Candidate {
@@ -123,14 +124,14 @@ struct Candidate {
     /// Number of nodes and roots that point to the shape. A node that is common counts once, any other once
     /// per page.
     pointers: u32,
-    /// The place of its content in its shard, once that is collected.
-    shape: Shape,
+    /// The index of its content in its shard's list, once that is collected.
+    shape: u32,
 }
 
 impl Candidate {
     /// Creates a candidate without content.
     fn new(hash: [u64; 2]) -> Self {
-        Self { hash, pages: 0, pointers: 0, shape: Shape::Leaf { first: 0, length: 0 } }
+        Self { hash, pages: 0, pointers: 0, shape: 0 }
     }
 }
 
@@ -142,7 +143,8 @@ fn split(hash: u128) -> [u64; 2] {
 type Id = u32;
 
 /// The id of a child that is not a candidate, below a node that too few pages have.
-const NO_CANDIDATE: Id = u32::MAX;
+/// [`UNIFORM`](adumbra::layout::depths::UNIFORM) is not free: lists of shapes use it.
+const NO_CANDIDATE: Id = u32::MAX - 1;
 
 fn shard_and_index(id: Id) -> (usize, usize) {
     (id as usize % SHARDS, (id >> SHARD_BITS) as usize)
@@ -158,46 +160,36 @@ impl Candidates {
     }
 
     /// Notes the shapes of a page.
-    fn visit(&self, reader: &Reader) {
-        let shapes = reader.shapes();
+    fn visit(&self, page: &Reader) {
         let noted: Vec<Option<Noted>> =
-            reader.hashes.iter().map(|&hash| self.sketch.came_often(hash).then(|| self.note(hash))).collect();
+            page.hashes.iter().map(|&hash| self.sketch.came_often(hash).then(|| self.note(hash))).collect();
         let id = |index: u32| noted[index as usize].map(|noted| noted.id);
         let count = |index: u32| {
             if let Some((shard, index)) = id(index).map(shard_and_index) {
                 self.shard(shard).candidates[index].pointers += 1;
             }
         };
-        count(reader.hashes.len() as u32 - 1);
-        for (&noted, &shape) in noted.iter().zip(&shapes.list) {
+        count(page.hashes.len() as u32 - 1);
+        for (shape, &noted) in (0..).zip(&noted) {
             if noted.is_some_and(|noted| !noted.is_new) {
                 continue;
             }
-            if let Shape::Node { children, .. } = shape {
-                for child in shapes.children(children) {
-                    if let Child::Shape { index, .. } = *child {
-                        count(index);
+            let shape = page.list.get(shape);
+            if let Shape::Node(node) = shape {
+                for child in node.all() {
+                    if let Child::Shape { shape, .. } = child {
+                        count(shape);
                     }
                 }
             }
             let Some((shard, index)) = noted.map(|noted| shard_and_index(noted.id)) else { continue };
-            let Shard { candidates, leaf_halves, nodes, .. } = &mut *self.shard(shard);
+            let Shard { candidates, list, .. } = &mut *self.shard(shard);
             candidates[index].shape = match shape {
-                Shape::Leaf { first, length } => {
-                    let own = leaf_halves.len() as u32;
-                    leaf_halves.extend_from_slice(shapes.leaf(first, length));
-                    Shape::Leaf { first: own, length }
-                }
-                Shape::Node { level, children } => {
-                    let ids = shapes.children(children).map(|child| match child {
-                        // Pages that share a shape share all shapes below it.
-                        Child::Shape { delta, index } => {
-                            Child::Shape { delta, index: id(index).unwrap_or(NO_CANDIDATE) }
-                        }
-                        other => other,
-                    });
-                    nodes.push(ids);
-                    Shape::Node { level, children: nodes.len() as u32 - 1 }
+                Shape::Leaf(halves) => list.push_leaf(halves),
+                // Pages that share a shape share all shapes below it.
+                Shape::Node(node) => {
+                    let named = |child: Child<u32>| child.map(|shape| id(shape).unwrap_or(NO_CANDIDATE));
+                    list.push_node(node.level(), &node.all().map(named))
                 }
             };
         }
@@ -232,7 +224,7 @@ impl Candidates {
             let (shard, candidate) = shapes.get(id);
             let [low, high] = candidate.hash;
             let weight = (u64::from(candidate.pointers) << 16) / shard.length(candidate.shape);
-            (Reverse(weight), candidate.shape.level(), high, low)
+            (Reverse(weight), shard.list.level(candidate.shape), high, low)
         });
         let mut writer = Writer::common();
         let mut common = Common::default();
@@ -255,12 +247,12 @@ struct Noted {
 
 impl Shard {
     /// Returns the number of half-words of a shape, if all pointers are near and none is short.
-    fn length(&self, shape: Shape) -> u64 {
+    fn length(&self, shape: u32) -> u64 {
         let narrow = |delta: u32| i16::try_from(delta as i32).is_ok();
-        match shape {
-            Shape::Leaf { length, .. } => length.into(),
-            Shape::Node { children, .. } => self.nodes[children as usize].iter().fold(3, |sum, child| {
-                sum + match *child {
+        match self.list.get(shape) {
+            Shape::Leaf(halves) => halves.len() as u64,
+            Shape::Node(node) => node.all().into_iter().fold(3, |sum, child| {
+                sum + match child {
                     Child::Never | Child::Uniform(0) => 0,
                     Child::Shape { delta: 0, .. } => 1,
                     Child::Uniform(delta) if narrow(delta) => 1,
@@ -287,11 +279,11 @@ impl Shapes {
         let mut more = Vec::new();
         for shard in &self.0 {
             for candidate in shard.candidates.iter().filter(|candidate| candidate.pages < LEAST_PAGES) {
-                let Shape::Node { children, .. } = candidate.shape else { continue };
-                for child in &shard.nodes[children as usize] {
-                    match *child {
-                        Child::Shape { index, .. } if index != NO_CANDIDATE => {
-                            more.push((index, candidate.pages - 1));
+                let Shape::Node(node) = shard.list.get(candidate.shape) else { continue };
+                for child in node.all() {
+                    match child {
+                        Child::Shape { shape, .. } if shape != NO_CANDIDATE => {
+                            more.push((shape, candidate.pages - 1));
                         }
                         _ => {}
                     }
@@ -319,23 +311,18 @@ impl Shapes {
         if let Some(known) = common.addresses.get(candidate.hash) {
             return Ok(known);
         }
-        let at = match candidate.shape {
-            Shape::Leaf { first, length } => {
-                writer.leaf(&shard.leaf_halves[first as usize..][..length as usize])
-            }
-            Shape::Node { children, .. } => {
-                let children = &shard.nodes[children as usize];
-                for child in children {
-                    if let Child::Shape { index, .. } = *child {
-                        self.emit(index, writer, common)?;
-                    }
+        let at = match shard.list.get(candidate.shape) {
+            Shape::Leaf(halves) => writer.leaf(halves),
+            Shape::Node(node) => {
+                let mut placed = [Child::Never; 16];
+                for (placed, child) in placed.iter_mut().zip(node.all()) {
+                    *placed = child.try_map(|shape| self.emit(shape, writer, common).map(ShapeRef::Here))?;
                 }
-                let address = |id: Id| common.addresses.get(self.get(id).1.hash);
-                writer.node(&placed(children, |id| ShapeRef::Here(address(id).unwrap_or_default())))?
+                writer.node(&placed)?
             }
         };
         common.addresses.add(candidate.hash, at);
-        common.shapes.push(ShapePlace { at, level: candidate.shape.level() });
+        common.shapes.push(ShapePlace { at, level: shard.list.level(candidate.shape) });
         Ok(at)
     }
 }

@@ -1,18 +1,16 @@
 //! Links pages: chooses their common section, and writes each page again with pointers into it.
 
 use adumbra::file::CODING_RATIO;
-use adumbra::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page, bundles, page_dims, pages_of};
-use adumbra::layout::depths::write::{OutOfReach, ShapeRef};
+use adumbra::layout::depths::child::ShapeRef;
+use adumbra::layout::depths::page::{BUNDLE_PAGES, BUNDLES_AT_A_TIME, Page, bundles, page_dims, pages_of};
+use adumbra::layout::depths::write::OutOfReach;
 use adumbra::layout::depths::{DepthTree, NEVER, ShapePlace, TreeBuilder, UNIFORM};
 use rayon::prelude::*;
 
 use super::common::Common;
-use super::shapes::Reader;
+use super::shapes::{Reader, write};
 use super::store::PageStore;
 use crate::error::{Error, Result};
-
-/// Number of bundles that are written at a time, on all threads.
-const BUNDLES_AT_A_TIME: usize = 64;
 
 /// About one byte in this many is common: one in 20 of a town of instanced houses, one in 54 of a city of
 /// boxes.
@@ -136,12 +134,8 @@ impl Linked {
         let Scratch { reader, places } = scratch;
         reader.read(&words, root);
         let address = |index: usize| self.common.address(reader.hashes[index]);
-        let words = reader.shapes().write(address, places)?;
-        let (root, words) = match places.last() {
-            Some(ShapeRef::Here(at)) => (IN_PAGE | at, words),
-            Some(ShapeRef::Common(at)) => (*at, words),
-            None => unreachable!("a page has a root"),
-        };
+        let words = write(&reader.list, address, places)?;
+        let Some(root) = places.last().map(|place| place.root()) else { unreachable!("a page has a root") };
         Ok(LinkedPage { root, base, words })
     }
 

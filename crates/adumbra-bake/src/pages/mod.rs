@@ -18,5 +18,5 @@ mod tests;
 pub use link::Pages;
 #[cfg(test)]
 pub(crate) use shapes::Reader;
-pub(crate) use shapes::{Child, Children, Draft};
+pub(crate) use shapes::page;
 pub(crate) use store::{PageStore, Spill};

@@ -1,16 +1,20 @@
 //! Pages that are linked: in any order and from disk, with the shapes that several have in common, and with
 //! pointers and differences of every size.
 
-use std::collections::{HashMap, HashSet};
+mod meanings;
+
+use std::collections::HashSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra::IoError;
-use adumbra::layout::depths::code::{Child, Code, LeafHead, NEAR};
+use adumbra::layout::depths::child::{Child, ShapeRef};
+use adumbra::layout::depths::code::{Code, NEAR};
 use adumbra::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
-use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
+use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NEVER, UNIFORM};
 use adumbra_scene::random::{Random, mix};
 
+use self::meanings::{Meanings, Pointer, Where};
 use super::{PageStore, Pages, Spill};
 use crate::columns::rules::FREE_TO_END;
 use crate::error::Error;
@@ -68,118 +72,6 @@ impl World {
         for (i, j) in (0..ny).flat_map(|j| (0..nx).map(move |i| (i, j))) {
             assert_eq!(tree.value(i, j), (self.depth)(i, j), "({i}, {j})");
         }
-    }
-}
-
-/// The meaning of a shape, regardless of its place: its level, and a leaf's half-words or a node's children.
-/// A child has its kind, its difference, and the number of its shape.
-type Meaning = (u32, Vec<[usize; 3]>);
-
-/// A part of a tree's code: `None` is the common section, else the number of a page.
-type Where = Option<usize>;
-
-/// The different shapes of a tree.
-#[derive(Default)]
-struct Meanings {
-    numbers: HashMap<Meaning, usize>,
-    shapes: Vec<Found>,
-    pointers: Vec<Pointer>,
-}
-
-/// A pointer of a node in a page.
-struct Pointer {
-    delta: i32,
-    /// Half-words back, if the pointer is relative.
-    back: Option<u32>,
-    /// Address of the shape that it points to.
-    at: u32,
-}
-
-impl Pointer {
-    fn is_wide(&self) -> bool {
-        i16::try_from(self.delta).is_err()
-    }
-
-    fn is_far(&self) -> bool {
-        self.back.unwrap_or(self.at) >= NEAR
-    }
-}
-
-/// A shape.
-#[derive(Default)]
-struct Found {
-    level: u32,
-    /// Its places, and its half-words there.
-    halves: HashMap<(Where, u32), u32>,
-    /// The pages that have the shape.
-    pages: HashSet<usize>,
-}
-
-/// A page, while its shapes are visited.
-struct Visit<'t> {
-    number: usize,
-    words: &'t [u32],
-    common: &'t [u32],
-    known: HashMap<(Where, u32, u32), usize>,
-}
-
-impl Meanings {
-    fn of(tree: &DepthTree) -> Self {
-        let mut found = Self::default();
-        let [across, down] = tree.page_dims();
-        for (number, place) in (0..down).flat_map(|y| (0..across).map(move |x| [x, y])).enumerate() {
-            let Page { root, words, .. } = tree.page(place);
-            let mut visit = Visit { number, words, common: tree.common(), known: HashMap::new() };
-            match root {
-                UNIFORM => {}
-                root if root & IN_PAGE != 0 => {
-                    found.shape(&mut visit, Some(number), root & !IN_PAGE, PAGE_LEVEL);
-                }
-                root => {
-                    found.shape(&mut visit, None, root, PAGE_LEVEL);
-                }
-            }
-        }
-        found
-    }
-
-    /// Visits a shape and the shapes below it, and returns its number.
-    fn shape(&mut self, visit: &mut Visit<'_>, part: Where, at: u32, level: u32) -> usize {
-        if let Some(&known) = visit.known.get(&(part, at, level)) {
-            return known;
-        }
-        let code = Code { words: if part.is_none() { visit.common } else { visit.words } };
-        let (length, content) = if level == LEAF_LEVEL {
-            let length = LeafHead::new(code.half(at)).length();
-            (length, (at..at + length).map(|at| [code.half(at) as usize, 0, 0]).collect())
-        } else {
-            let child = |c| match code.child(at, c) {
-                Child::Never => [0, 0, 0],
-                Child::Uniform(delta) => [1, delta as usize, 0],
-                Child::Shape { at: to, delta, is_relative } => {
-                    if part.is_some() {
-                        let back = is_relative.then(|| at - to);
-                        self.pointers.push(Pointer { delta: delta as i32, back, at: to });
-                    }
-                    let part = if is_relative { part } else { None };
-                    [2, delta as usize, self.shape(visit, part, to, level - NODE_LEVELS)]
-                }
-            };
-            let content = (0..16).map(child).collect();
-            let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
-            let short = high & !low & !kind;
-            (3 + low.count_ones() + 2 * high.count_ones() - short.count_ones(), content)
-        };
-        let next = self.numbers.len();
-        let number = *self.numbers.entry((level, content)).or_insert(next);
-        if number == next {
-            self.shapes.push(Found { level, ..Found::default() });
-        }
-        let shape = &mut self.shapes[number];
-        shape.halves.insert((part, at), length);
-        shape.pages.insert(visit.number);
-        visit.known.insert((part, at, level), number);
-        number
     }
 }
 
@@ -367,7 +259,7 @@ fn page_above_the_reach_of_near_pointers_has_far_ones() {
     // All but the last children of the root are far.
     let root = root & !IN_PAGE;
     let distance = |c| match (Code { words }).child(root, c) {
-        Child::Shape { at, is_relative: true, .. } => root - at,
+        Child::Shape { shape: ShapeRef::Here(at), .. } => root - at,
         other => panic!("{other:?}"),
     };
     assert!((0..14).all(|c| distance(c) >= NEAR) && distance(15) < NEAR);
@@ -395,13 +287,13 @@ fn common_section_above_the_reach_of_near_addresses_has_far_ones() {
     world.check(&tree);
     let root = tree.page([1, 1]).root & !IN_PAGE;
     let of_children = |c| match (Code { words }).child(root, c) {
-        Child::Shape { at, is_relative, .. } => (is_relative, at),
+        Child::Shape { shape, .. } => shape,
         other => panic!("{other:?}"),
     };
-    let children: Vec<(bool, u32)> = (0..16).map(of_children).collect();
-    assert!(children[..12].iter().all(|&(is_relative, _)| !is_relative));
-    assert!(children[12..].iter().all(|&(is_relative, _)| is_relative));
-    assert!(children[..12].iter().filter(|&&(_, at)| at >= NEAR).count() > 8, "{children:?}");
+    let children: Vec<ShapeRef> = (0..16).map(of_children).collect();
+    assert!(children[..12].iter().all(|shape| matches!(shape, ShapeRef::Common(_))));
+    assert!(children[12..].iter().all(|shape| matches!(shape, ShapeRef::Here(_))));
+    assert!(children[..12].iter().filter(|shape| shape.at() >= NEAR).count() > 8, "{children:?}");
 }
 
 /// Depths of a block with unique leaves, with equal leaves, and with a part far behind the others.
@@ -501,14 +393,14 @@ fn rejects_differences_beyond_the_longest_form() {
 /// Forged pages may use one place as shapes of several levels. A node without pointers is valid at any level.
 #[test]
 fn place_used_at_two_levels_is_read_as_two_shapes() {
-    use adumbra::layout::depths::write::{PlacedChild, ShapeRef, Writer};
+    use adumbra::layout::depths::write::Writer;
     let mut writer = Writer::page();
     let node = |writer: &mut Writer, children: &[u32]| {
-        let mut all = [PlacedChild::Uniform(0); 16];
+        let mut all = [Child::Uniform(0); 16];
         for (child, &at) in all.iter_mut().zip(children) {
-            *child = PlacedChild::Shape { delta: 0, place: ShapeRef::Here(at) };
+            *child = Child::Shape { delta: 0, shape: ShapeRef::Here(at) };
         }
-        all[15] = PlacedChild::Uniform(1);
+        all[15] = Child::Uniform(1);
         writer.node(&all).expect("a small page")
     };
     let low = node(&mut writer, &[]);
@@ -517,7 +409,7 @@ fn place_used_at_two_levels_is_read_as_two_shapes() {
     let mut reader = super::Reader::default();
     reader.read(&writer.words(), root);
     assert_eq!(
-        reader.levels.iter().map(|&level| u32::from(level)).collect::<Vec<_>>(),
+        (0..reader.list.len()).map(|index| reader.list.level(index)).collect::<Vec<_>>(),
         [PAGE_LEVEL - 2, PAGE_LEVEL - 4, PAGE_LEVEL - 2, PAGE_LEVEL]
     );
     let different: HashSet<u128> = reader.hashes.iter().copied().collect();

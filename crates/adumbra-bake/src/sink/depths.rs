@@ -1,7 +1,4 @@
-//! Builds a quadtree of depths from blocks of columns, bottom up. Intervals are intersected on the way up; at
-//! a root, depths are chosen top down.
-//!
-//! Where a depth is free, the nearest one is chosen: the first surface, which penumbrae need.
+//! Builds a quadtree of depths from blocks of columns, bottom up.
 //!
 //! A root's shapes depend on its columns alone, so a finished root becomes a page at once, and neither the
 //! number of threads nor their order matters. Root blocks that are smaller than pages wait for the other
@@ -13,13 +10,12 @@ use std::sync::{Arc, Mutex, MutexGuard};
 
 use crate::cache::{CachedPage, PartCache};
 use crate::columns::BlockColumns;
-use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
-use crate::pack::choose::{holds_any, intersection, most_shared};
-use crate::pack::leaf::{Leaf, sort_columns};
-use crate::pages::{Child, Children, Draft, PageStore, Pages, Spill};
+use crate::pages::{self, PageStore, Pages, Spill};
 use crate::sink::recent::RecentOfLevel;
+use crate::sink::undecided::Undecided;
 use crate::sink::{BlockSink, HELD_LEAF_BYTES, Structure};
 use adumbra::layout::depths::page::{BUNDLE_SIDE, PAGE_LEVEL, page_dims};
+use adumbra::layout::depths::shapes::ShapeSet;
 use adumbra::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Number of half-words above which no more roots are accepted.
@@ -46,7 +42,7 @@ pub struct DepthsSink {
     /// Whether there was a page beyond the reach of pointers.
     is_too_large: AtomicBool,
     /// Memory that workers reuse.
-    drafts: Mutex<Vec<Draft>>,
+    drafts: Mutex<Vec<ShapeSet>>,
     /// The entries of the bake.
     cache: Option<PartCache>,
     /// Whether pages are needed after their entries have been written.
@@ -79,20 +75,6 @@ enum BlockContent {
     Taken,
 }
 
-/// A block whose base may still be any depth in an interval.
-#[derive(Clone)]
-struct Undecided {
-    base: [u32; 2],
-    shape: Shape,
-}
-
-#[derive(Clone)]
-enum Shape {
-    Uniform,
-    Leaf(Box<Leaf>),
-    Node(Box<[Undecided; 16]>),
-}
-
 impl DepthsBlock {
     /// Returns a block below the roots whose level nodes have.
     fn whole(self) -> Undecided {
@@ -111,43 +93,6 @@ impl DepthsBlock {
             BlockContent::One(all) => [all.base; 4].map(Undecided::uniform),
             BlockContent::Pages(_) | BlockContent::Taken => unreachable!("pages are not quarters of nodes"),
         }
-    }
-}
-
-impl Undecided {
-    /// Returns a block of unconstrained columns.
-    fn free() -> Self {
-        Self::uniform([0, BESIDE_GRID])
-    }
-
-    fn uniform(base: [u32; 2]) -> Self {
-        Self { base, shape: Shape::Uniform }
-    }
-
-    /// Returns the number of leaves.
-    fn leaves(&self) -> u64 {
-        match &self.shape {
-            Shape::Uniform => 0,
-            Shape::Leaf(_) => 1,
-            Shape::Node(children) => children.iter().map(Self::leaves).sum(),
-        }
-    }
-
-    /// Whether no column in the block has to switch.
-    fn is_endless(&self) -> bool {
-        self.base[1] >= FREE_TO_END && matches!(self.shape, Shape::Uniform)
-    }
-
-    /// Builds a node over sixteen blocks, in the order `y·4 + x`.
-    fn over(children: [Self; 16]) -> Self {
-        let bases = children.each_ref().map(|c| c.base);
-        let all = intersection(bases);
-        if holds_any(all) && children.iter().all(|c| matches!(c.shape, Shape::Uniform)) {
-            return Self::uniform(all);
-        }
-        // At least one interval has an end; otherwise all of them would intersect.
-        let base = most_shared(&bases).unwrap_or(all);
-        Self { base, shape: Shape::Node(Box::new(children)) }
     }
 }
 
@@ -272,16 +217,15 @@ impl DepthsSink {
             return [UNIFORM, NEVER];
         }
         let base = block.base[0];
-        let mut draft = lock(&self.drafts).pop().unwrap_or_default();
+        let mut draft = lock(&self.drafts).pop().unwrap_or_else(|| ShapeSet::new(self.merged));
         draft.clear();
-        let mut deciding = Deciding { draft: &mut draft, merged: self.merged, halves: Vec::new() };
-        let is_uniform = deciding.shape(block, base, PAGE_LEVEL).is_none();
+        let is_uniform = block.draft(base, PAGE_LEVEL, &mut draft).is_none();
         let number = if is_uniform {
             UNIFORM
         } else {
             // A page that is too large is reported as an error when the next root block is done, and at the
             // end.
-            draft.page().map_or_else(
+            pages::page(draft.list()).map_or_else(
                 |_| {
                     self.is_too_large.store(true, Ordering::Relaxed);
                     UNIFORM
@@ -406,9 +350,7 @@ impl BlockSink for DepthsSink {
 
     #[inline(never)] // Counted by `cargo xtask count`.
     fn leaf(&self, columns: &BlockColumns) -> DepthsBlock {
-        let (base, leaf) = sort_columns(columns, self.arch);
-        let shape = leaf.map_or(Shape::Uniform, |leaf| Shape::Leaf(Box::new(leaf)));
-        self.resolve(LEAF_LEVEL, Undecided { base, shape })
+        self.resolve(LEAF_LEVEL, Undecided::leaf(columns, self.arch))
     }
 
     fn join(&self, level: u32, quarters: [DepthsBlock; 4]) -> DepthsBlock {
@@ -494,41 +436,5 @@ impl Structure for DepthsSink {
             self.taken(number, block);
         }
         self.into_pages()
-    }
-}
-
-/// Chooses depths from the root down, and drafts shapes from the leaves up.
-struct Deciding<'d> {
-    draft: &'d mut Draft,
-    merged: bool,
-    halves: Vec<u16>,
-}
-
-impl Deciding<'_> {
-    /// Returns the index of a block's shape at `base`. `None` if all columns switch there.
-    fn shape(&mut self, block: &Undecided, base: u32, level: u32) -> Option<u32> {
-        match &block.shape {
-            Shape::Uniform => None,
-            Shape::Leaf(leaf) => {
-                leaf.encode(base, &mut self.halves);
-                Some(self.draft.leaf(&self.halves, self.merged))
-            }
-            Shape::Node(blocks) => {
-                let children: Children = std::array::from_fn(|c| {
-                    let child = &blocks[c];
-                    if child.is_endless() {
-                        return Child::Never;
-                    }
-                    let inherits = child.base[0] <= base && base <= child.base[1];
-                    let own = if inherits { base } else { child.base[0] };
-                    let delta = own.wrapping_sub(base);
-                    match self.shape(child, own, level - NODE_LEVELS) {
-                        None => Child::Uniform(delta),
-                        Some(index) => Child::Shape { delta, index },
-                    }
-                });
-                Some(self.draft.node(&children, level, self.merged))
-            }
-        }
     }
 }

@@ -12,6 +12,7 @@ mod depths_tests;
 pub(crate) mod from_columns;
 pub(crate) mod limit;
 pub(crate) mod recent;
+mod undecided;
 
 use adumbra::layout::depths::LEAF_LEVEL;
 

@@ -16,7 +16,8 @@ const FLOOR_HALF: f64 = 4.0;
 const UPPER_HALF: f64 = 2.0;
 /// Depths closer than this are not distinguished, voxels: fixed-point rounding, and the bake's 1/256.
 const SLACK: f64 = 1.0 / 64.0;
-/// Centres this close to an outline may be covered or not, texels.
+/// Centres this close to an outline along both axes may be covered or not, texels: corners are snapped to
+/// 1/256, and open surfaces grow by as much.
 const OUTLINE: f64 = 1.0 / 128.0;
 
 /// The object above the floor.
@@ -116,9 +117,8 @@ fn expected(tracer: &Tracer<'_>, baked: &ShadowFile, p: Point, own: u32) -> Opti
     let bias = baked.settings.bias.along_light(r.gradient[0].hypot(r.gradient[1]));
     let towards = baked.grid.sun.towards();
     let mut answers = [false; 5];
-    for (n, [ox, oy]) in
-        [[0.0, 0.0], [OUTLINE, 0.0], [-OUTLINE, 0.0], [0.0, OUTLINE], [0.0, -OUTLINE]].into_iter().enumerate()
-    {
+    let around = [[0.0, 0.0], [1.0, 1.0], [-1.0, 1.0], [1.0, -1.0], [-1.0, -1.0]];
+    for (n, [ox, oy]) in around.map(|offsets| offsets.map(|o| o * OUTLINE)).into_iter().enumerate() {
         let at = |depth: f64| baked.grid.to_world([center[0] + ox, center[1] + oy, depth]);
         // From behind the plane towards the sun, up to the sampled point.
         let length = baked.grid.voxel_along_light() * (bias + 2.0 * SLACK);

@@ -1,12 +1,10 @@
 //! Leaves as numbers, and the outlines that predict their neighbours.
 
-use crate::layout::depths::code::{LEAF_NEVER, LEAF_SLANTED, LEAF_WIDTH, LeafHead};
+use crate::layout::depths::leaf::{LeafHead, MOST_HALVES, MOST_PLANES, encode};
+use crate::layout::depths::slant::{SLANT_BITS, Slant};
 
 /// Stands for [`NEVER`](crate::layout::depths::NEVER) in an [`Outline`], whose depths are relative to a base.
 pub(super) const NEVER_CELL: u32 = 1 << 31;
-
-/// Largest number of half-words of a leaf.
-pub(super) const MOST_HALVES: usize = 2 + 126 + 24;
 
 /// A leaf.
 #[derive(Clone, Copy)]
@@ -47,66 +45,32 @@ impl Leaf {
         if head.slanted {
             leaf.slant = halves[1].into();
         }
-        let stored = &halves[head.differences_at() as usize..];
-        for (i, difference) in leaf.differences[..head.differences() as usize].iter_mut().enumerate() {
-            *difference = difference_at(stored, head.width, i);
+        let half = |at: u32| u32::from(halves[at as usize]);
+        for (i, difference) in (0..head.differences()).zip(&mut leaf.differences) {
+            *difference = head.difference(0, i, half);
             if *difference == 0 {
                 return None;
             }
         }
-        for (plane, words) in halves[head.planes_at() as usize..].chunks(4).enumerate() {
-            for (c, rank) in leaf.ranks.iter_mut().enumerate() {
-                *rank |= ((words[c / 16] >> (c % 16) & 1) << plane) as u8;
-            }
-        }
+        leaf.ranks = head.ranks(0, half);
         (leaf.halves(&mut [0; MOST_HALVES]) == halves).then_some(leaf)
     }
 
     /// Writes the half-words in their shortest form.
     #[inline]
     pub(super) fn halves<'b>(&self, buffer: &'b mut [u16; MOST_HALVES]) -> &'b [u16] {
-        let slanted = self.slant != 0;
-        let differences = &self.differences[..self.stored()];
-        let bits = differences.iter().fold(0, |bits, difference| bits | difference);
-        let width = u32::from(bits > 0xff) + u32::from(bits > 0xffff);
-        let never = if self.never { LEAF_NEVER } else { 0 };
-        buffer[0] = (self.last | never | width << LEAF_WIDTH | if slanted { LEAF_SLANTED } else { 0 }) as u16;
-        buffer[1] = self.slant as u16;
-        let mut at = 1 + usize::from(slanted);
-        match width {
-            0 => {
-                for two in differences.chunks(2) {
-                    buffer[at] = (two[0] | two.get(1).unwrap_or(&0) << 8) as u16;
-                    at += 1;
-                }
-            }
-            1 => {
-                for &difference in differences {
-                    buffer[at] = difference as u16;
-                    at += 1;
-                }
-            }
-            _ => {
-                for &difference in differences {
-                    buffer[at] = difference as u16;
-                    buffer[at + 1] = (difference >> 16) as u16;
-                    at += 2;
-                }
-            }
+        let mut planes = [0; MOST_PLANES];
+        let planes = &mut planes[..(32 - self.last.leading_zeros()) as usize];
+        for (p, plane) in planes.iter_mut().enumerate() {
+            // One bit of each of eight bytes, gathered by a multiplication.
+            let bits = |ranks: &[u8; 8]| {
+                let bytes = u64::from_le_bytes(*ranks) >> p & 0x0101_0101_0101_0101;
+                bytes.wrapping_mul(0x0102_0408_1020_4080) >> 56
+            };
+            *plane = self.ranks.as_chunks().0.iter().rev().fold(0, |plane, ranks| plane << 8 | bits(ranks));
         }
-        for plane in 0..32 - self.last.leading_zeros() {
-            for sixteen in self.ranks.as_chunks::<16>().0 {
-                // One bit of each byte, gathered by a multiplication.
-                let four = |ranks: &[u8]| {
-                    let bytes = u32::from_le_bytes([ranks[0], ranks[1], ranks[2], ranks[3]]);
-                    (bytes >> plane & 0x0101_0101).wrapping_mul(0x0102_0408) >> 24 & 15
-                };
-                let half = four(&sixteen[..4]) | four(&sixteen[4..8]) << 4;
-                buffer[at] = (half | four(&sixteen[8..12]) << 8 | four(&sixteen[12..]) << 12) as u16;
-                at += 1;
-            }
-        }
-        &buffer[..at]
+        let slant = Slant::from_half(self.slant);
+        encode(slant, self.never, &self.differences[..self.stored()], planes, buffer)
     }
 }
 
@@ -120,37 +84,6 @@ fn kind_of(last: u32, never: bool) -> u8 {
         (2..=3, _) => 4,
         _ => 5,
     }
-}
-
-/// Returns difference `index` of those that `stored` begins with, of 8 << `width` bits each.
-#[inline(always)]
-fn difference_at(stored: &[u16], width: u32, index: usize) -> u32 {
-    match width {
-        0 => u32::from(stored[index / 2]) >> (8 * (index & 1)) & 0xff,
-        1 => stored[index].into(),
-        _ => u32::from(stored[2 * index]) | u32::from(stored[2 * index + 1]) << 16,
-    }
-}
-
-/// Returns a gradient's quarters of a voxel per column along x and y.
-#[inline(always)]
-pub(super) fn gradient(slant: u32) -> [i32; 2] {
-    [slant as u8 as i8, (slant >> 8) as u8 as i8].map(i32::from)
-}
-
-/// Returns 3 more than four times the [`rise`] of a plane, so that a shift by 2 rounds it up.
-#[inline(always)]
-pub(super) fn quarters(slant: u32, x: i32, y: i32) -> i32 {
-    let along = |g: i32, at: i32| g * (at - if g > 0 { 7 } else { 0 });
-    let [gx, gy] = gradient(slant);
-    3 - along(gx, x) - along(gy, y)
-}
-
-/// Returns how much nearer to the sun a plane is in a column than at its deepest corner. The column may be in
-/// a neighbouring leaf.
-#[inline(always)]
-pub(super) fn rise(slant: u32, x: i32, y: i32) -> u32 {
-    (quarters(slant, x, y) >> 2) as u32
 }
 
 /// Classes of an edge of eight columns that faces a block.
@@ -190,25 +123,27 @@ impl Outline {
         let slant = if head.slanted { halves[1] } else { 0 };
         let mut depths = [NEVER_CELL; 64];
         depths[0] = 0;
-        let stored = &halves[head.differences_at() as usize..];
+        let half = |at: u32| u32::from(halves[at as usize]);
         let mut depth = 0_u32;
-        for (i, slot) in depths[1..=head.differences() as usize].iter_mut().enumerate() {
-            depth = depth.wrapping_add(difference_at(stored, head.width, i));
+        for (i, slot) in (0..head.differences()).zip(&mut depths[1..]) {
+            depth = depth.wrapping_add(head.difference(0, i, half));
             *slot = depth;
         }
         let mut ranks = [0_u8; 16];
-        for (plane, words) in halves[head.planes_at() as usize..].as_chunks::<4>().0.iter().enumerate() {
+        for p in 0..head.planes() {
+            let plane = head.plane(0, p, half);
             for i in 0..8 {
-                ranks[i] |= ((words[3] >> (8 + i) & 1) << plane) as u8;
-                ranks[8 + i] |= ((words[i / 2] >> (8 * (i & 1) + 7) & 1) << plane) as u8;
+                ranks[i] |= ((plane >> (56 + i) & 1) as u8) << p;
+                ranks[8 + i] |= ((plane >> (8 * i + 7) & 1) as u8) << p;
             }
         }
         let mut cells = ranks.map(|rank| depths[rank as usize & 63]);
         if slant != 0 {
+            let plane = Slant::from_half(slant.into());
             for (i, (cell, rank)) in cells.iter_mut().zip(ranks).enumerate() {
                 let [x, y] = if i < 8 { [i as i32, 7] } else { [7, i as i32 - 8] };
                 if u32::from(rank) <= head.differences() {
-                    *cell = cell.wrapping_sub(rise(slant.into(), x, y));
+                    *cell = cell.wrapping_sub((plane.quarters(x, y) >> SLANT_BITS) as u32);
                 }
             }
         }

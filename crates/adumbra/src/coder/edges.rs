@@ -3,10 +3,13 @@
 //! The blocks above and to the left of a block are coded before it, and no other block of the same columns or
 //! rows is coded in between. One row and one column of depths are therefore enough.
 
-use super::contour::{NEVER_CELL, Outline, class, gradient, quarters};
-use super::shapes::{NEVER_CHILD, Pool, Shape, UNIFORM};
+use super::contour::{NEVER_CELL, Outline, class};
+use super::shapes::Pool;
+use crate::layout::depths::child::Child;
 use crate::layout::depths::page::{BUNDLE_SIDE, PAGE_LEVEL};
-use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS};
+use crate::layout::depths::shapes::Shape;
+use crate::layout::depths::slant::{SLANT_BITS, Slant};
+use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Number of columns along each side of a bundle.
 const SIDE: usize = (BUNDLE_SIDE as usize) << PAGE_LEVEL;
@@ -74,15 +77,15 @@ impl Edges {
         cells[..8].copy_from_slice(&self.bottom[x..x + 8]);
         cells[8..].copy_from_slice(&self.right[y..y + 8]);
         if slant != 0 {
-            let [gx, gy] = gradient(slant);
-            let mut quarters = [quarters(slant, 0, -1), quarters(slant, -1, 0)];
+            let slant = Slant::from_half(slant);
+            let mut quarters = [slant.quarters(0, -1), slant.quarters(-1, 0)];
             for i in 0..8 {
                 for (cell, quarters) in [(i, quarters[0]), (8 + i, quarters[1])] {
-                    let risen = cells[cell].wrapping_add((quarters >> 2) as u32);
+                    let risen = cells[cell].wrapping_add((quarters >> SLANT_BITS) as u32);
                     cells[cell] = if cells[cell] == NEVER { NEVER } else { risen };
                 }
-                quarters[0] -= gx;
-                quarters[1] -= gy;
+                quarters[0] -= i32::from(slant.x);
+                quarters[1] -= i32::from(slant.y);
             }
         }
         cells
@@ -113,11 +116,12 @@ impl Edges {
         // The last row and the last column.
         for c in [3, 7, 11, 12, 13, 14, 15] {
             let at = [x + ((c & 3) << level), y + ((c >> 2) << level)];
-            let child = node.child(c);
-            match child.shape {
-                NEVER_CHILD => self.uniform(at, level, NEVER),
-                UNIFORM => self.uniform(at, level, base.wrapping_add(child.delta)),
-                shape => self.shape(at, level, base.wrapping_add(child.delta), shape, pool),
+            match node.child(c) {
+                Child::Never => self.uniform(at, level, NEVER),
+                Child::Uniform(delta) => self.uniform(at, level, base.wrapping_add(delta)),
+                Child::Shape { shape, delta } => {
+                    self.shape(at, level, base.wrapping_add(delta), shape, pool);
+                }
             }
         }
     }

@@ -19,7 +19,7 @@
 //! | `rans.rs` | bits and symbols to and from bytes |
 //! | `model.rs` | all adaptive probabilities, and numbers and depths |
 //! | `part.rs` | a common section or a bundle as a whole |
-//! | `shapes.rs` | lists of shapes, and their half-words |
+//! | `shapes.rs` | the shapes of a part from and to half-words |
 //! | `walk.rs` | the order of shapes; nodes and references |
 //! | `leaf.rs`, `columns.rs` | leaves: head, slant and differences; ranks |
 //! | `contour.rs` | leaves as numbers, and the outlines that predict their neighbours |

@@ -1,21 +1,20 @@
 //! A common section, or the pages of a bundle, to and from coded bytes.
 
 use super::rans::{Decoder, Encoder};
-use super::shapes::{Child, Coded, Common, Layout, NEVER_CHILD, Pool, Reader, Shapes};
+use super::shapes::{Coded, Common, Layout, Pool, read_pages};
 use super::walk::Walk;
 use super::{Fault, least_bytes};
 use crate::layout::depths::NEVER;
-use crate::layout::depths::page::{BUNDLE_PAGES, Page};
-
-/// Number of words of a bundle before those of its pages.
-const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
+use crate::layout::depths::child::Child;
+use crate::layout::depths::page::{BUNDLE_PAGES, HEAD_WORDS, Page};
+use crate::layout::depths::shapes::ShapeList;
 
 /// Codes a common section of `words` words.
 ///
 /// # Errors
 /// Returns [`Fault`] if a shape points to a later shape.
 pub(crate) fn encode_common(common: &Common, words: usize) -> Result<Vec<u8>, Fault> {
-    let none = Shapes::default();
+    let none = ShapeList::default();
     let mut walk = Walk::of_section(Encoder::default(), &none, &common.shapes);
     walk.section(common.shapes.len())?;
     Ok(walk.coder.finish(least_bytes(words)))
@@ -26,7 +25,7 @@ pub(crate) fn encode_common(common: &Common, words: usize) -> Result<Vec<u8>, Fa
 /// # Errors
 /// Returns [`Fault`] if an encoder would not have written these bytes.
 pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u32>), Fault> {
-    let none = Shapes::default();
+    let none = ShapeList::default();
     let source = Pool { common: &none, own: &none };
     let mut walk = Walk::new(Decoder::new(bytes), &none, source, 2 * words);
     walk.section(0)?;
@@ -42,19 +41,15 @@ pub(crate) fn decode_common(bytes: &[u8], words: usize) -> Result<(Common, Vec<u
 /// # Errors
 /// Returns [`Fault`] if a writer would lay out a page's shapes differently.
 pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -> Result<Vec<u8>, Fault> {
-    let mut reader = Reader::of_pages(common);
-    let mut roots = [Child::NEVER; BUNDLE_PAGES];
-    for (root, page) in roots.iter_mut().zip(pages) {
-        *root = reader.page(page)?;
-    }
-    let mut layout = Layout::of_pages(common, &reader.shapes, usize::MAX);
-    for (root, page) in roots.iter().zip(pages) {
-        let (at, words) = layout.page(root.shape)?;
+    let (shapes, roots) = read_pages(pages, common)?;
+    let mut layout = Layout::of_pages(common, &shapes, usize::MAX);
+    for (&root, page) in roots.iter().zip(pages) {
+        let (at, words) = layout.page(root)?;
         if at != page.root || words != page.words {
             return Err(Fault);
         }
     }
-    let source = Pool { common: &common.shapes, own: &reader.shapes };
+    let source = Pool { common: &common.shapes, own: &shapes };
     let mut walk = Walk::new(Encoder::default(), &common.shapes, source, usize::MAX);
     walk.pages(roots)?;
     let words = pages.iter().map(|page| page.words.len()).sum::<usize>();
@@ -68,18 +63,21 @@ pub(crate) fn encode_bundle(pages: &[Page<'_>; BUNDLE_PAGES], common: &Common) -
 /// # Errors
 /// Returns [`Fault`] if an encoder would not have written these bytes.
 pub(crate) fn decode_bundle(bytes: &[u8], words: usize, common: &Common) -> Result<Vec<u32>, Fault> {
-    let none = Shapes::default();
+    let none = ShapeList::default();
     let page_words = words.checked_sub(HEAD_WORDS).ok_or(Fault)?;
     let most_halves = 2 * page_words;
     let source = Pool { common: &none, own: &none };
     let mut walk = Walk::new(Decoder::new(bytes), &common.shapes, source, most_halves);
-    let roots = walk.pages([Child::NEVER; BUNDLE_PAGES])?;
+    let roots = walk.pages([Child::Never; BUNDLE_PAGES])?;
     walk.coder.finish(least_bytes(page_words))?;
     let mut layout = Layout::of_pages(common, walk.own.shapes(), most_halves);
     let mut found = vec![0; HEAD_WORDS];
     for (page, root) in roots.into_iter().enumerate() {
-        let (at, mut page_words) = layout.page(root.shape)?;
-        let base = if root.shape == NEVER_CHILD { NEVER } else { root.delta };
+        let (at, mut page_words) = layout.page(root)?;
+        let base = match root {
+            Child::Never => NEVER,
+            Child::Uniform(base) | Child::Shape { delta: base, .. } => base,
+        };
         found[3 * page..][..3].copy_from_slice(&[at, base, page_words.len() as u32]);
         found.append(&mut page_words);
     }

@@ -1,14 +1,18 @@
 //! Round trips of random shapes, and garbage.
 
-use super::contour::{Leaf, MOST_HALVES, NEVER_CELL, Outline};
+use super::contour::{Leaf, NEVER_CELL, Outline};
 use super::rans::{Bit, Coder, Decoder, Encoder, Symbol};
-use super::shapes::{Child, Layout, Pool, Shapes, UNIFORM};
+use super::shapes::{Layout, Pool};
 use super::walk::Walk;
 use super::{
     Common, DECODING_RATIO, Fault, decode_bundle, decode_common, encode_bundle, encode_common, least_bytes,
 };
+use crate::layout::depths::child::{Child, Children};
+use crate::layout::depths::leaf::MOST_HALVES;
 use crate::layout::depths::page::{BUNDLE_PAGES, IN_PAGE, Page};
-use crate::layout::depths::{NEVER, ShapePlace};
+use crate::layout::depths::shapes::ShapeList;
+use crate::layout::depths::write::Writer;
+use crate::layout::depths::{NEVER, ShapePlace, UNIFORM};
 
 /// A deterministic pseudo-random sequence (xorshift).
 struct Random(u32);
@@ -25,7 +29,7 @@ impl Random {
 /// Shapes of a part under construction, behind those of a common section.
 struct PartBuilder<'c> {
     common: &'c Common,
-    own: Shapes,
+    own: ShapeList,
     random: Random,
 }
 
@@ -45,7 +49,7 @@ fn pages_of(owned: &Pages) -> [Page<'_>; BUNDLE_PAGES] {
 
 impl<'c> PartBuilder<'c> {
     fn new(common: &'c Common, seed: u32) -> Self {
-        Self { common, own: Shapes::default(), random: Random(seed) }
+        Self { common, own: ShapeList::default(), random: Random(seed) }
     }
 
     /// Adds a leaf of any number of depths, some slanted, some with columns that never switch, some with
@@ -67,16 +71,16 @@ impl<'c> PartBuilder<'c> {
             *rank = if r.below(3) > 0 { c / 8 % (last + 1) } else { r.below(last + 1) } as u8;
         }
         let mut buffer = [0; MOST_HALVES];
-        self.own.push_leaf(leaf.halves(&mut buffer), self.common.shapes.len())
+        self.common.shapes.len() + self.own.push_leaf(leaf.halves(&mut buffer))
     }
 
-    fn node(&mut self, level: u32, children: [Child; 16]) -> u32 {
-        self.own.push_node(level, &children, self.common.shapes.len())
+    fn node(&mut self, level: u32, children: Children<u32>) -> u32 {
+        self.common.shapes.len() + self.own.push_node(level, &children)
     }
 
     /// Adds a node of random children. `known` are shapes of the level below.
     fn random_node(&mut self, level: u32, known: &mut Vec<u32>, wide: bool) -> u32 {
-        let mut children = [Child::NEVER; 16];
+        let mut children = [Child::Never; 16];
         for child in &mut children {
             let delta = match self.random.below(4) {
                 0 => 0,
@@ -85,10 +89,10 @@ impl<'c> PartBuilder<'c> {
                 _ => self.random.below(20_000),
             };
             *child = match self.random.below(4) {
-                0 => Child::NEVER,
-                1 => Child { shape: UNIFORM, delta },
+                0 => Child::Never,
+                1 => Child::Uniform(delta),
                 2 if !known.is_empty() => {
-                    Child { shape: known[self.random.below(known.len() as u32) as usize], delta }
+                    Child::Shape { shape: known[self.random.below(known.len() as u32) as usize], delta }
                 }
                 _ => {
                     let shape = if level == 5 {
@@ -97,7 +101,7 @@ impl<'c> PartBuilder<'c> {
                         self.random_node(level - 2, &mut Vec::new(), wide)
                     };
                     known.push(shape);
-                    Child { shape, delta }
+                    Child::Shape { shape, delta }
                 }
             };
         }
@@ -108,6 +112,10 @@ impl<'c> PartBuilder<'c> {
         let mut layout = Layout::of_pages(self.common, &self.own, usize::MAX);
         std::array::from_fn(|i| {
             let &(base, root) = roots.get(i).unwrap_or(&(NEVER, UNIFORM));
+            let root = match root {
+                UNIFORM => Child::Uniform(base),
+                shape => Child::Shape { shape, delta: base },
+            };
             let (root, words) = layout.page(root).expect("a page");
             OwnedPage { root, base, words }
         })
@@ -208,13 +216,13 @@ fn references_to_the_common_section_are_restored() {
     let mut roots = vec![(50, list(9)[0])];
     let leaves = list(3);
     for k in 0..4 {
-        let below = std::array::from_fn(|c| Child {
+        let below = std::array::from_fn(|c| Child::Shape {
             shape: leaves[(c * 181 + k * 7) % leaves.len()],
             delta: [0, 5, 1 << 20, 70_000][k],
         });
         let five = b.node(5, below);
-        let seven = b.node(7, [Child { shape: five, delta: 100_000 * k as u32 }; 16]);
-        roots.push((3, b.node(9, [Child { shape: seven, delta: 1 }; 16])));
+        let seven = b.node(7, [Child::Shape { shape: five, delta: 100_000 * k as u32 }; 16]);
+        roots.push((3, b.node(9, [Child::Shape { shape: seven, delta: 1 }; 16])));
     }
     let pages = b.pages(&roots);
     let bytes = check(&pages, &common);
@@ -226,18 +234,18 @@ fn far_pointers_of_a_large_page_are_restored() {
     let none = Common::default();
     let mut b = PartBuilder::new(&none, 77);
     let first = b.leaf();
-    let mut seven = [Child::NEVER; 16];
-    let mut nine = [Child::NEVER; 16];
+    let mut seven = [Child::Never; 16];
+    let mut nine = [Child::Never; 16];
     for (i, nine) in nine.iter_mut().enumerate() {
         for child in &mut seven {
-            let mut five = [Child { shape: first, delta: 0 }; 16];
+            let mut five = [Child::Shape { shape: first, delta: 0 }; 16];
             for (c, child) in five.iter_mut().enumerate().skip(1) {
-                *child = Child { shape: b.leaf(), delta: c as u32 - 1 };
+                *child = Child::Shape { shape: b.leaf(), delta: c as u32 - 1 };
             }
-            five[15] = Child { shape: first, delta: if i % 2 == 0 { 1 << 17 } else { 3 } };
-            *child = Child { shape: b.node(5, five), delta: 0 };
+            five[15] = Child::Shape { shape: first, delta: if i % 2 == 0 { 1 << 17 } else { 3 } };
+            *child = Child::Shape { shape: b.node(5, five), delta: 0 };
         }
-        *nine = Child { shape: b.node(7, seven), delta: 9 };
+        *nine = Child::Shape { shape: b.node(7, seven), delta: 9 };
     }
     let root = b.node(9, nine);
     let pages = b.pages(&[(0, root), (0, root)]);
@@ -252,7 +260,7 @@ fn rejects_pages_that_decoder_would_not_restore() {
     let leaf = b.leaf();
     let mut root = leaf;
     for level in [5, 7, 9] {
-        root = b.node(level, [Child { shape: root, delta: 1 }; 16]);
+        root = b.node(level, [Child::Shape { shape: root, delta: 1 }; 16]);
     }
     let pages = b.pages(&[(0, root)]);
     check(&pages, &none);
@@ -320,7 +328,7 @@ fn pads_highly_compressible_part_with_zeros() {
     let mut buffer = [0; MOST_HALVES];
     let halves = leaf.halves(&mut buffer);
     for _ in 0..2000 {
-        b.own.push_leaf(halves, 0);
+        b.own.push_leaf(halves);
     }
     let (common, words) = Common::lay_out(b.own, usize::MAX).unwrap();
     assert_eq!(words.len(), 6000);
@@ -361,11 +369,13 @@ fn decoder_counts_children_against_half_word_limit() {
     // A node whose 16 children are uniform at their own depths takes 3 + 16 half-words.
     let none = Common::default();
     let mut b = PartBuilder::new(&none, 2);
-    let mut root = b.node(5, [Child { shape: UNIFORM, delta: 3 }; 16]);
+    let mut root = b.node(5, [Child::Uniform(3); 16]);
     for level in [7, 9] {
         root = b.node(
             level,
-            std::array::from_fn(|c| if c == 0 { Child { shape: root, delta: 1 } } else { Child::NEVER }),
+            std::array::from_fn(
+                |c| if c == 0 { Child::Shape { shape: root, delta: 1 } } else { Child::Never },
+            ),
         );
     }
     let pages = b.pages(&[(0, root)]);
@@ -373,7 +383,7 @@ fn decoder_counts_children_against_half_word_limit() {
     let source = Pool { common: &none.shapes, own: &none.shapes };
     let decode = |halves| {
         Walk::new(Decoder::new(&bytes), &none.shapes, source, halves)
-            .pages([Child::NEVER; BUNDLE_PAGES])
+            .pages([Child::Never; BUNDLE_PAGES])
             .is_ok()
     };
     assert!(decode(3 * 3 + 16 + 2) && !decode(3 * 3 + 16 + 1));
@@ -381,26 +391,26 @@ fn decoder_counts_children_against_half_word_limit() {
 
 #[test]
 fn memory_of_shape_lists_is_within_decoding_ratio() {
-    let far = Child { shape: 0, delta: 1 << 17 };
+    let far = Child::Shape { shape: 0, delta: 1 << 17 };
     let nodes = [
-        [Child::NEVER; 16],
-        [Child { shape: UNIFORM, delta: 0 }; 16],
-        [Child { shape: UNIFORM, delta: 3 }; 16],
-        [Child { shape: 0, delta: 0 }; 16],
+        [Child::Never; 16],
+        [Child::Uniform(0); 16],
+        [Child::Uniform(3); 16],
+        [Child::Shape { shape: 0, delta: 0 }; 16],
         [far; 16],
-        std::array::from_fn(|c| if c == 5 { Child { shape: 0, delta: 0 } } else { Child::NEVER }),
+        std::array::from_fn(|c| if c == 5 { Child::Shape { shape: 0, delta: 0 } } else { Child::Never }),
     ];
     let mut buffer = [0; MOST_HALVES];
     let mut all_taken = Vec::new();
     for kind in 0..=nodes.len() {
-        let mut shapes = Shapes::default();
+        let mut shapes = ShapeList::default();
         let smallest = Leaf { slant: 1, ..Leaf::EMPTY };
-        shapes.push_leaf(smallest.halves(&mut buffer), 0);
+        shapes.push_leaf(smallest.halves(&mut buffer));
         // A little more than a power of two, so that the lists are half empty.
         for _ in 0..4200 {
             match kind.checked_sub(1) {
-                None => shapes.push_leaf(smallest.halves(&mut buffer), 0),
-                Some(kind) => shapes.push_node(5, &nodes[kind], 0),
+                None => shapes.push_leaf(smallest.halves(&mut buffer)),
+                Some(kind) => shapes.push_node(5, &nodes[kind]),
             };
         }
         let taken = shapes.bytes();
@@ -411,6 +421,20 @@ fn memory_of_shape_lists_is_within_decoding_ratio() {
     let rest = 2.0 + 1.0 + 2.0;
     let most = all_taken.iter().copied().fold(0.0, f64::max);
     assert!(most + rest <= DECODING_RATIO as f64 && most > 1.0, "{all_taken:?}");
+}
+
+/// Forged sections may use one place as shapes of several levels. A node without pointers is valid at any
+/// level.
+#[test]
+fn rejects_section_with_place_of_two_levels() {
+    let mut writer = Writer::common();
+    let mut children = [Child::Uniform(0); 16];
+    children[0] = Child::Uniform(3);
+    let at = writer.node(&children).unwrap();
+    let words = writer.words();
+    let place = |level| ShapePlace { at, level };
+    assert!(Common::new(&words, &[place(5)]).is_ok());
+    assert_eq!(Common::new(&words, &[place(5), place(7)]).err(), Some(Fault));
 }
 
 #[test]

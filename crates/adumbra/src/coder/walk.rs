@@ -6,13 +6,17 @@
 //! get back the coded values.
 
 use super::Fault;
-use super::contour::{Leaf, MOST_HALVES, Outline, class, rise};
+use super::contour::{Leaf, Outline, class};
 use super::edges::{Edges, Facing};
 use super::model::Model;
 use super::rans::Coder;
-use super::shapes::{Child, Coded, LEVELS, NEVER_CHILD, Pool, Shape, Shapes, UNIFORM, rank_of_level};
+use super::shapes::{Coded, Pool};
+use crate::layout::depths::child::Child;
+use crate::layout::depths::leaf::MOST_HALVES;
 use crate::layout::depths::page::{BUNDLE_PAGES, BUNDLE_SIDE, PAGE_LEVEL};
-use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS};
+use crate::layout::depths::shapes::{LEVELS, Shape, ShapeList, rank_of_level};
+use crate::layout::depths::slant::{SLANT_BITS, Slant};
+use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
 /// Number of shapes of a level that are remembered in order of their last use.
 const RECENT: usize = 10;
@@ -38,7 +42,7 @@ pub(super) struct Walk<'s, C> {
     pub(super) own: Coded<'s>,
     pub(super) model: Box<Model>,
     /// Shapes that both sides know.
-    common: &'s Shapes,
+    common: &'s ShapeList,
     /// The shapes that an encoder codes.
     source: Pool<'s>,
     /// Index of each own shape of the source among those that were coded, or [`UNIFORM`].
@@ -54,10 +58,10 @@ pub(super) struct Walk<'s, C> {
 
 impl<'s, C: Coder> Walk<'s, C> {
     /// Begins with shapes that both sides know. Decoding fails beyond `most_halves` half-words.
-    pub(super) fn new(coder: C, common: &'s Shapes, source: Pool<'s>, most_halves: usize) -> Self {
+    pub(super) fn new(coder: C, common: &'s ShapeList, source: Pool<'s>, most_halves: usize) -> Self {
         Self {
             coder,
-            own: Coded::SoFar(Shapes::default()),
+            own: Coded::SoFar(ShapeList::default()),
             model: Model::new(),
             common,
             source,
@@ -71,24 +75,26 @@ impl<'s, C: Coder> Walk<'s, C> {
     }
 
     /// Begins an encoder of a common section with these shapes.
-    pub(super) fn of_section(coder: C, none: &'s Shapes, shapes: &'s Shapes) -> Self {
+    pub(super) fn of_section(coder: C, none: &'s ShapeList, shapes: &'s ShapeList) -> Self {
         let walk = Self::new(coder, none, Pool { common: none, own: shapes }, usize::MAX);
         Self { own: Coded::All(shapes), ..walk }
     }
 
     /// Codes the roots of pages, whose `delta` is the page's base. Each is a child whose parent has the base
     /// of the page before it.
-    pub(super) fn pages(&mut self, sources: [Child; BUNDLE_PAGES]) -> Result<[Child; BUNDLE_PAGES], Fault> {
+    pub(super) fn pages(
+        &mut self,
+        sources: [Child<u32>; BUNDLE_PAGES],
+    ) -> Result<[Child<u32>; BUNDLE_PAGES], Fault> {
         let mut roots = sources;
         let mut base = 0_u32;
         let side = BUNDLE_SIDE as usize;
         for (i, root) in roots.iter_mut().enumerate() {
             let at = [i % side, i / side].map(|c| c << PAGE_LEVEL);
-            let source = Child { shape: root.shape, delta: root.delta.wrapping_sub(base) };
-            *root = self.child(PAGE_LEVEL, at, base, source)?;
-            if root.shape != NEVER_CHILD {
-                base = base.wrapping_add(root.delta);
-                root.delta = base;
+            let source = root.moved(base.wrapping_neg());
+            *root = self.child(PAGE_LEVEL, at, base, source)?.moved(base);
+            if let Child::Uniform(delta) | Child::Shape { delta, .. } = *root {
+                base = delta;
             }
         }
         Ok(roots)
@@ -103,7 +109,7 @@ impl<'s, C: Coder> Walk<'s, C> {
             let level = LEAF_LEVEL + NODE_LEVELS * rank;
             self.edges.forget([0, 0], level);
             if level == LEAF_LEVEL {
-                self.leaf([0, 0], 0, Child { shape: index, delta: 0 })?;
+                self.leaf([0, 0], 0, index, 0)?;
             } else {
                 self.node(level, [0, 0], 0, index)?;
             }
@@ -112,12 +118,23 @@ impl<'s, C: Coder> Walk<'s, C> {
     }
 
     /// Codes a child. `base` is its parent's.
-    fn child(&mut self, level: u32, at: [usize; 2], base: u32, source: Child) -> Result<Child, Fault> {
+    fn child(
+        &mut self,
+        level: u32,
+        at: [usize; 2],
+        base: u32,
+        source: Child<u32>,
+    ) -> Result<Child<u32>, Fault> {
         let [above, left] = self.facing(level, at);
-        let known = if C::DECODES { UNIFORM } else { self.known(source.shape) };
-        let state = match source.shape {
-            UNIFORM => UNIFORM_STATE,
-            NEVER_CHILD => NEVER_STATE,
+        let (source_shape, delta) = match source {
+            Child::Never => (UNIFORM, 0),
+            Child::Uniform(delta) => (UNIFORM, delta),
+            Child::Shape { shape, delta } => (shape, delta),
+        };
+        let known = if C::DECODES { UNIFORM } else { self.known(source_shape) };
+        let state = match source {
+            Child::Uniform(_) => UNIFORM_STATE,
+            Child::Never => NEVER_STATE,
             _ if known == UNIFORM => NEW,
             _ if known == above.shape => ABOVE,
             _ if known == left.shape => LEFT,
@@ -127,21 +144,21 @@ impl<'s, C: Coder> Walk<'s, C> {
         let classes = usize::from(above.class) * class::COUNT + usize::from(left.class);
         let leaves = usize::from(above.kind != 0) + 2 * usize::from(left.kind != 0);
         let state = self.coder.symbol(&mut self.model.state[rank][leaves][classes], state);
-        let target = base.wrapping_add(source.delta);
+        let target = base.wrapping_add(delta);
         let (shape, depth) = match state {
             NEVER_STATE => {
                 self.edges.uniform(at, level, NEVER);
-                return Ok(Child::NEVER);
+                return Ok(Child::Never);
             }
             UNIFORM_STATE => {
                 let depth = self.plain_depth(level, at, base, true, target);
                 self.edges.uniform(at, level, depth);
-                return Ok(Child { shape: UNIFORM, delta: depth.wrapping_sub(base) });
+                return Ok(Child::Uniform(depth.wrapping_sub(base)));
             }
-            NEW if level == LEAF_LEVEL => self.leaf(at, base, source)?,
+            NEW if level == LEAF_LEVEL => self.leaf(at, base, source_shape, target)?,
             NEW => {
                 let depth = self.plain_depth(level, at, base, false, target);
-                (self.node(level, at, depth, source.shape)?, depth)
+                (self.node(level, at, depth, source_shape)?, depth)
             }
             ABOVE if above.shape != UNIFORM => self.seen(level, at, base, above.shape, target),
             LEFT if left.shape != UNIFORM => self.seen(level, at, base, left.shape, target),
@@ -151,7 +168,7 @@ impl<'s, C: Coder> Walk<'s, C> {
             }
         };
         to_front(&mut self.recent[rank], shape);
-        Ok(Child { shape, delta: depth.wrapping_sub(base) })
+        Ok(Child::Shape { shape, delta: depth.wrapping_sub(base) })
     }
 
     /// Returns the neighbours above and to the left of a square. They have a shape only if the square is a
@@ -175,7 +192,7 @@ impl<'s, C: Coder> Walk<'s, C> {
     /// Returns the index of a shape of the source among those that were coded, or [`UNIFORM`].
     fn known(&self, shape: u32) -> u32 {
         match shape.checked_sub(self.source.common.len()) {
-            _ if shape >= NEVER_CHILD => UNIFORM,
+            _ if shape == UNIFORM => UNIFORM,
             None => shape,
             Some(own) => self.coded[own as usize],
         }
@@ -207,12 +224,13 @@ impl<'s, C: Coder> Walk<'s, C> {
         if way < IN_COMMON {
             return self.recent[rank].get(way as usize).copied().filter(|&s| s != UNIFORM).ok_or(Fault);
         }
-        let shapes = if way == IN_COMMON { self.common } else { self.own.shapes() };
+        let before = self.common.len();
+        let (shapes, first) = if way == IN_COMMON { (self.common, 0) } else { (self.own.shapes(), before) };
         let list = shapes.of_level(level);
-        let number = if C::DECODES { 0 } else { list.binary_search(&shape).map_err(|_| Fault)? };
+        let number = if C::DECODES { 0 } else { list.binary_search(&(shape - first)).map_err(|_| Fault)? };
         let model = &mut self.model.number[rank][(way - IN_COMMON) as usize];
         let number = model.code(&mut self.coder, number as u32);
-        list.get(number as usize).copied().ok_or(Fault)
+        list.get(number as usize).map(|index| first + index).ok_or(Fault)
     }
 
     /// Codes the base of a known shape. Returns the shape and its base.
@@ -232,7 +250,7 @@ impl<'s, C: Coder> Walk<'s, C> {
     /// Codes a new node. Returns its index.
     fn node(&mut self, level: u32, [x, y]: [usize; 2], base: u32, source: u32) -> Result<u32, Fault> {
         self.spend(3)?;
-        let mut children = [Child::NEVER; 16];
+        let mut children = [Child::Never; 16];
         if !C::DECODES
             && let Shape::Node(node) = self.source.get(source)
         {
@@ -243,25 +261,25 @@ impl<'s, C: Coder> Walk<'s, C> {
             let at = [x + ((c & 3) << below), y + ((c >> 2) << below)];
             *child = self.child(below, at, base, *child)?;
             // A listed child takes at least one half-word.
-            self.spend(usize::from(child.is_listed()))?;
+            self.spend(usize::from(!matches!(child, Child::Never | Child::Uniform(0))))?;
         }
         let before = self.common.len();
-        let index = self.own.note(source, |own| own.push_node(level, &children, before));
+        let index = self.own.note(source, |own| before + own.push_node(level, &children));
         self.note(source, index);
         Ok(index)
     }
 
-    /// Codes a new leaf. `base` is its parent's. Returns its index and its own base.
-    fn leaf(&mut self, at: [usize; 2], base: u32, source: Child) -> Result<(u32, u32), Fault> {
+    /// Codes a new leaf. `base` is its parent's, `target` its own. Returns its index and its own base.
+    fn leaf(&mut self, at: [usize; 2], base: u32, source: u32, target: u32) -> Result<(u32, u32), Fault> {
         let mut leaf = self.scratch.take().unwrap_or_else(|| Box::new(Leaf::EMPTY));
         leaf.slant = 0;
         if !C::DECODES
-            && let Shape::Leaf(halves) = self.source.get(source.shape)
+            && let Shape::Leaf(halves) = self.source.get(source)
         {
             *leaf = Leaf::read(halves).ok_or(Fault)?;
         }
         self.head(at, &mut leaf)?;
-        let depth = self.leaf_depth(at, base, leaf.slant, leaf.kind(), base.wrapping_add(source.delta));
+        let depth = self.leaf_depth(at, base, leaf.slant, leaf.kind(), target);
         self.differences(at, depth, &mut leaf);
         self.columns(at, depth, &mut leaf);
         let mut buffer = [0; MOST_HALVES];
@@ -269,9 +287,9 @@ impl<'s, C: Coder> Walk<'s, C> {
         self.spend(halves.len())?;
         let outline = Outline::of(halves);
         let before = self.common.len();
-        let index = self.own.note(source.shape, |own| own.push_leaf(halves, before));
+        let index = self.own.note(source, |own| before + own.push_leaf(halves));
         self.edges.leaf(at, depth, index, &outline);
-        self.note(source.shape, index);
+        self.note(source, index);
         self.scratch = Some(leaf);
         Ok((index, depth))
     }
@@ -287,9 +305,9 @@ impl<'s, C: Coder> Walk<'s, C> {
 
     /// Codes the base of a leaf.
     fn leaf_depth(&mut self, [x, y]: [usize; 2], base: u32, slant: u32, kind: u8, depth: u32) -> u32 {
-        let risen = |cell: u32, x: i32, y: i32| {
-            if cell == NEVER { NEVER } else { cell.wrapping_add(rise(slant, x, y)) }
-        };
+        let plane = Slant::from_half(slant);
+        let rise = |x, y| (plane.quarters(x, y) >> SLANT_BITS) as u32;
+        let risen = |cell: u32, x, y| if cell == NEVER { NEVER } else { cell.wrapping_add(rise(x, y)) };
         let [bottom, right] = [&self.edges.bottom[x..x + 8], &self.edges.right[y..y + 8]];
         let [a, b] = [risen(right[0], -1, 0), risen(bottom[0], 0, -1)];
         let [c, d] = [risen(right[7], -1, 7), risen(bottom[7], 7, -1)];

@@ -9,9 +9,6 @@ use crate::layout::depths::ShapePlace;
 use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 use crate::settings::Encoding;
 
-/// Number of words of a bundle before those of its pages.
-pub const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
-
 /// Whether a coded part of `stored_bytes` may have shapes of `shapes_bytes` raw bytes.
 pub(super) fn is_plausible(stored_bytes: u64, shapes_bytes: u64) -> bool {
     shapes_bytes.is_multiple_of(4) && shapes_bytes <= stored_bytes.saturating_mul(coder::LARGEST_RATIO)

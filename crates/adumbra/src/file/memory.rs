@@ -7,7 +7,8 @@ use std::path::Path;
 use crate::coder::DECODING_RATIO;
 use crate::error::{Error, FormatError, IoError, Result};
 use crate::file::contents::{directory_end, tables_end};
-use crate::file::{BundleEntry, Contents, GridEntry, HEAD_WORDS, HEADER_BYTES, ShadowFile, threads};
+use crate::file::{BundleEntry, Contents, GridEntry, HEADER_BYTES, ShadowFile, threads};
+use crate::layout::depths::page::HEAD_WORDS;
 use crate::layout::depths::{PLACED_PAGE_BYTES, page, top};
 
 /// Memory that coding a part takes in addition to its words, as a multiple of them: its shapes, and the

@@ -26,7 +26,7 @@ pub mod sections;
 mod table;
 mod write;
 
-pub use common::{CommonSection, HEAD_WORDS};
+pub use common::CommonSection;
 pub use contents::{beginning_bytes, name_of_bundle};
 pub use directory::{GridEntry, LEVEL_STEP};
 pub use header::{GRID_BYTES, HEADER_BYTES, Header, MAGIC, MAX_LEVELS, VERSION};

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, FormatError, IoError, Result};
-use crate::file::common::{CommonSection, HEAD_WORDS};
+use crate::file::common::CommonSection;
 use crate::file::contents::{checked, name_of_bundle};
 use crate::file::directory::GridEntry;
 use crate::file::fields::field;
@@ -12,7 +12,7 @@ use crate::file::memory::BATCH_BUNDLES;
 use crate::file::sections::read_file;
 use crate::file::table::{Bundle, BundleEntry};
 use crate::file::{Contents, FileMemory, HEADER_BYTES, ShadowFile, each};
-use crate::layout::depths::page::{bundles, page_dims};
+use crate::layout::depths::page::{HEAD_WORDS, bundles, page_dims};
 use crate::layout::depths::{DepthTree, Ranges, TreeBuilder};
 use crate::settings::Encoding;
 

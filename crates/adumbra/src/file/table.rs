@@ -10,9 +10,9 @@
 //! In a coded file these words are coded, see [`CommonSection`].
 
 use crate::error::FormatError;
-use crate::file::common::{CommonSection, HEAD_WORDS, is_plausible};
+use crate::file::common::{CommonSection, is_plausible};
 use crate::file::fields::{Decoder, reserved};
-use crate::layout::depths::page::{BUNDLE_PAGES, Page, pages_of};
+use crate::layout::depths::page::{BUNDLE_PAGES, HEAD_WORDS, Page, pages_of};
 use crate::layout::depths::{Range, Ranges, UNIFORM};
 use crate::settings::Encoding;
 

@@ -10,12 +10,9 @@ use crate::file::sections::Section;
 use crate::file::table::{StoredBundle, raw_bytes};
 use crate::file::{HEADER_BYTES, Level, ShadowFile, each};
 use crate::grid::LightGrid;
-use crate::layout::depths::page::{bundles, page_dims};
+use crate::layout::depths::page::{BUNDLES_AT_A_TIME, bundles, page_dims};
 use crate::layout::depths::{DepthTree, SharedRanges};
 use crate::settings::{Encoding, FileSettings};
-
-/// Number of bundles that are held in memory until they are written.
-const BUNDLES_AT_A_TIME: usize = 64;
 
 impl ShadowFile {
     /// Writes the bytes of the file to `out`, from its position on. Returns their number.

@@ -16,10 +16,10 @@ use std::ops::Range;
 
 use range_alloc::RangeAllocator;
 
-use crate::file::{Contents, HEAD_WORDS};
+use crate::file::Contents;
 use crate::gpu::WordPlaces;
 use crate::grid::LightGrid;
-use crate::layout::depths::page::{PAGE_LEVEL, Page, bundles, page_dims, pages_of};
+use crate::layout::depths::page::{HEAD_WORDS, PAGE_LEVEL, Page, bundles, page_dims, pages_of};
 use crate::layout::depths::top::{block_dims, block_level};
 use crate::layout::depths::{ABSENT, TreeWords};
 use crate::stream::StreamOptions;

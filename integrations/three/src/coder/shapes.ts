@@ -1,5 +1,5 @@
 // Shapes as a list. Those of the common section come first, in the order in which they are stored, then those
-// of a bundle. Counterpart of `crates/adumbra/src/coder/shapes.rs`.
+// of a bundle. Counterpart of `crates/adumbra/src/layout/depths/shapes.rs`.
 
 import { LEAF_LEVEL } from '../quadtree/quadtree.js';
 import { grown } from './growing.js';

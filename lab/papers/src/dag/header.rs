@@ -1,8 +1,7 @@
 //! The 384 bytes before the sections. Only the magic and the layout differ from the header of a shadow file.
 //! The fields are read and written here in file order.
 
-use crate::dag::roots::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL, top_dims};
-use adumbra::file::fields::{Encoder, Kind, field, identify, sun};
+use adumbra::file::fields::{Encoder, field, sun};
 use adumbra::file::placement::{check_grid, check_settings, flags, frame, frame_fields, with_flags};
 use adumbra::file::sections::Section;
 use adumbra::grid::{Bounds, LightGrid};
@@ -10,13 +9,12 @@ use adumbra::{Bias, FileSettings, FormatError};
 
 use crate::dag::layout::DagLayout;
 use crate::dag::packed::POOL_WORDS;
+use crate::dag::roots::{LEAF_NODE_LEVEL, MAX_ROOT_LEVEL, top_dims};
+use crate::kinds::{GRAPH, identify};
 use crate::sections::check_sections;
 
-/// A file with a graph of the 2014 paper. The line break reveals files that were copied in text mode.
-const KIND: Kind =
-    Kind { magic: *b"ADUMDAG\n", shown: "\"ADUMDAG\\n\"", name: "graph file", version: 1, oldest: 1 };
 /// The first eight bytes.
-pub const DAG_MAGIC: [u8; 8] = KIND.magic;
+pub const DAG_MAGIC: [u8; 8] = GRAPH.magic;
 /// Size of the header in bytes.
 pub const DAG_HEADER_BYTES: usize = 384;
 
@@ -49,7 +47,7 @@ impl Header {
     /// Encodes the header.
     pub fn encode(&self) -> [u8; DAG_HEADER_BYTES] {
         let (grid, settings) = (&self.grid, &self.settings);
-        let mut out = Encoder::new(&KIND);
+        let mut out = Encoder::new(&GRAPH);
         out.u32s(&[flags(settings), settings.resolution]);
         out.u32s(&grid.size);
         out.u32s(&[self.root_level]);
@@ -76,7 +74,7 @@ impl Header {
     /// # Errors
     /// Returns the fault with the values found.
     pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let (_, mut fields) = identify::<DAG_HEADER_BYTES>(bytes, &KIND)?;
+        let (_, mut fields) = identify::<DAG_HEADER_BYTES>(bytes, &GRAPH)?;
         let flags = fields.u32()?;
         let resolution = fields.u32()?;
         let size = fields.u32s()?;

@@ -154,16 +154,18 @@ impl Cubes {
 fn transform(space: &TreeSpace, anchor_world: [f64; 3]) -> Result<GridTransform> {
     let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let cube = LightGrid {
-        // Neither is used.
+        // Neither the sun nor the frame is used.
         sun: Sun::from_direction([0.0, 1.0, 0.0])?,
         frame: Frame::Light,
         voxel_size: space.voxel_size,
-        corner: space.p_min.map(|c| c / space.voxel_size),
+        corner: [0.0; 3],
         axes,
         edges: axes,
         size: [space.side_voxels(); 3],
     };
-    Ok(grid_transform(&GridParameters::new(&cube, anchor_world)?))
+    // Subtracted first, as in `TreeSpace::to_tree`, which rounds least far from the origin.
+    let anchor = std::array::from_fn(|axis| anchor_world[axis] - space.p_min[axis]);
+    Ok(grid_transform(&GridParameters::new(&cube, anchor)?))
 }
 
 fn plan(plan: &PlanLevels) -> Result<CubesPlan> {

@@ -22,7 +22,7 @@ use crate::tree::space::{Regions, TreeSpace};
 use crate::tree::word::Word;
 use adumbra::Sun;
 use adumbra_bake::Watch;
-use adumbra_bake::structure::sorting_bytes;
+use adumbra_bake::structure::layers::sorting_bytes;
 use adumbra_scene::Scene;
 
 /// A baked tree.

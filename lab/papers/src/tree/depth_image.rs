@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::tree::settings::CaptureBias;
 use adumbra::Bias;
 use adumbra::grid::LightGrid;
-use adumbra_bake::structure::{FixedDepth, LayerBuffers, LayerCapture, LayerOptions, working_bytes};
+use adumbra_bake::structure::layers::{FixedDepth, LayerBuffers, LayerCapture, LayerOptions, working_bytes};
 use adumbra_scene::Scene;
 
 const TILE_LOG2: u32 = 8;

@@ -2,7 +2,7 @@
 //! decided.
 
 use crate::tree::depth_image::{DepthImage, FRACTION, NO_SURFACE, TILE_SIDE};
-use adumbra_bake::structure::FixedDepth;
+use adumbra_bake::structure::layers::FixedDepth;
 
 /// Log2 of the side of the finest blocks, 8 × 8 texels. That side divides the side of a tile.
 const FINEST_BLOCK: u32 = 3;

@@ -141,7 +141,7 @@ fn decode_coded(bytes: &[u8]) -> Result<ShadowFile, FormatError> {
     ShadowFile::from_bytes(bytes)
 }
 
-/// Returns the tree, for a function equal to [`decode_coded`] would be merged with it.
+/// Returns the tree, because a function equal to [`decode_coded`] would be merged with it.
 #[inline(never)]
 fn read_raw(bytes: &[u8]) -> Result<Arc<DepthTree>, FormatError> {
     Ok(ShadowFile::from_bytes(bytes)?.tree)

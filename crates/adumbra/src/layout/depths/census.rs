@@ -1,10 +1,9 @@
 //! Breakdown of the bytes of a quadtree of depths.
 
-use std::collections::HashSet;
-
-use crate::layout::depths::code::{Child, LeafHead, fields_length};
-use crate::layout::depths::page::PAGE_LEVEL;
-use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
+use crate::layout::depths::child::ShapePlace;
+use crate::layout::depths::code::fields_length;
+use crate::layout::depths::leaf::LeafHead;
+use crate::layout::depths::{DepthTree, LEAF_LEVEL};
 
 /// Bytes of a quadtree of depths by kind, and the number of its shapes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -35,7 +34,7 @@ pub struct Census {
 }
 
 impl DepthTree {
-    /// Counts the shapes and their bytes. Cost: one pass, and a set of all addresses.
+    /// Counts the shapes and their bytes. Cost: one visit per shape, and a byte of memory per half-word.
     pub fn census(&self) -> Census {
         let mut census = Census {
             top_bytes: 8 * self.top().len() as u64,
@@ -43,14 +42,7 @@ impl DepthTree {
             ..Census::default()
         };
         let code = self.shapes();
-        let mut seen = HashSet::new();
-        let [across, down] = self.page_dims;
-        let roots = (0..down).flat_map(|y| (0..across).map(move |x| self.root([x, y])[0]));
-        let mut open: Vec<_> = roots.filter(|&at| at != UNIFORM).map(|at| (at, PAGE_LEVEL)).collect();
-        while let Some((at, level)) = open.pop() {
-            if !seen.insert((at, level)) {
-                continue;
-            }
+        self.for_each_shape(|ShapePlace { at, level }| {
             if level == LEAF_LEVEL {
                 let head = LeafHead::new(code.half(at));
                 census.leaves += 1;
@@ -58,20 +50,17 @@ impl DepthTree {
                 census.slanted_leaves += u64::from(head.slanted);
                 census.depth_bytes += 2 * u64::from(head.planes_at());
                 census.plane_bytes += 8 * u64::from(head.planes());
-                continue;
+                return;
             }
             census.nodes += 1;
             census.head_bytes += 6;
             let [low, high, kind] = [0, 1, 2].map(|h| code.half(at + h));
             census.field_bytes += 2 * u64::from(fields_length(low, high, kind, 0xffff));
-            for (c, child) in code.children(at).enumerate() {
+            for c in 0..16 {
                 let [low, high, kind] = [low, high, kind].map(|half| half >> c & 1);
                 census.children[(4 * high + 2 * low + kind) as usize] += 1;
-                if let Child::Shape { at, .. } = child {
-                    open.push((at, level - NODE_LEVELS));
-                }
             }
-        }
+        });
         census
     }
 }

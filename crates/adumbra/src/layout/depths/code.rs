@@ -1,5 +1,7 @@
 //! Reads shapes from half-words. The words must be valid.
 
+use crate::layout::depths::child::{Child, ShapeRef};
+use crate::layout::depths::leaf::LeafHead;
 use crate::layout::depths::slant::Slant;
 use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
@@ -15,13 +17,6 @@ pub const FAR_BITS: u32 = 25;
 pub const FAR_DELTA_BITS: u32 = 22;
 /// Lowest bit of the difference in a short pointer, whose lower bits are a distance.
 pub const SHORT_BITS: u32 = 8;
-
-/// Bit of a leaf's first half-word: the last depth is [`NEVER`].
-pub const LEAF_NEVER: u32 = 1 << 6;
-/// Lowest bit of the field of a leaf's first half-word that holds the width of the differences.
-pub const LEAF_WIDTH: u32 = 7;
-/// Bit of a leaf's first half-word: the leaf is slanted, and a gradient follows.
-pub const LEAF_SLANTED: u32 = 1 << 9;
 
 /// The part of the quadtree that contains a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,80 +41,6 @@ pub struct Node {
     pub base: u32,
     /// It spans 2^level columns along each side.
     pub level: u32,
-}
-
-/// A child as its node encodes it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Child {
-    /// No column of the child switches.
-    Never,
-    /// All columns switch at the base plus this difference.
-    Uniform(u32),
-    /// A shape.
-    Shape {
-        /// The shape's address.
-        at: u32,
-        /// Difference that is added to the base, wrapping.
-        delta: u32,
-        /// Whether the pointer counts back from the node. Otherwise it is an address in the common section.
-        is_relative: bool,
-    },
-}
-
-impl Child {
-    fn shape((at, is_relative): (u32, bool), delta: u32) -> Self {
-        Self::Shape { at, delta, is_relative }
-    }
-}
-
-/// The first half-word of a leaf, which determines the sizes of its parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LeafHead {
-    /// The last rank: the number of depths minus 1.
-    pub last: u32,
-    /// Whether the last depth is [`NEVER`].
-    pub never: bool,
-    /// Differences take 8 << width bits each.
-    pub width: u32,
-    /// Whether the leaf is slanted, so that a gradient follows.
-    pub slanted: bool,
-}
-
-impl LeafHead {
-    /// Decodes a leaf's first half-word.
-    pub fn new(half: u32) -> Self {
-        Self {
-            last: half & 63,
-            never: half & LEAF_NEVER != 0,
-            width: half >> LEAF_WIDTH & 3,
-            slanted: half & LEAF_SLANTED != 0,
-        }
-    }
-
-    /// Returns the number of depths stored as differences: all but the base and [`NEVER`].
-    pub fn differences(self) -> u32 {
-        self.last - u32::from(self.never)
-    }
-
-    /// Returns the number of half-words before the differences.
-    pub(crate) fn differences_at(self) -> u32 {
-        1 + u32::from(self.slanted)
-    }
-
-    /// Returns the number of half-words before the planes.
-    pub(crate) fn planes_at(self) -> u32 {
-        self.differences_at() + (self.differences() << self.width).div_ceil(2)
-    }
-
-    /// Returns the number of bit planes of the columns' ranks.
-    pub fn planes(self) -> u32 {
-        32 - self.last.leading_zeros()
-    }
-
-    /// Returns the leaf's total number of half-words.
-    pub fn length(self) -> u32 {
-        self.planes_at() + 4 * self.planes()
-    }
 }
 
 /// Returns the number of half-words of the fields of a node's children that are in the mask `children`. The
@@ -153,12 +74,8 @@ impl<'c> Code<'c> {
         self.half(at) | self.half(at + 1) << 16
     }
 
-    fn four_halves(self, at: u32) -> u64 {
-        u64::from(self.two_halves(at)) | u64::from(self.two_halves(at + 2)) << 32
-    }
-
     /// Decodes child `child` of the node at `at`.
-    pub fn child(self, at: u32, child: u32) -> Child {
+    pub fn child(self, at: u32, child: u32) -> Child<ShapeRef> {
         let [low, high, kind] = self.node_head(at);
         let field = at + 3 + fields_length(low, high, kind, (1 << child) - 1);
         self.child_at(at, field, [high >> child & 1, low >> child & 1, kind >> child & 1])
@@ -166,7 +83,7 @@ impl<'c> Code<'c> {
 
     /// Decodes all children of the node at `at`, in order. Cheaper than one at a time.
     #[inline]
-    pub fn children(self, at: u32) -> impl Iterator<Item = Child> {
+    pub fn children(self, at: u32) -> impl Iterator<Item = Child<ShapeRef>> {
         let [low, high, kind] = self.node_head(at);
         let mut field = at + 3;
         (0..16).map(move |child| {
@@ -184,34 +101,33 @@ impl<'c> Code<'c> {
     /// Decodes a child of the node at `at` from its field. `form` has its bits of the node's second, first
     /// and third half-word.
     #[inline(always)]
-    fn child_at(self, at: u32, field: u32, form: [u32; 3]) -> Child {
-        let back = |distance: u32| (at.wrapping_sub(distance), true);
+    fn child_at(self, at: u32, field: u32, form: [u32; 3]) -> Child<ShapeRef> {
+        let back = |distance: u32| ShapeRef::Here(at.wrapping_sub(distance));
+        let near = |field: u32| match self.half(field) {
+            half if half & NEAR == 0 => ShapeRef::Common(half),
+            half => back(half & (NEAR - 1)),
+        };
         match form {
             [0, 0, 0] => Child::Uniform(0),
             [0, 0, _] => Child::Never,
-            [0, _, 0] => Child::shape(self.near(at, field), 0),
+            [0, _, 0] => Child::Shape { shape: near(field), delta: 0 },
             [0, ..] => Child::Uniform(signed(self.half(field), 16)),
             [_, 0, 0] => {
                 let short = self.half(field);
-                Child::shape(back(short & 0xff), signed(short >> SHORT_BITS, 8))
+                Child::Shape { shape: back(short & 0xff), delta: signed(short >> SHORT_BITS, 8) }
             }
-            [_, 0, _] => Child::shape(self.near(at, field + 1), signed(self.half(field), 16)),
+            [_, 0, _] => Child::Shape { shape: near(field + 1), delta: signed(self.half(field), 16) },
             _ => {
                 let (low, far) = (self.half(field), self.two_halves(field + 1));
                 let delta = signed(low | (far & !FAR) >> FAR_BITS << 16, FAR_DELTA_BITS);
                 let place = far & ((1 << FAR_BITS) - 1);
                 match far & FAR {
-                    0 => Child::shape((place, false), delta),
+                    0 => Child::Shape { shape: ShapeRef::Common(place), delta },
                     _ if place == 0 => Child::Uniform(delta),
-                    _ => Child::shape(back(place), delta),
+                    _ => Child::Shape { shape: back(place), delta },
                 }
             }
         }
-    }
-
-    fn near(self, from: u32, field: u32) -> (u32, bool) {
-        let half = self.half(field);
-        if half & NEAR == 0 { (half, false) } else { (from.wrapping_sub(half & (NEAR - 1)), true) }
     }
 
     /// Descends from a node to the block or leaf that contains a column. Returns it with its level.
@@ -237,8 +153,8 @@ impl<'c> Code<'c> {
             match self.child(at, (j >> level & 3) << 2 | i >> level & 3) {
                 Child::Never => return (ColumnNode::Uniform(NEVER), level),
                 Child::Uniform(delta) => return (ColumnNode::Uniform(base.wrapping_add(delta)), level),
-                Child::Shape { at: next, delta, .. } => {
-                    at = next;
+                Child::Shape { shape, delta } => {
+                    at = shape.at();
                     base = base.wrapping_add(delta);
                 }
             }
@@ -267,16 +183,11 @@ pub struct LeafCode<'c> {
 
 impl LeafCode<'_> {
     fn difference(self, index: u32) -> u32 {
-        let first = self.at + self.head.differences_at();
-        match self.head.width {
-            0 => self.code.half(first + index / 2) >> (8 * (index & 1)) & 0xff,
-            1 => self.code.half(first + index),
-            _ => self.code.two_halves(first + 2 * index),
-        }
+        self.head.difference(self.at, index, |at| self.code.half(at))
     }
 
     fn plane(self, p: u32) -> u64 {
-        self.code.four_halves(self.at + self.head.planes_at() + 4 * p)
+        self.head.plane(self.at, p, |at| self.code.half(at))
     }
 
     /// Returns the last half-word of the differences if they do not fill it.
@@ -326,13 +237,7 @@ impl LeafCode<'_> {
             depth = depth.saturating_add(self.difference(index));
             depths[index as usize + 1] = depth;
         }
-        let mut ranks = [0_u8; 64];
-        for p in 0..self.head.planes() {
-            let plane = self.plane(p);
-            for (column, rank) in ranks.iter_mut().enumerate() {
-                *rank |= ((plane >> column & 1) as u8) << p;
-            }
-        }
+        let ranks = self.head.ranks(self.at, |at| self.code.half(at));
         let rises = self.slant.rises();
         std::array::from_fn(|column| {
             let rank = u32::from(ranks[column]);

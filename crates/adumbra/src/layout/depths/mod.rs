@@ -63,10 +63,13 @@
 //! `0x0041`, `0xff00`, `0xffff`, `0xffff`, `0xffff`, with base 7.
 
 mod census;
+pub mod child;
 pub mod code;
 mod common;
+pub mod leaf;
 pub mod page;
 mod ranges;
+pub mod shapes;
 pub mod slant;
 pub mod top;
 mod tree_words;
@@ -74,7 +77,7 @@ mod validate;
 pub mod write;
 
 pub use census::Census;
-pub use common::ShapePlace;
+pub use child::ShapePlace;
 pub use ranges::{Range, Ranges, SharedRanges};
 pub use tree_words::{ABSENT, TreeWords};
 pub use validate::{DepthsError, PageValidator, Part, Proved};

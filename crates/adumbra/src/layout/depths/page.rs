@@ -14,6 +14,10 @@ pub const PAGE_LEVEL: u32 = 9;
 pub const BUNDLE_SIDE: u32 = 4;
 /// Number of pages of a bundle.
 pub const BUNDLE_PAGES: usize = (BUNDLE_SIDE * BUNDLE_SIDE) as usize;
+/// Number of words of a bundle before those of its pages: root, base and number of words of each.
+pub const HEAD_WORDS: usize = 3 * BUNDLE_PAGES;
+/// Number of bundles that a writer makes at a time on all threads, and holds until they are written.
+pub const BUNDLES_AT_A_TIME: usize = 64;
 /// Bit of a page's root: the address counts half-words from the page's beginning. Without this bit, the
 /// address is in the common section.
 pub const IN_PAGE: u32 = 1 << 31;

@@ -4,7 +4,8 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use crate::layout::depths::code::{Child, Code};
+use crate::layout::depths::child::{Child, ShapeRef};
+use crate::layout::depths::code::Code;
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
 use crate::layout::depths::{LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 
@@ -203,13 +204,12 @@ impl<'c> Ranges<'c> {
             all.joined(match child {
                 Child::Never => Relative { has_never: true, ..Relative::NONE },
                 Child::Uniform(delta) => Relative::at(signed(delta)),
-                Child::Shape { at, delta, is_relative } => {
-                    let is_common = !is_relative && !std::ptr::eq(code.words, self.common.words);
+                Child::Shape { shape, delta } => {
+                    let is_page = !std::ptr::eq(code.words, self.common.words);
                     let below = level - NODE_LEVELS;
-                    let child = if is_common {
-                        self.of_common(at, below)
-                    } else {
-                        self.of_shape(known, code, at, below)
+                    let child = match shape {
+                        ShapeRef::Common(at) if is_page => self.of_common(at, below),
+                        _ => self.of_shape(known, code, shape.at(), below),
                     };
                     child.moved(signed(delta))
                 }

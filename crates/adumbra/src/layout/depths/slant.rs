@@ -14,6 +14,7 @@ pub struct Slant {
 
 impl Slant {
     /// Decodes the second half-word of a slanted leaf.
+    #[inline(always)]
     pub(crate) fn from_half(half: u32) -> Self {
         Self { x: half as u8 as i8, y: (half >> 8) as u8 as i8 }
     }
@@ -27,9 +28,15 @@ impl Slant {
     /// voxels, rounded up.
     #[inline(always)]
     pub fn rise(self, column: u32) -> u32 {
-        let along = |g: i8, at: u32| -i32::from(g) * (at as i32 - if g > 0 { 7 } else { 0 });
-        let quarters = along(self.x, column & 7) + along(self.y, column >> 3);
-        (quarters as u32 + (1 << SLANT_BITS) - 1) >> SLANT_BITS
+        (self.quarters((column & 7) as i32, (column >> 3) as i32) >> SLANT_BITS) as u32
+    }
+
+    /// Returns 3 more than four times the rise of a column, so that a shift by [`SLANT_BITS`] rounds it up.
+    /// The column may be in a neighbouring leaf, where the plane may be behind its deepest corner.
+    #[inline(always)]
+    pub(crate) fn quarters(self, x: i32, y: i32) -> i32 {
+        let along = |g: i8, at: i32| i32::from(g) * (at - if g > 0 { 7 } else { 0 });
+        (1 << SLANT_BITS) - 1 - along(self.x, x) - along(self.y, y)
     }
 
     /// Returns the rise of each column, in voxels.

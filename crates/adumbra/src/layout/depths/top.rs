@@ -2,7 +2,8 @@
 //! grid is small, a table of smaller blocks costs little and saves the steps above them, so it is made when
 //! the file is read. No answer depends on it.
 
-use crate::layout::depths::code::{Child, Code};
+use crate::layout::depths::child::{Child, ShapeRef};
+use crate::layout::depths::code::Code;
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
 use crate::layout::depths::{NEVER, NODE_LEVELS, UNIFORM};
 
@@ -45,9 +46,9 @@ fn block(page: &Page<'_>, common: &[u32], level: u32, [i, j]: [u32; 2]) -> [u32;
         match code.child(at, (j >> reached & 3) << 2 | i >> reached & 3) {
             Child::Never => return [UNIFORM, NEVER],
             Child::Uniform(delta) => return [UNIFORM, base.wrapping_add(delta)],
-            Child::Shape { at: next, delta, is_relative } => {
-                is_in_page &= is_relative;
-                at = next;
+            Child::Shape { shape, delta } => {
+                is_in_page &= matches!(shape, ShapeRef::Here(_));
+                at = shape.at();
                 base = base.wrapping_add(delta);
             }
         }

@@ -8,7 +8,9 @@
 
 use std::fmt;
 
-use crate::layout::depths::code::{Child, Code, LeafHead, fields_length};
+use crate::layout::depths::child::{Child, ShapeRef};
+use crate::layout::depths::code::{Code, fields_length};
+use crate::layout::depths::leaf::LeafHead;
 use crate::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page};
 use crate::layout::depths::{DepthTree, LEAF_LEVEL, NODE_LEVELS, UNIFORM};
 
@@ -280,13 +282,13 @@ impl<'c> Walk<'c> {
         self.ends_within(at, length, level)?;
         self.spend(at, length)?;
         for (child, decoded) in (0..).zip(self.code.children(at)) {
-            let Child::Shape { at: to, is_relative, .. } = decoded else { continue };
-            let below = level - NODE_LEVELS;
-            match &mut common {
-                Some(common) if !is_relative && to < common.end => common.shape(None, to, below)?,
-                Some(_) if !is_relative => return Err(self.order(at, child)),
+            let Child::Shape { shape, .. } = decoded else { continue };
+            let (to, below) = (shape.at(), level - NODE_LEVELS);
+            match (shape, &mut common) {
+                (ShapeRef::Common(_), Some(common)) if to < common.end => common.shape(None, to, below)?,
+                (ShapeRef::Common(_), Some(_)) => return Err(self.order(at, child)),
                 _ if to >= at => return Err(self.order(at, child)),
-                common => self.shape(common.as_deref_mut(), to, below)?,
+                (_, common) => self.shape(common.as_deref_mut(), to, below)?,
             }
         }
         Ok(())

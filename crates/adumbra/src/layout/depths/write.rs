@@ -1,32 +1,8 @@
 //! Writes shapes as half-words, each after the shapes that it points to, in the shortest form that holds it.
 //! Given shapes in a given order are written in only one way.
 
+use crate::layout::depths::child::{Child, Children, ShapeRef};
 use crate::layout::depths::code::{FAR, FAR_BITS, FAR_DELTA_BITS, NEAR, SHORT_BITS};
-
-/// Where a shape is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ShapeRef {
-    /// At an address of the common section, seen from a page.
-    Common(u32),
-    /// At an address of the part that is being written.
-    Here(u32),
-}
-
-/// A child whose shape has been written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum PlacedChild {
-    /// All columns switch at the base plus this difference.
-    Uniform(u32),
-    /// No column switches.
-    Never,
-    /// A shape.
-    Shape {
-        /// Difference that is added to the base, wrapping.
-        delta: u32,
-        /// Where the shape is.
-        place: ShapeRef,
-    },
-}
 
 /// A shape or a difference is out of reach of the longest pointer. Limits on bakes prevent this.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -60,11 +36,12 @@ impl Writer {
         at
     }
 
-    /// Writes a node and returns its address.
+    /// Writes a node and returns its address. In a common section, the
+    /// shapes of its children are [`ShapeRef::Here`].
     ///
     /// # Errors
     /// Returns [`OutOfReach`] if a child needs more bits than a pointer has.
-    pub fn node(&mut self, children: &[PlacedChild; 16]) -> Result<u32, OutOfReach> {
+    pub fn node(&mut self, children: &Children<ShapeRef>) -> Result<u32, OutOfReach> {
         let from = self.halves.len() as u32;
         let mut bits = [0_u16; 3];
         self.halves.extend(bits);
@@ -76,14 +53,14 @@ impl Writer {
                 self.halves.extend_from_slice(fields);
             };
             match *child {
-                PlacedChild::Never => put([0, 0, 1], &[]),
-                PlacedChild::Uniform(0) => put([0, 0, 0], &[]),
-                PlacedChild::Uniform(delta) => match fits(delta, 16) {
+                Child::Never => put([0, 0, 1], &[]),
+                Child::Uniform(0) => put([0, 0, 0], &[]),
+                Child::Uniform(delta) => match fits(delta, 16) {
                     true => put([0, 1, 1], &[delta as u16]),
                     false => put([1, 1, 0], &far(delta, FAR)?),
                 },
-                PlacedChild::Shape { delta, place } => {
-                    let (address, distance) = match place {
+                Child::Shape { shape, delta } => {
+                    let (address, distance) = match shape {
                         ShapeRef::Common(at) => (Some(at), None),
                         ShapeRef::Here(at) => (self.is_common.then_some(at), Some(from - at)),
                     };
@@ -143,12 +120,12 @@ fn far(delta: u32, pointer: u32) -> Result<[u16; 3], OutOfReach> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::depths::code::{Child, Code};
+    use crate::layout::depths::code::Code;
 
     /// Writes a node after `filler` half-words, and reads its first child back.
-    fn there_and_back(mut writer: Writer, filler: usize, child: PlacedChild) -> (usize, Child) {
+    fn there_and_back(mut writer: Writer, filler: usize, child: Child<ShapeRef>) -> (usize, Child<ShapeRef>) {
         writer.leaf(&vec![0; filler]);
-        let mut children = [PlacedChild::Never; 16];
+        let mut children = [Child::Never; 16];
         children[0] = child;
         let at = writer.node(&children).unwrap();
         let fields = writer.halves.len() - at as usize - 3;
@@ -157,52 +134,51 @@ mod tests {
 
     #[test]
     fn child_takes_the_shortest_form() {
-        let shape = |delta: i32, place| PlacedChild::Shape { delta: delta as u32, place };
-        let read = |at, delta: i32, is_relative| Child::Shape { at, delta: delta as u32, is_relative };
-        for (filler, child, fields, expected) in [
-            (300, PlacedChild::Never, 0, Child::Never),
-            (300, PlacedChild::Uniform(0), 0, Child::Uniform(0)),
-            (300, PlacedChild::Uniform(-32_768_i32 as u32), 1, Child::Uniform(-32_768_i32 as u32)),
-            (300, PlacedChild::Uniform(32_768), 3, Child::Uniform(32_768)),
-            (300, PlacedChild::Uniform(-2_097_152_i32 as u32), 3, Child::Uniform(-2_097_152_i32 as u32)),
-            (300, shape(0, ShapeRef::Here(0)), 1, read(0, 0, true)),
-            (300, shape(0, ShapeRef::Common(32_767)), 1, read(32_767, 0, false)),
-            (300, shape(0, ShapeRef::Common(32_768)), 3, read(32_768, 0, false)),
-            (300, shape(-128, ShapeRef::Here(45)), 1, read(45, -128, true)),
-            (300, shape(127, ShapeRef::Here(298)), 1, read(298, 127, true)),
-            (300, shape(128, ShapeRef::Here(298)), 2, read(298, 128, true)),
-            (300, shape(1, ShapeRef::Here(44)), 2, read(44, 1, true)),
-            (300, shape(1, ShapeRef::Common(44)), 2, read(44, 1, false)),
-            (300, shape(32_768, ShapeRef::Common(44)), 3, read(44, 32_768, false)),
-            (40_000, shape(0, ShapeRef::Here(7_233)), 1, read(7_233, 0, true)),
-            (40_000, shape(0, ShapeRef::Here(7_232)), 3, read(7_232, 0, true)),
-            (40_000, shape(2_097_151, ShapeRef::Here(3)), 3, read(3, 2_097_151, true)),
-            (40_000, shape(-2_097_152, ShapeRef::Common(1 << 24)), 3, read(1 << 24, -2_097_152, false)),
+        let shape = |delta: i32, shape| Child::Shape { delta: delta as u32, shape };
+        for (filler, child, fields) in [
+            (300, Child::Never, 0),
+            (300, Child::Uniform(0), 0),
+            (300, Child::Uniform(-32_768_i32 as u32), 1),
+            (300, Child::Uniform(32_768), 3),
+            (300, Child::Uniform(-2_097_152_i32 as u32), 3),
+            (300, shape(0, ShapeRef::Here(0)), 1),
+            (300, shape(0, ShapeRef::Common(32_767)), 1),
+            (300, shape(0, ShapeRef::Common(32_768)), 3),
+            (300, shape(-128, ShapeRef::Here(45)), 1),
+            (300, shape(127, ShapeRef::Here(298)), 1),
+            (300, shape(128, ShapeRef::Here(298)), 2),
+            (300, shape(1, ShapeRef::Here(44)), 2),
+            (300, shape(1, ShapeRef::Common(44)), 2),
+            (300, shape(32_768, ShapeRef::Common(44)), 3),
+            (40_000, shape(0, ShapeRef::Here(7_233)), 1),
+            (40_000, shape(0, ShapeRef::Here(7_232)), 3),
+            (40_000, shape(2_097_151, ShapeRef::Here(3)), 3),
+            (40_000, shape(-2_097_152, ShapeRef::Common(1 << 24)), 3),
         ] {
-            assert_eq!(there_and_back(Writer::page(), filler, child), (fields, expected), "{child:?}");
+            assert_eq!(there_and_back(Writer::page(), filler, child), (fields, child), "{child:?}");
         }
     }
 
     #[test]
     fn common_section_prefers_addresses() {
-        let shape = |at| PlacedChild::Shape { delta: 0, place: ShapeRef::Here(at) };
-        for (at, fields, is_relative) in [(300, 1, false), (32_768, 1, true), (39_999, 1, true)] {
-            let expected = Child::Shape { at, delta: 0, is_relative };
-            assert_eq!(there_and_back(Writer::common(), 40_000, shape(at)), (fields, expected));
+        let shape = |shape| Child::Shape { delta: 0, shape };
+        use ShapeRef::{Common, Here};
+        for (at, read) in [(300, Common(300)), (32_768, Here(32_768)), (39_999, Here(39_999))] {
+            assert_eq!(there_and_back(Writer::common(), 40_000, shape(Here(at))), (1, shape(read)));
         }
-        let far = there_and_back(Writer::common(), 80_000, shape(33_000));
-        assert_eq!(far, (3, Child::Shape { at: 33_000, delta: 0, is_relative: false }));
+        let far = there_and_back(Writer::common(), 80_000, shape(Here(33_000)));
+        assert_eq!(far, (3, shape(Common(33_000))));
     }
 
     #[test]
     fn out_of_reach_is_an_error() {
         let mut writer = Writer::page();
         for child in [
-            PlacedChild::Uniform(2_097_152),
-            PlacedChild::Shape { delta: 0, place: ShapeRef::Common(1 << 25) },
-            PlacedChild::Shape { delta: 1 << 30, place: ShapeRef::Common(3) },
+            Child::Uniform(2_097_152),
+            Child::Shape { delta: 0, shape: ShapeRef::Common(1 << 25) },
+            Child::Shape { delta: 1 << 30, shape: ShapeRef::Common(3) },
         ] {
-            let mut children = [PlacedChild::Never; 16];
+            let mut children = [Child::Never; 16];
             children[5] = child;
             assert_eq!(writer.node(&children), Err(OutOfReach), "{child:?}");
         }

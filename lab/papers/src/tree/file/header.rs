@@ -1,26 +1,22 @@
 //! The 320 bytes before the sections. The offsets are in `spec/adumbra-tree.md`; the fields are in file
 //! order.
 
+use crate::kinds::{TREE, identify};
 use crate::sections::check_sections;
 use crate::tree::file::AttributeKind;
 use crate::tree::file::body::{SYMMETRIC, WORDS};
 use crate::tree::settings::{CaptureBias, LossyChange, TreeSettings};
 use crate::tree::space::{MAX_REGIONS, TreeSpace};
 use crate::tree::word::MAX_DEPTH;
-use adumbra::file::fields::{
-    Encoder, Kind, bounds, check_bounds, check_finite, check_voxel_size, field, identify, sun,
-};
+use adumbra::file::fields::{Encoder, bounds, check_bounds, check_finite, check_voxel_size, field, sun};
 use adumbra::file::sections::Section;
 use adumbra::grid::{Bounds, Sun};
 use adumbra::{Bias, FormatError};
 
-/// A file with a world-aligned tree.
-const KIND: Kind =
-    Kind { magic: *b"ADUMTREE", shown: "\"ADUMTREE\"", name: "tree file", version: 1, oldest: 1 };
 /// The first eight bytes of a tree file.
-pub const TREE_MAGIC: [u8; 8] = KIND.magic;
+pub const TREE_MAGIC: [u8; 8] = TREE.magic;
 /// The version that is written, and the latest that is read.
-pub const TREE_VERSION: u32 = KIND.version;
+pub const TREE_VERSION: u32 = TREE.version;
 /// Size of the header in bytes.
 pub const TREE_HEADER_BYTES: usize = 320;
 
@@ -69,7 +65,7 @@ impl Header {
             None => NO_ATTRIBUTE,
             Some(AttributeKind::Penumbra) => PENUMBRA,
         };
-        let mut out = Encoder::new(&KIND);
+        let mut out = Encoder::new(&TREE);
         out.u32s(&[flags(settings), self.space.depth, self.base_depth, self.region_count]);
         out.u32s(&[self.body_code, attribute]);
         out.f64s(&self.space.p_min);
@@ -89,7 +85,7 @@ impl Header {
 
     /// Reads and checks the header at the front of `bytes`.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let (_, mut fields) = identify::<TREE_HEADER_BYTES>(bytes, &KIND)?;
+        let (_, mut fields) = identify::<TREE_HEADER_BYTES>(bytes, &TREE)?;
         let [flags, depth, base_depth, region_count, body_code, attribute_code] = fields.u32s()?;
         let space = TreeSpace { p_min: fields.f64s()?, voxel_size: fields.f64()?, depth };
         let towards = fields.f64s()?;

@@ -3,7 +3,7 @@
 use std::collections::{HashMap, HashSet};
 
 use crate::dag::roots::top_dims;
-use adumbra::layout::depths::code::Child;
+use adumbra::layout::depths::child::Child;
 use adumbra::layout::depths::{DepthTree, LEAF_LEVEL, NEVER, NODE_LEVELS, UNIFORM};
 use adumbra_bake::structure::{
     BESIDE_GRID, BlockColumns, BlockSink, DepthsBlock, DepthsSink, FREE_TO_END, Structure,
@@ -109,8 +109,8 @@ impl Reader<'_> {
         }
         let mut visits = 1;
         for child in (0..16).filter(|_| level > LEAF_LEVEL) {
-            if let Child::Shape { at, .. } = self.depths.shapes().child(at, child) {
-                visits += self.visits(known, at, level - NODE_LEVELS);
+            if let Child::Shape { shape, .. } = self.depths.shapes().child(at, child) {
+                visits += self.visits(known, shape.at(), level - NODE_LEVELS);
             }
         }
         known.insert((at, level), visits);
@@ -135,7 +135,7 @@ impl Reader<'_> {
         let child = |c: u32| match shapes.child(at, c) {
             Child::Never => sink.uniform(below, self.interval(NEVER)),
             Child::Uniform(delta) => sink.uniform(below, self.interval(base.wrapping_add(delta))),
-            Child::Shape { at, delta, .. } => self.blocks(sink, at, base.wrapping_add(delta), below),
+            Child::Shape { shape, delta } => self.blocks(sink, shape.at(), base.wrapping_add(delta), below),
         };
         let place =
             |quarter: u32, part: u32| ((quarter & 1) * 2 + (part & 1)) * 4 + (quarter >> 1) * 2 + (part >> 1);
