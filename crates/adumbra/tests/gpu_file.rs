@@ -1,8 +1,7 @@
 //! The data that a shader gets from a file: its words, the parameter block and the texture with both.
 
-use adumbra::gpu::{
-    HEADER_WORDS, LookUp, Parameters, Penumbra, TEXTURE_MAGIC, TEXTURE_VERSION, WordSource, wgsl_files,
-};
+use adumbra::gpu::{HEADER_WORDS, LookUp, Penumbra, TEXTURE_MAGIC, TEXTURE_VERSION, WordSource, wgsl_files};
+use adumbra::grid::Placement;
 use adumbra::layout::depths::TreeBuilder;
 use adumbra::query::MAX_FIXED_SIDE;
 use adumbra::{Bias, Error, Filter, RangeField, ShadowFile};
@@ -143,14 +142,30 @@ fn texture_holds_words_and_parameters() {
         assert_eq!(words, gpu.words().to_vec());
         assert!(padding.iter().all(|&word| word == 0));
 
-        // Other parameters change only the header, and neither the grid nor the places of words.
-        let other = Parameters { filter_width: 17, ..parameters };
+        // Another look-up changes only the header.
         let before = texture.bytes().to_vec();
         assert_eq!(texture.header(), &before[..4 * HEADER_WORDS]);
-        let header = texture.header_with(other);
-        texture.set_parameters(|parameters| *parameters = Parameters { root_level: 3, ..other });
-        assert_eq!((texture.header(), texture.parameters()), (&header[..], &other));
-        assert_eq!(texture.bytes()[4 * HEADER_WORDS..], before[4 * HEADER_WORDS..]);
+        // Columns: a turn about y, twice as large, and a move.
+        let columns =
+            [[0.0, 0.0, -2.0, 0.0], [0.0, 2.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [9.0, 0.0, 1.0, 1.0]];
+        let placement = Placement::from_matrix(columns).unwrap();
+        for other in [
+            LookUp { filter: Filter::Box17, ..look_up },
+            LookUp { penumbra: Some(Penumbra::default()), ..look_up },
+            LookUp { bias: Some(Bias { constant_texels: 2.0, ..Bias::default() }), placement, ..look_up },
+        ] {
+            texture.set_look_up(&other).unwrap();
+            let fresh = gpu.texture(&other, 4096).unwrap();
+            assert_eq!(texture.header(), gpu.texture_header(&other).unwrap());
+            assert_eq!((texture.bytes(), texture.parameters()), (fresh.bytes(), fresh.parameters()));
+            assert_eq!(texture.anchor_world(), fresh.anchor_world());
+            assert_eq!(texture.bytes()[4 * HEADER_WORDS..], before[4 * HEADER_WORDS..]);
+        }
+        let unfit = Penumbra { sun_degrees: 0.0, ..Penumbra::default() };
+        let header = texture.header().to_vec();
+        let unfit = LookUp { penumbra: Some(unfit), ..look_up };
+        assert_eq!(refused(texture.set_look_up(&unfit)), RangeField::SunDegrees);
+        assert_eq!(texture.header(), header);
         assert_eq!(refused(gpu.texture(&look_up, 100)), RangeField::TextureWords);
     }
 }

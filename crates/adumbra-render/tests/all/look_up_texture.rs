@@ -42,7 +42,7 @@ fn look_up_texture_matches_cpu_in_every_frame_and_format() {
             LookUpTexture::new(&file, &LookUp { filter: Filter::Nearest, ..LookUp::default() }, 2048)
                 .unwrap();
         assert!(texture.height() > 50, "{}", texture.height());
-        texture.set_parameters(|p| p.filter_width = 5);
+        texture.set_look_up(&LookUp { filter: Filter::Box5, ..LookUp::default() }).unwrap();
         let anchor = texture.anchor_world();
         let points = points(bounds.min, bounds.max, anchor, COUNT);
         let sampler = file.sampler(Filter::Box5);

@@ -123,6 +123,18 @@ pub(crate) struct WordPlaces {
     pub(crate) code_offset: u32,
 }
 
+impl WordPlaces {
+    /// Returns the places of a file's words, when they are on their own.
+    pub(crate) fn of(file: &ShadowFile) -> Self {
+        Self {
+            block_level: file.tree.root_level(),
+            block_dims: file.tree.top_dims(),
+            table_offset: 0,
+            code_offset: 2 * file.tree.top().len() as u32,
+        }
+    }
+}
+
 impl Parameters {
     /// Size of the structure in bytes.
     pub const BYTES: usize = 352;
@@ -133,13 +145,7 @@ impl Parameters {
     /// Returns [`Error::Range`](crate::Error::Range) if the bias or the penumbrae are out of range, or the
     /// grid is too large for look-ups on a GPU.
     pub fn new(file: &ShadowFile, look_up: &LookUp, anchor_world: [f64; 3]) -> Result<Self> {
-        let words = WordPlaces {
-            block_level: file.tree.root_level(),
-            block_dims: file.tree.top_dims(),
-            table_offset: 0,
-            code_offset: 2 * file.tree.top().len() as u32,
-        };
-        Self::of_grid(&file.grid, file.settings.bias, words, look_up, anchor_world)
+        Self::of_grid(&file.grid, file.settings.bias, WordPlaces::of(file), look_up, anchor_world)
     }
 
     /// Creates the parameters of a look-up in words at these places. The bias is the file's unless `look_up`

@@ -18,11 +18,12 @@
 //! | 16 to 103 | the parameter block, [`Parameters`] |
 //! | 104 to 127 | zero |
 
-use super::parameters::{LookUp, Parameters};
+use super::parameters::{LookUp, Parameters, WordPlaces};
 use super::words::Words;
 use crate::error::{RangeError, RangeField, Result};
 use crate::file::ShadowFile;
 use crate::grid::LightGrid;
+use crate::settings::Bias;
 
 /// First word of a look-up texture: "ADUT" as bytes.
 pub const TEXTURE_MAGIC: u32 = u32::from_le_bytes(*b"ADUT");
@@ -41,14 +42,18 @@ const MIN_WIDTH: u32 = HEADER_WORDS as u32;
 /// A file as a texture, with the parameters of look-ups in its header.
 ///
 /// Positions in the shader are relative to [`LookUpTexture::anchor_world`], the middle of the file's grid, so
-/// nothing has to be uploaded per frame. If the filter or the bias changes, only the header's bytes change.
-/// For another placement, [`FileForGpu::texture_header`](super::FileForGpu::texture_header) returns the
-/// header.
+/// nothing has to be uploaded per frame. For another look-up, only the header's bytes change. An engine that
+/// shows one file in several ways keeps one texture, and a header for each way from
+/// [`FileForGpu::texture_header`](super::FileForGpu::texture_header).
 #[derive(Clone, Debug)]
 pub struct LookUpTexture {
     width: u32,
     height: u32,
     bytes: Vec<u8>,
+    /// The file's grid, bias and places of words.
+    grid: LightGrid,
+    bias: Bias,
+    words: WordPlaces,
     parameters: Parameters,
     anchor_world: [f32; 3],
 }
@@ -62,9 +67,8 @@ impl LookUpTexture {
     /// Returns [`Error::Range`](crate::Error::Range) if the file needs more texels, and the errors of
     /// [`Parameters::new`].
     pub fn new(file: &ShadowFile, look_up: &LookUp, max_side: u32) -> Result<Self> {
-        let grid = file.grid.placed(&look_up.placement);
-        let anchor_world = middle(&grid);
-        let parameters = Parameters::new(file, look_up, anchor_world.map(f64::from))?;
+        let (grid, bias, places) = (file.grid, file.settings.bias, WordPlaces::of(file));
+        let (parameters, anchor_world) = placed_parameters(&grid, bias, places, look_up)?;
         let words = Words::new(&file.tree);
         let texels = HEADER_WORDS as u64 + words.count();
         let Some((width, height)) = size(texels, max_side) else {
@@ -73,10 +77,11 @@ impl LookUpTexture {
         };
         let mut bytes = Vec::with_capacity(4 * width as usize * height as usize);
         // The number of words of a texture fits 32 bits.
-        put_header(&mut bytes, &parameters, anchor_world, &grid, words.count() as u32);
+        let placed = grid.placed(&look_up.placement);
+        put_header(&mut bytes, &parameters, anchor_world, &placed, words.count() as u32);
         words.iter().for_each(|word| bytes.extend(word.to_le_bytes()));
         bytes.resize(4 * width as usize * height as usize, 0);
-        Ok(Self { width, height, bytes, parameters, anchor_world })
+        Ok(Self { width, height, bytes, grid, bias, words: places, parameters, anchor_world })
     }
 
     /// Returns the number of texels per row, a power of two.
@@ -95,17 +100,9 @@ impl LookUpTexture {
     }
 
     /// Returns the header's bytes, the first texels of the texture. This is the upload after
-    /// [`LookUpTexture::set_parameters`].
+    /// [`LookUpTexture::set_look_up`].
     pub fn header(&self) -> &[u8] {
         &self.bytes[..4 * HEADER_WORDS]
-    }
-
-    /// Returns the header's bytes with other parameters, which must be of the same file, anchor and
-    /// placement. An engine that shows one file in several ways keeps one texture and a header for each way.
-    pub fn header_with(&self, parameters: Parameters) -> Vec<u8> {
-        let mut header = self.header().to_vec();
-        header[4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&parameters.to_bytes());
-        header
     }
 
     /// Returns the world position that positions in the shader are relative to. Each coordinate is
@@ -119,19 +116,32 @@ impl LookUpTexture {
         &self.parameters
     }
 
-    /// Changes the bias, filter and penumbra parameters of look-ups in the header. The grid with its anchor,
-    /// the roots and the offsets are kept.
-    pub fn set_parameters(&mut self, change: impl FnOnce(&mut Parameters)) {
-        let mut changed = self.parameters;
-        change(&mut changed);
-        let Parameters { bias, filter_width, sun_cone, max_radius_texels, .. } = changed;
-        self.parameters = Parameters { bias, filter_width, sun_cone, max_radius_texels, ..self.parameters };
-        self.write_parameters();
+    /// Changes the look-up. Only the header changes, and the anchor if the placement does. After an error,
+    /// nothing has changed.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Parameters::new`].
+    pub fn set_look_up(&mut self, look_up: &LookUp) -> Result<()> {
+        (self.parameters, self.anchor_world) = placed_parameters(&self.grid, self.bias, self.words, look_up)?;
+        let count = u32::from_le_bytes(std::array::from_fn(|i| self.bytes[12 + i]));
+        let mut header = Vec::with_capacity(4 * HEADER_WORDS);
+        let placed = self.grid.placed(&look_up.placement);
+        put_header(&mut header, &self.parameters, self.anchor_world, &placed, count);
+        self.bytes[..header.len()].copy_from_slice(&header);
+        Ok(())
     }
+}
 
-    fn write_parameters(&mut self) {
-        self.bytes[4 * PARAMETERS_AT..][..Parameters::BYTES].copy_from_slice(&self.parameters.to_bytes());
-    }
+/// Returns the parameters of a look-up relative to the middle of the placed grid, and that middle.
+fn placed_parameters(
+    grid: &LightGrid,
+    bias: Bias,
+    words: WordPlaces,
+    look_up: &LookUp,
+) -> Result<(Parameters, [f32; 3])> {
+    let anchor_world = middle(&grid.placed(&look_up.placement));
+    let parameters = Parameters::of_grid(grid, bias, words, look_up, anchor_world.map(f64::from))?;
+    Ok((parameters, anchor_world))
 }
 
 /// Returns the middle of a grid, rounded to `f32`.
