@@ -8,7 +8,7 @@ use crate::columns::capture::{self, CaptureBuffers, TexelRect, capture_layers};
 use crate::columns::crossings::for_each_inside;
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::triangles::casters::{self, CasterOptions, Casters, SceneClusters};
-pub use crate::triangles::project::FixedDepth;
+pub use crate::triangles::depth::FixedDepth;
 use crate::triangles::surface::BinSurfaces;
 
 /// How a scene is interpreted.

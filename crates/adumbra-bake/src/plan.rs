@@ -12,7 +12,7 @@ use crate::sink::depths::top_bytes;
 use crate::sink::limit::SwitchLimit;
 use crate::triangles::casters::{Bins, CasterOptions, Casters, SceneClusters};
 use crate::triangles::corners::Corners;
-use crate::triangles::project;
+use crate::triangles::depth::DEPTH_MAX_VOXELS;
 use adumbra::FileSettings;
 use adumbra::file::LEVEL_STEP;
 use adumbra::grid::{Frame, LightExtent, LightGrid};
@@ -69,7 +69,7 @@ impl Placement {
     /// # Errors
     /// Returns [`Error::Range`] if the grid has too many voxels along an axis.
     pub(crate) fn on(grid: LightGrid, resolution: u32, options: &BakeOptions) -> Result<Self> {
-        if f64::from(grid.size[2]) > project::DEPTH_MAX_VOXELS {
+        if f64::from(grid.size[2]) > DEPTH_MAX_VOXELS {
             return Err(RangeError::new(
                 RangeField::Resolution,
                 format!("{resolution} ({} voxels along the light)", grid.size[2]),

@@ -147,33 +147,77 @@ fn forecast_level(plan: &Plan<'_>, encoding: Encoding, cancel: &AtomicBool) -> R
 #[cfg(test)]
 mod tests {
     use adumbra::{Encoding, Sun};
-    use adumbra_scene::{GeneratedKind, generate};
+    use adumbra_scene::{GeneratedKind, LoadOptions, Scene, generate, load};
+    use adumbra_testing::{full, scene_file, shared};
 
     use crate::{Bake, BakeOptions, Size};
 
+    /// Checks that a forecast contains what the bake takes, and prints both. Seconds are not checked, because
+    /// they depend on what else the machine does.
+    fn check(name: &str, scene: &Scene, options: &BakeOptions) {
+        let bake = Bake::with_options(scene, options);
+        let forecast = bake.estimate().expect("a good forecast");
+        let (file, report) = bake.in_memory_with_report().expect("a good bake");
+        let found =
+            [file.to_bytes(options.encoding).expect("a good file").len() as u64, report.accounted_bytes];
+        let case = format!("{name}, {:?}, {:?}", options.size, options.encoding);
+        println!("{case}: {found:?} bytes, {:.2} s; {forecast:?}", report.seconds);
+        assert_eq!(forecast.root_blocks, report.root_blocks, "{case}");
+        assert!(forecast.sampled_root_blocks <= report.root_blocks / 4, "{case}");
+        for (found, [least, most]) in found.into_iter().zip([forecast.file_bytes, forecast.memory_bytes]) {
+            assert!((least..=most).contains(&found), "{case}: {found} in {forecast:?}");
+            assert!(most / least < 7, "{case}: {forecast:?}");
+        }
+    }
+
+    fn options(resolution: u64, encoding: Encoding) -> BakeOptions {
+        let sun = Sun::from_angles(130.0, 40.0).expect("above the horizon");
+        BakeOptions { encoding, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
+    }
+
     #[test]
     fn forecast_contains_what_the_bake_takes() {
-        let sun = Sun::from_direction([-0.45, 0.75, -0.35]).unwrap();
         for kind in [GeneratedKind::SphereGrid, GeneratedKind::Wires] {
-            let scene = generate(kind, 1);
             for encoding in [Encoding::Coded, Encoding::Raw] {
-                let options = BakeOptions { encoding, ..BakeOptions::new(sun, Size::Resolution(1024)) };
-                let bake = Bake::with_options(&scene, &options);
-                let forecast = bake.estimate().unwrap();
-                let (file, report) = bake.in_memory_with_report().unwrap();
-                assert!(file.level_count() > 1);
-                assert_eq!(forecast.root_blocks, report.root_blocks);
-                assert!(forecast.sampled_root_blocks <= report.root_blocks / 4);
-                let bytes = file.to_bytes(encoding).unwrap().len() as u64;
-                for (what, found, [least, most]) in [
-                    ("file", bytes, forecast.file_bytes),
-                    ("memory", report.accounted_bytes, forecast.memory_bytes),
-                ] {
-                    assert!(
-                        (least..=most).contains(&found),
-                        "{kind:?}, {encoding:?}, {what}: {found} {forecast:?}"
-                    );
-                    assert!(most / least < 7, "{kind:?}, {encoding:?}, {what}: {forecast:?}");
+                check(&format!("{kind:?}"), &generate(kind, 1), &options(1024, encoding));
+            }
+        }
+    }
+
+    #[test]
+    #[ignore = "slow: bakes fourteen scenes several times"]
+    fn forecasts_of_real_scenes_contain_what_bakes_take() {
+        let Some(folder) = shared("scenes") else { return };
+        let names = [
+            "alpine-2",
+            "auster",
+            "delft",
+            "dragon_202k",
+            "jacksboro",
+            "oak_medium",
+            "street-1",
+            "teapot",
+            "zdm2",
+        ];
+        let real = names.map(|name| {
+            (
+                name.to_owned(),
+                load(&scene_file(&folder, name), &LoadOptions::default()).expect("a good scene"),
+            )
+        });
+        let kinds = [
+            GeneratedKind::Ball,
+            GeneratedKind::City,
+            GeneratedKind::Landscape,
+            GeneratedKind::Spheres,
+            GeneratedKind::Wires,
+        ];
+        let generated = kinds.map(|kind| (format!("{kind:?}"), generate(kind, 1)));
+        let resolutions: &[u64] = if full() { &[1024, 4096, 16_384] } else { &[1024, 4096] };
+        for (name, scene) in real.iter().chain(&generated) {
+            for &resolution in resolutions {
+                for encoding in [Encoding::Coded, Encoding::Raw] {
+                    check(name, scene, &options(resolution, encoding));
                 }
             }
         }

@@ -11,7 +11,8 @@ use crate::columns::crossings::{crossing_key, solid_end};
 use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{ColumnRules, FirstSurface, ReceiverKind};
 use crate::columns::seams::{self, SeamHit};
-use crate::triangles::project::{FixedDepth, SEAM_MARGIN};
+use crate::triangles::depth::FixedDepth;
+use crate::triangles::project::SEAM_MARGIN;
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
 

@@ -1,6 +1,6 @@
 //! Where a column enters and leaves solids.
 
-use crate::triangles::project::FixedDepth;
+use crate::triangles::depth::FixedDepth;
 
 /// Offset in depth steps that makes a depth an unsigned key.
 const KEY_OFFSET: i64 = 1 << 28;

@@ -5,8 +5,9 @@
 //! over the texel's area would be less noisy where holes are finer than a texel. But it would make mostly
 //! covered surfaces opaque, and sparsely covered surfaces clear.
 
+use crate::triangles::depth::Plane;
 use crate::triangles::opacity::{OpacityTable, OpacityTables};
-use crate::triangles::project::{Plane, Projected};
+use crate::triangles::project::Projected;
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;

@@ -5,9 +5,8 @@
 //! otherwise, with `e = ceil(entry - 1/2)` and `x = max(e, ceil(exit - 1/2))`. A column without a surface has
 //! e = the grid's depth. An x at or beyond the grid's end is [`FREE_TO_END`].
 
-use crate::triangles::project::{
-    FixedDepth, Plane, Projected, SUBTEXEL, SUBTEXEL_BITS, fixed_depth, floor_fixed_depth,
-};
+use crate::triangles::depth::{FixedDepth, Plane, SUBTEXEL, SUBTEXEL_BITS, fixed_depth, floor_fixed_depth};
+use crate::triangles::project::Projected;
 use crate::triangles::surface::Surface;
 use adumbra::grid::vec3::dot;
 use adumbra::query::receiver;

@@ -4,7 +4,7 @@
 //! its neighbour.
 
 use crate::columns::rules::FirstSurface;
-use crate::triangles::project::FixedDepth;
+use crate::triangles::depth::FixedDepth;
 use crate::triangles::surface::Surface;
 
 /// A sunward surface of a solid that covers a texel's centre only when it is grown by the seam width.

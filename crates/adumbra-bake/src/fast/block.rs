@@ -4,7 +4,8 @@
 //! disagree with the sampling. A test may err only towards "touches" and "crosses".
 
 use crate::columns::rules::{ColumnRules, ReceiverKind, ReceiverPlane};
-use crate::triangles::project::{FixedDepth, Plane, Projected, SUBTEXEL, fixed_depth};
+use crate::triangles::depth::{FixedDepth, Plane, SUBTEXEL, fixed_depth};
+use crate::triangles::project::Projected;
 use crate::triangles::surface::Surface;
 
 /// Distance in 1/256 texel outside the footprints of a block's texels at which an edge still counts as
@@ -30,7 +31,7 @@ pub(crate) struct BlockSurface {
     /// The surface as a receiver, if it is one.
     pub(crate) receiver: Option<ReceiverPlane>,
     /// Which edges, in the order of [`Projected::snapped`], have no adjacent triangle that is drawn and faces
-    /// the same way. Only there can the number of layers change.
+    /// as this one does. Only there can the number of layers change.
     pub(crate) contour: [bool; 3],
     /// Surfaces with equal `group` are connected and face the same way.
     pub(crate) group: u32,

@@ -11,7 +11,7 @@ use crate::columns::rules::{ColumnRules, FREE_TO_END, ReceiverKind};
 use crate::fast::block::{
     Block, BlockSurface, DEPTH_SLACK, Front, SampledRange, SurfaceRange, is_sampled_behind,
 };
-use crate::triangles::project::{FixedDepth, SUBTEXEL};
+use crate::triangles::depth::{FixedDepth, SUBTEXEL};
 
 /// Slack for a footprint's half side because of the snapping of corners, texels.
 const FOOTPRINT_SLACK: f64 = 1.0 / 64.0;

@@ -21,7 +21,7 @@ use crate::fast::leaf::{LazyMask, LeafBuffers, NearSurfaces, Setting, leaf_colum
 use crate::root_blocks::RootBlocks;
 use crate::sink::BlockSink;
 use crate::triangles::casters::Casters;
-use crate::triangles::project::{FixedDepth, SUBTEXEL};
+use crate::triangles::depth::{FixedDepth, SUBTEXEL};
 use crate::triangles::surface::{Surface, Surfaces};
 use adumbra::Receivers;
 use adumbra::grid::LightGrid;

@@ -174,24 +174,27 @@ impl Candidates {
             if noted.is_some_and(|noted| !noted.is_new) {
                 continue;
             }
-            let shape = page.list.get(shape);
-            if let Shape::Node(node) = shape {
-                for child in node.all() {
-                    if let Child::Shape { shape, .. } = child {
-                        count(shape);
+            let candidate = noted.map(|noted| shard_and_index(noted.id));
+            match page.list.get(shape) {
+                Shape::Leaf(halves) => {
+                    let Some((shard, index)) = candidate else { continue };
+                    let Shard { candidates, list, .. } = &mut *self.shard(shard);
+                    candidates[index].shape = list.push_leaf(halves.iter().copied());
+                }
+                Shape::Node(node) => {
+                    let children = node.all();
+                    for child in children {
+                        if let Child::Shape { shape, .. } = child {
+                            count(shape);
+                        }
                     }
+                    let Some((shard, index)) = candidate else { continue };
+                    // Pages that share a shape share all shapes below it.
+                    let ids = children.map(|child| child.map(|shape| id(shape).unwrap_or(NO_CANDIDATE)));
+                    let Shard { candidates, list, .. } = &mut *self.shard(shard);
+                    candidates[index].shape = list.push_node(node.level(), &ids);
                 }
             }
-            let Some((shard, index)) = noted.map(|noted| shard_and_index(noted.id)) else { continue };
-            let Shard { candidates, list, .. } = &mut *self.shard(shard);
-            candidates[index].shape = match shape {
-                Shape::Leaf(halves) => list.push_leaf(halves),
-                // Pages that share a shape share all shapes below it.
-                Shape::Node(node) => {
-                    let named = |child: Child<u32>| child.map(|shape| id(shape).unwrap_or(NO_CANDIDATE));
-                    list.push_node(node.level(), &node.all().map(named))
-                }
-            };
         }
     }
 

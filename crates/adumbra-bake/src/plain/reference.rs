@@ -11,9 +11,8 @@ use crate::options::{AssumeGround, BakeOptions, ColumnBuilder, FrameChoice, Size
 use crate::plan::{Placement, Plan};
 use crate::progress::NEVER;
 use crate::test_bakes::for_each_column_of;
-use crate::triangles::project::{
-    FixedDepth, Projected, SEAM_MARGIN, SUBTEXEL, fixed_depth, floor_fixed_depth,
-};
+use crate::triangles::depth::{FixedDepth, SUBTEXEL, fixed_depth, floor_fixed_depth};
+use crate::triangles::project::{Projected, SEAM_MARGIN};
 use adumbra::grid::{Bounds, Sun};
 use adumbra::{Filter, MAX_PLANE_SLOPE, Receivers, ShadowFile};
 use adumbra_scene::{Instance, Material, Mesh, Scene, topology};

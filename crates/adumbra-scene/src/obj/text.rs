@@ -61,7 +61,7 @@ pub(super) struct Statement<'s> {
     pub(super) keyword: &'s [u8],
     /// The text after the keyword, without surrounding white space and without a comment.
     pub(super) rest: &'s [u8],
-    /// The same text, including the comment.
+    /// The text after the keyword, with the comment.
     pub(super) whole: &'s [u8],
 }
 

@@ -71,7 +71,7 @@ impl<'c> PartBuilder<'c> {
             *rank = if r.below(3) > 0 { c / 8 % (last + 1) } else { r.below(last + 1) } as u8;
         }
         let mut buffer = [0; MOST_HALVES];
-        self.common.shapes.len() + self.own.push_leaf(leaf.halves(&mut buffer))
+        self.common.shapes.len() + self.own.push_leaf(leaf.halves(&mut buffer).iter().copied())
     }
 
     fn node(&mut self, level: u32, children: Children<u32>) -> u32 {
@@ -328,7 +328,7 @@ fn pads_highly_compressible_part_with_zeros() {
     let mut buffer = [0; MOST_HALVES];
     let halves = leaf.halves(&mut buffer);
     for _ in 0..2000 {
-        b.own.push_leaf(halves);
+        b.own.push_leaf(halves.iter().copied());
     }
     let (common, words) = Common::lay_out(b.own, usize::MAX).unwrap();
     assert_eq!(words.len(), 6000);
@@ -405,11 +405,11 @@ fn memory_of_shape_lists_is_within_decoding_ratio() {
     for kind in 0..=nodes.len() {
         let mut shapes = ShapeList::default();
         let smallest = Leaf { slant: 1, ..Leaf::EMPTY };
-        shapes.push_leaf(smallest.halves(&mut buffer));
+        shapes.push_leaf(smallest.halves(&mut buffer).iter().copied());
         // A little more than a power of two, so that the lists are half empty.
         for _ in 0..4200 {
             match kind.checked_sub(1) {
-                None => shapes.push_leaf(smallest.halves(&mut buffer)),
+                None => shapes.push_leaf(smallest.halves(&mut buffer).iter().copied()),
                 Some(kind) => shapes.push_node(5, &nodes[kind]),
             };
         }

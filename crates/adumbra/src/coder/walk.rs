@@ -287,7 +287,7 @@ impl<'s, C: Coder> Walk<'s, C> {
         self.spend(halves.len())?;
         let outline = Outline::of(halves);
         let before = self.common.len();
-        let index = self.own.note(source, |own| before + own.push_leaf(halves));
+        let index = self.own.note(source, |own| before + own.push_leaf(halves.iter().copied()));
         self.edges.leaf(at, depth, index, &outline);
         self.note(source, index);
         self.scratch = Some(leaf);

@@ -9,7 +9,8 @@ use super::{Leaf, Setting};
 use crate::columns::BLOCK_SIDE;
 use crate::columns::masked::TriangleMask;
 use crate::texel_mask::{texels_of, texels_where};
-use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
+use crate::triangles::depth::{FixedDepth, depths_within};
+use crate::triangles::project::SEAM_MARGIN;
 
 impl Leaf<'_> {
     /// Returns the texels whose first surface may be at this depth or deeper.

@@ -20,8 +20,8 @@ use crate::columns::rules::{ColumnRules, FirstSurface};
 use crate::columns::seams::SeamHit;
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::{Block, BlockSurface, SurfaceRange};
+use crate::triangles::depth::FixedDepth;
 use crate::triangles::opacity::OpacityTables;
-use crate::triangles::project::FixedDepth;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
 

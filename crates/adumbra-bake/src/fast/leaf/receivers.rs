@@ -7,7 +7,7 @@ use crate::columns::rules::{CONTACT_RINGS, ColumnRules, FREE_TO_END, FirstSurfac
 use crate::columns::{BLOCK_SIDE, BlockColumns};
 use crate::fast::block::BlockSurface;
 use crate::texel_mask::{texels_of, texels_where};
-use crate::triangles::project::{FixedDepth, SUBTEXEL};
+use crate::triangles::depth::{FixedDepth, SUBTEXEL};
 
 /// A receiver that samples a column at least this far behind its exit does not change the column: rounding of
 /// the exit, 1/256 voxel.

@@ -5,7 +5,8 @@ use super::{Crossings, Leaf, Near};
 use crate::columns::BLOCK_SIDE;
 use crate::columns::seams::{self, SeamHit};
 use crate::texel_mask::{texels_of, texels_where};
-use crate::triangles::project::{FixedDepth, SEAM_MARGIN, depths_within};
+use crate::triangles::depth::{FixedDepth, depths_within};
+use crate::triangles::project::SEAM_MARGIN;
 use crate::triangles::surface::Surface;
 
 /// Up to this many crossings, comparing each with all others is faster than sorting them.

@@ -3,7 +3,7 @@
 use crate::columns::BLOCK_SIDE;
 use crate::columns::rules::FirstSurface;
 use crate::texel_mask::texels_where;
-use crate::triangles::project::FixedDepth;
+use crate::triangles::depth::FixedDepth;
 
 /// One value per texel, by row and column. Compilers vectorize loops over rows of eight.
 pub(super) type Texels<T> = [[T; BLOCK_SIDE]; BLOCK_SIDE];

@@ -176,9 +176,9 @@ impl ShapeList {
 
     /// Adds a leaf and returns its index.
     #[inline]
-    pub fn push_leaf(&mut self, halves: &[u16]) -> u32 {
+    pub fn push_leaf(&mut self, halves: impl IntoIterator<Item = u16>) -> u32 {
         let first = self.leaf_halves.len() as u32;
-        self.leaf_halves.extend_from_slice(halves);
+        self.leaf_halves.extend(halves);
         self.push(Entry { first, children: 0, level: LEAF_LEVEL as u8 })
     }
 
@@ -259,7 +259,7 @@ impl ShapeSet {
 
     /// Returns the index of a leaf, which is added if it is new.
     pub fn leaf(&mut self, halves: &[u16]) -> u32 {
-        let index = self.list.push_leaf(halves);
+        let index = self.list.push_leaf(halves.iter().copied());
         self.once(index)
     }
 
@@ -292,7 +292,6 @@ pub struct ShapeReader {
     indices: Vec<u32>,
     /// Further shapes of a place: forged parts may have shapes of several levels there.
     others: HashMap<ShapePlace, u32>,
-    halves: Vec<u16>,
 }
 
 impl ShapeReader {
@@ -325,9 +324,7 @@ impl ShapeReader {
         }
         let index = if level == LEAF_LEVEL {
             let length = LeafHead::new(code.half(at)).length();
-            self.halves.clear();
-            self.halves.extend((at..at + length).map(|at| code.half(at) as u16));
-            list.push_leaf(&self.halves)
+            list.push_leaf((at..at + length).map(|at| code.half(at) as u16))
         } else {
             let mut children = [Child::Never; 16];
             for (child, decoded) in children.iter_mut().zip(code.children(at)) {
