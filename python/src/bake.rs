@@ -59,20 +59,20 @@ impl Options {
                 return Err(Failure::Value(format!("receivers: {other:?} must be \"all\" or \"static\"")));
             }
         };
-        Ok(BakeOptions {
-            frame,
-            thickness_world: self.thickness,
-            switch_within_voxels: self.switch_within,
-            levels: self.levels,
-            encoding: encoding(&self.encoding)?,
-            assume_ground: self.assume_ground.map_or(AssumeGround::Auto, AssumeGround::from),
-            closed_regions: self.closed_regions,
-            ignore_alpha,
-            receivers,
-            bounds: self.bounds.map(|(min, max)| Bounds { min, max }),
-            max_memory_bytes: self.max_memory,
-            ..BakeOptions::new(Sun::from_direction(self.sun)?, size)
-        })
+        let encoding = encoding(&self.encoding)?;
+        Ok(BakeOptions::new(Sun::from_direction(self.sun)?, size).with(|o| {
+            o.frame = frame;
+            o.thickness_world = self.thickness;
+            o.switch_within_voxels = self.switch_within;
+            o.levels = self.levels;
+            o.encoding = encoding;
+            o.assume_ground = self.assume_ground.map_or(AssumeGround::Auto, AssumeGround::from);
+            o.closed_regions = self.closed_regions;
+            o.ignore_alpha = ignore_alpha;
+            o.receivers = receivers;
+            o.bounds = self.bounds.map(|(min, max)| Bounds { min, max });
+            o.max_memory_bytes = self.max_memory;
+        }))
     }
 }
 

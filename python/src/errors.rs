@@ -62,7 +62,7 @@ fn from_scene(error: adumbra_scene::Error) -> PyErr {
     use adumbra_scene::Error as E;
     match error {
         E::Io(error) => from_io(&error),
-        E::Range(_) | E::Pattern { .. } | E::UnknownSceneFormat { .. } => {
+        E::GroundSize { .. } | E::Pattern { .. } | E::UnknownSceneFormat { .. } => {
             PyValueError::new_err(error.to_string())
         }
         E::SceneParse { .. }

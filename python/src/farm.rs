@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker, stage_link};
+use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker};
 use adumbra_files::{StagedFile, check_output, replace_file, same_file};
 use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
@@ -179,7 +179,10 @@ impl Plan {
         watched(py, None, |_| {
             let path = scene.as_ref().unwrap_or(&self.file.scene);
             let plan = &self.file.plan;
-            let limits = BakeOptions { max_memory_bytes, spill_folder: Some(spill), ..plan.options() };
+            let limits = plan.options().with(|o| {
+                o.max_memory_bytes = max_memory_bytes;
+                o.spill_folder = Some(spill);
+            });
             let prepared = pool(threads)?.install(|| -> Result<_, Failure> {
                 let scene = load(path, &self.file.load.options()?)?;
                 let owner = (scene, Arc::clone(&self.file));
@@ -212,9 +215,9 @@ impl Plan {
             let key = |id: usize| plan.parts().get(id).map(|part| *part.key());
             let sums = sums.into_iter().filter_map(|(id, sum)| Some((key(id)?, sum))).collect();
             let cache: Arc<dyn BakeCache> = Arc::new(Checked { cache: DiskCache::open(cache)?, sums });
-            let limits = BakeOptions { max_memory_bytes, ..plan.options() };
+            let limits = plan.options().with(|o| o.max_memory_bytes = max_memory_bytes);
             pool(threads)?.install(|| {
-                let (staged, _) = stage_link(plan, &cache, &limits, watch, &output)?;
+                let (staged, _) = plan.stage_link(&cache, &limits, watch, &output)?;
                 StagedFile::place([staged])?;
                 File::read_back(&output)
             })

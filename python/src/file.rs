@@ -83,7 +83,9 @@ impl File {
             // Read the header first, so that a large file of another kind is rejected without reading it.
             let bytes = read_file(&path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
             let file = pool(None)?.install(|| Self::decode(&bytes));
-            file.map_err(|source| Failure::Reader(adumbra::Error::Format { path, source: Box::new(source) }))
+            file.map_err(|source| {
+                Failure::Reader(adumbra::Error::Format { path: Some(path), source: Box::new(source) })
+            })
         })
     }
 

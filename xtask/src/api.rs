@@ -1,5 +1,5 @@
-//! The public API of the reader: every item that `crates/adumbra` exports, as text. `docs/api.txt` holds this
-//! text, so that every change of the API is visible as a change of that file.
+//! The public APIs of the reader and the baker: every item that a crate exports, as text. A file of `docs/`
+//! holds each text, so that every change of an API is visible as a change of that file.
 //!
 //! Items are found with `syn`: the items that `lib.rs` and its documented modules declare or re-export, with
 //! their public methods and variants. Items marked `#[doc(hidden)]` are left out.
@@ -10,9 +10,30 @@ use std::path::{Path, PathBuf};
 
 use syn::{Attribute, ImplItem, Item, UseTree, Visibility};
 
-const CRATE: &str = "crates/adumbra/src";
-/// The file that holds the list.
-pub(crate) const LIST: &str = "docs/api.txt";
+/// A crate whose public items are listed.
+pub(crate) struct Api {
+    name: &'static str,
+    /// The file that holds the list.
+    pub(crate) list: &'static str,
+    /// Maximum number of public items, so that users can survey them.
+    #[cfg(test)]
+    most_items: usize,
+}
+
+pub(crate) const APIS: [Api; 2] = [
+    Api {
+        name: "adumbra",
+        list: "docs/api.txt",
+        #[cfg(test)]
+        most_items: 60,
+    },
+    Api {
+        name: "adumbra-bake",
+        list: "docs/api-bake.txt",
+        #[cfg(test)]
+        most_items: 25,
+    },
+];
 
 /// The kind and the members of an item.
 #[derive(Default)]
@@ -26,8 +47,8 @@ struct Found {
 /// # Errors
 ///
 /// Returns a message if a source cannot be read.
-pub(crate) fn list(root: &Path) -> Result<(String, usize), String> {
-    let sources = root.join(CRATE);
+pub(crate) fn list(root: &Path, api: &Api) -> Result<(String, usize), String> {
+    let sources = root.join("crates").join(api.name).join("src");
     let mut found = BTreeMap::new();
     for file in rust_files(&sources)? {
         for item in parse(&file)?.items {
@@ -41,7 +62,7 @@ pub(crate) fn list(root: &Path) -> Result<(String, usize), String> {
         names.extend(exported(&inner, &format!("{module}::"))?);
     }
     names.sort();
-    let mut text = "The public items of the crate adumbra, by `cargo xtask api`.\n\n".to_owned();
+    let mut text = format!("The public items of the crate {}, by `cargo xtask api`.\n\n", api.name);
     for (prefix, name) in &names {
         let known = found.get(name);
         let kind = known.map_or("mod", |item| item.kind);
@@ -156,18 +177,21 @@ fn documented_modules(file: &Path) -> Result<Vec<String>, String> {
 mod tests {
     use super::*;
 
-    /// Maximum number of public items, so that users of the reader can survey them.
-    const MOST_ITEMS: usize = 60;
-
     #[test]
-    fn reader_api_matches_list_and_is_small() {
+    fn apis_match_their_lists_and_are_small() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-        let (text, items) = list(root).unwrap();
-        assert!(items <= MOST_ITEMS, "{items} items:\n{text}");
-        let listed = fs::read_to_string(root.join(LIST)).unwrap();
-        assert!(listed == text, "{LIST} is not what the sources say; run cargo xtask api");
-        for item in ["struct Sampler", "enum Filter", "struct gpu::FileForGpu", "    sampler()"] {
-            assert!(text.lines().any(|line| line == item), "{item} is missing:\n{text}");
+        let items = [
+            ["struct Sampler", "enum Filter", "struct gpu::FileForGpu", "    sampler()"],
+            ["struct Bake", "trait BakeCache", "struct BakeOptions", "    in_memory()"],
+        ];
+        for (api, items) in APIS.iter().zip(items) {
+            let (text, count) = list(root, api).unwrap();
+            assert!(count <= api.most_items, "{count} items:\n{text}");
+            let listed = fs::read_to_string(root.join(api.list)).unwrap();
+            assert!(listed == text, "{} is not what the sources say; run cargo xtask api", api.list);
+            for item in items {
+                assert!(text.lines().any(|line| line == item), "{item} is missing:\n{text}");
+            }
         }
     }
 }

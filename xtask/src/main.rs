@@ -30,7 +30,7 @@ const USAGE: &str = "usage:
   cargo xtask docs --parse    use existing builds, only parse the arguments of all commands but the README's
   cargo xtask vectors         regenerate test_vectors/
   cargo xtask shaders-web     regenerate the look-ups of integrations/three from the workspace's WGSL
-  cargo xtask api             regenerate docs/api.txt, the public items of the reader
+  cargo xtask api             regenerate docs/api.txt and docs/api-bake.txt, the public items of reader and baker
   cargo xtask count           compare instruction counts of the hot steps with docs/counts.json; --bless writes it";
 
 fn main() -> ExitCode {
@@ -83,8 +83,10 @@ fn bakes(cargo: &Cargo<'_>, profile: &str, words: &[&str]) -> Result<(), String>
 }
 
 fn write_api(root: &Path) -> Result<(), String> {
-    let (text, items) = api::list(root)?;
-    std::fs::write(root.join(api::LIST), text).map_err(|e| format!("cannot write {}: {e}", api::LIST))?;
-    println!("{items} items");
+    for api in &api::APIS {
+        let (text, items) = api::list(root, api)?;
+        std::fs::write(root.join(api.list), text).map_err(|e| format!("cannot write {}: {e}", api.list))?;
+        println!("{}: {items} items", api.list);
+    }
     Ok(())
 }

@@ -6,13 +6,13 @@ use std::path::Path;
 use std::process::Command;
 
 /// Each retired word, and what stands in its place.
-const RETIRED: [(&str, &str); 52] = [
+const RETIRED: [(&str, &str); 61] = [
     // The bake cache.
     ("FolderObjects", "DiskCache"),
     ("MemoryObjects", "MemoryCache"),
     ("StoreObjects", "StoreCache"),
     ("CachedObjects", "BestEffortCache"),
-    ("FolderContents", "CacheUsage"),
+    ("FolderContents", "CacheReport"),
     ("FolderReport", "CacheReport"),
     ("ObjectKey", "CacheKey"),
     ("PageObject", "CachedPage"),
@@ -64,6 +64,16 @@ const RETIRED: [(&str, &str); 52] = [
     ("NotBaked", "ExcludeFromBake"),
     ("NotYetBaked", "AwaitingBake"),
     ("softness", "sun_degrees, sunDegrees"),
+    // What users link, and what pages import.
+    ("wgsl_files", "FileForGpu::wgsl"),
+    ("WordSource", "TexelFormat"),
+    ("VOXEL_TEXTURE_PASS", "LOOK_UP_FILE"),
+    ("VOXEL_LEVELS_SOFT_PASS", "VOXEL_LEVELS_SOFT"),
+    ("BakerPage", "PlannedPart"),
+    ("CacheUsage", "CacheReport"),
+    ("DEFAULT_REGION_TEXELS", "RegionPlan::DEFAULT_TEXELS"),
+    ("bytesPerUpdate", "uploadBytesPerFrame"),
+    ("fadeUpdates", "fadeFrames"),
 ];
 
 /// Where a retired word means something else, or is named as such: the word, and the file.
@@ -82,6 +92,11 @@ const VAGUE: [&str; 10] =
 
 /// Largest width of a comment, columns. Rows of tables may be wider.
 const COMMENT_COLUMNS: usize = 110;
+
+/// Largest width of a line of Markdown, columns. Tables, code and check comments may be wider, and so may a
+/// line with a code span or a link that is longer than [`LONG_SPAN`].
+const MARKDOWN_COLUMNS: usize = 120;
+const LONG_SPAN: usize = 60;
 
 /// Endings of files with text.
 const ENDINGS: [&str; 17] = [
@@ -186,6 +201,77 @@ fn comments_are_narrow() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Returns the numbers of the lines of a Markdown text that should be wrapped.
+fn wide_lines(text: &str) -> Vec<usize> {
+    let (mut is_fenced, mut is_comment, mut is_indented) = (false, false, false);
+    // Whether a code span goes on from the line before.
+    let mut is_span = false;
+    let mut wide = Vec::new();
+    let mut before = "";
+    for (number, line) in (1..).zip(text.lines()) {
+        let words = line.trim_start();
+        if words.starts_with("```") {
+            is_fenced = !is_fenced;
+        }
+        is_comment |= words.starts_with("<!--");
+        is_indented = line.starts_with("    ") && (is_indented || before.is_empty());
+        let is_exempt = is_fenced || is_comment || is_indented || words.starts_with("| ");
+        if words.is_empty() {
+            is_span = false;
+        }
+        let spans = words.split('`').skip(usize::from(!is_span)).step_by(2);
+        let longest = spans.chain(links(words)).map(str::len).max().unwrap_or_default();
+        if !is_exempt && line.chars().count() > MARKDOWN_COLUMNS && longest <= LONG_SPAN {
+            wide.push(number);
+        }
+        if !is_exempt {
+            is_span ^= words.matches('`').count() % 2 == 1;
+        }
+        is_comment &= !line.contains("-->");
+        before = line;
+    }
+    wide
+}
+
+/// Returns the links of a line, `[text](target)`.
+fn links(line: &str) -> impl Iterator<Item = &str> {
+    line.split('[').skip(1).filter(|link| link.contains("](")).filter_map(|link| link.split(')').next())
+}
+
+#[test]
+fn markdown_is_narrow() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut faults = Vec::new();
+    for name in files(root).iter().filter(|name| name.ends_with(".md")) {
+        let Ok(text) = fs::read_to_string(root.join(name)) else { continue };
+        let wide = wide_lines(&text).into_iter();
+        faults.extend(wide.map(|line| format!("{name}:{line}: wrap at {MARKDOWN_COLUMNS} columns")));
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn wide_lines_of_markdown_are_found() {
+    let wide = "word ".repeat(30);
+    let long = "x".repeat(130);
+    for text in [wide.clone(), format!("`x` {wide}"), format!("[a](b) {wide}"), format!("- {wide}")] {
+        assert_eq!(wide_lines(&text), [1], "{text}");
+    }
+    for text in [
+        format!("| {wide} |"),
+        format!("see `{long}`"),
+        format!("[a]({long})"),
+        format!("```\n{wide}\n```"),
+        format!("<!-- check\n{wide}\n-->"),
+        format!("text:\n\n    {wide}"),
+    ] {
+        assert!(wide_lines(&text).is_empty(), "{text}");
+    }
+    // A code span that is wrapped, and nested text of a list.
+    assert_eq!(wide_lines(&format!("`a\nb` {wide}")), [2]);
+    assert_eq!(wide_lines(&format!("1. one\n    {wide}")), [2]);
 }
 
 #[test]

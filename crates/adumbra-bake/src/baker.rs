@@ -12,7 +12,7 @@ use adumbra_scene::{Edits, Scene};
 use crate::bake::BakeSummary;
 use crate::cache::{BakeCache, CacheKey, MemoryCache};
 use crate::error::Result;
-use crate::farm::{BakePlan, BakedParts, PartBaker, Prepared, link, link_in_memory, stage_link};
+use crate::farm::{BakePlan, BakedParts, PartBaker, PlannedPart, Prepared, link_in_memory};
 use crate::options::BakeOptions;
 use crate::progress::Watch;
 use crate::sink::depths::DepthsBlock;
@@ -35,7 +35,8 @@ use crate::sink::recent::RecentBlocks;
 /// world_from_mesh[0][3] += 1.0;
 /// let moved = vec![Moved { instance: Which::Number(7), world_from_mesh }];
 /// baker.edit(&Edits { moved, ..Edits::default() })?;
-/// println!("{} pages are to be baked", baker.pages().filter(|page| !page.is_baked).count());
+/// let is_due = |part: &&_| !baker.is_baked(part);
+/// println!("{} parts are to be baked", baker.plan().parts().iter().filter(is_due).count());
 /// baker.bake(Some([0.0, 0.0, 0.0]), Watch::none())?;
 /// let after = baker.in_memory()?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -52,19 +53,6 @@ pub struct Baker {
     prepared: Option<Prepared>,
     /// The root blocks of the pages that have several, unless memory is limited.
     recent: Option<Arc<RecentBlocks<DepthsBlock>>>,
-}
-
-/// A part of a [`Baker`]'s file: a page, or several that are baked together.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BakerPage {
-    /// Level of detail, 0 = the finest.
-    pub level: u32,
-    /// The first texel along x and y of the level's grid.
-    pub corner: [u32; 2],
-    /// Number of texels along x and y.
-    pub size: [u32; 2],
-    /// Whether it has been baked as the scene is now.
-    pub is_baked: bool,
 }
 
 impl Baker {
@@ -131,16 +119,14 @@ impl Baker {
         Ok(())
     }
 
-    /// Returns the pages of the file, the coarsest level first.
-    pub fn pages(&self) -> impl Iterator<Item = BakerPage> {
-        let levels = (0..self.plan.grids().len() as u32).rev();
-        levels.flat_map(move |level| {
-            let parts = self.plan.parts().iter().filter(move |part| part.level() == level);
-            parts.map(move |part| {
-                let [corner, size] = self.plan.texels_of(part);
-                BakerPage { level, corner, size, is_baked: self.known.contains(part.key()) }
-            })
-        })
+    /// Returns the plan of the scene as it is now.
+    pub fn plan(&self) -> &BakePlan {
+        &self.plan
+    }
+
+    /// Whether a part of the plan has been baked. The part must be one of [`Baker::plan`].
+    pub fn is_baked(&self, part: &PlannedPart) -> bool {
+        self.known.contains(part.key())
     }
 
     /// Bakes the pages that are not baked yet: coarse levels first, and of each level those nearest to
@@ -202,7 +188,7 @@ impl Baker {
     }
 
     fn replace_file(&self, plan: &BakePlan, path: &Path, watch: Watch<'_>) -> Result<BakeSummary> {
-        let (staged, summary) = stage_link(plan, &self.cache, &self.options, watch, path)?;
+        let (staged, summary) = plan.stage_link(&self.cache, &self.options, watch, path)?;
         StagedFile::place([staged])?;
         Ok(summary)
     }
@@ -221,9 +207,9 @@ impl Baker {
     ///
     /// # Errors
     /// Returns [`Error::MissingParts`](crate::Error::MissingParts) if pages are not baked, and the errors of
-    /// [`link`].
+    /// [`BakePlan::link`].
     pub fn write_to(&self, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
-        let written = link(&self.plan, &self.cache, &self.options, watch, out)?;
+        let written = self.plan.link(&self.cache, &self.options, watch, out)?;
         // Only earlier scenes needed the entries that were not read.
         self.cache.tidy();
         Ok(written)
@@ -236,7 +222,7 @@ impl Baker {
     /// Returns the errors of [`Baker::write_to`].
     pub fn write_coarser_to(&self, out: impl Write + Seek, watch: Watch<'_>) -> Result<BakeSummary> {
         let coarser = self.plan.without_finest();
-        link(coarser.as_ref().unwrap_or(&self.plan), &self.cache, &self.options, watch, out)
+        coarser.as_ref().unwrap_or(&self.plan).link(&self.cache, &self.options, watch, out)
     }
 
     /// Returns the file in memory.

@@ -1,5 +1,7 @@
 //! Errors of a bake.
 
+use std::fmt;
+
 use adumbra::layout::depths::write::OutOfReach;
 use adumbra::{IoError, RangeError};
 
@@ -16,13 +18,13 @@ pub enum Error {
     /// Data that does not fit the memory limit cannot be kept on disk.
     #[error("{0}; the bake stores there what exceeds its memory limit")]
     Spill(#[source] IoError),
-    /// A value is out of its range.
+    /// An option is out of its range.
     #[error(transparent)]
-    Range(#[from] RangeError),
+    Range(#[from] RangeError<BakeField>),
     /// The scene cannot be edited.
     #[error(transparent)]
     Scene(#[from] adumbra_scene::Error),
-    /// The sun or another part of the file's description is not valid.
+    /// The sun, a term of the bias or the size of a region is not valid.
     #[error(transparent)]
     File(#[from] adumbra::Error),
     /// The resolution is not a power of two within its range.
@@ -86,11 +88,52 @@ pub enum Error {
     Interrupted,
 }
 
+impl From<RangeError> for Error {
+    fn from(error: RangeError) -> Self {
+        Self::File(error.into())
+    }
+}
+
 impl From<OutOfReach> for Error {
     fn from(_: OutOfReach) -> Self {
         Self::TooManyWords { what: "a page of the quadtree of depths" }
     }
 }
 
+/// An option of a bake that has a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum BakeField {
+    /// Thickness of open surfaces.
+    Thickness,
+    /// How far behind a surface a column may switch.
+    SwitchLimit,
+    /// Number of levels of detail.
+    Levels,
+    /// The bounds of the bake.
+    Bounds,
+    /// Texels on the longest side.
+    Resolution,
+    /// Edge of a voxel.
+    VoxelSize,
+    /// Turn of the grid about the vertical.
+    Yaw,
+}
+
+/// The name in messages.
+impl fmt::Display for BakeField {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Thickness => "the thickness",
+            Self::SwitchLimit => "the switch limit",
+            Self::Levels => "the number of levels",
+            Self::Bounds => "the bounds",
+            Self::Resolution => "the resolution",
+            Self::VoxelSize => "the voxel size",
+            Self::Yaw => "the yaw",
+        })
+    }
+}
+
 /// Shorthand used across the crate.
-pub type Result<T, E = Error> = std::result::Result<T, E>;
+pub(crate) type Result<T, E = Error> = std::result::Result<T, E>;

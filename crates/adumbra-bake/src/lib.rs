@@ -1,6 +1,6 @@
 //! Bakes the sun's shadows of a scene: scene and sun in, shadow file out. The bake works in columns along the
 //! light, one root block at a time per core. The depth image is never whole in memory, and
-//! [`ColumnBuilder::Fast`] never draws most of it.
+//! most of it is never drawn.
 //!
 //! Sources: Sintorn, Kämpe, Olsson, Assarsson, *Compact Precomputed Voxelized Shadows*, 2014, for columns
 //! along the light that are free where nothing looks; Scandolo, Bauszat, Eisemann, *Merged Multiresolution
@@ -110,22 +110,19 @@ mod triangles;
 mod yaw;
 
 pub use bake::{Bake, BakeSummary, Estimate};
-pub use baker::{Baker, BakerPage};
-pub use cache::{
-    BakeCache, BestEffortCache, CacheKey, CacheReport, CacheUsage, DiskCache, ENTRY_MAGIC, Fetched,
-    MemoryCache,
-};
-pub use error::{Error, Result};
+pub use baker::Baker;
 #[doc(hidden)]
-pub use farm::stage_link;
-pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart, link};
+pub use cache::ENTRY_MAGIC;
+pub use cache::{BakeCache, BestEffortCache, CacheKey, CacheReport, DiskCache, Fetched, MemoryCache};
+pub use error::{BakeField, Error};
+pub use farm::{BakePlan, BakedParts, PartBaker, PlannedPart};
+#[doc(hidden)]
 pub use ground::Ground;
-pub use options::{
-    AssumeGround, BakeOptions, ColumnBuilder, DEFAULT_LEVELS, FrameChoice, LEAST_LEVEL_TEXELS,
-    LOWEST_OBLIQUE_DEGREES, MAX_RESOLUTION, MAX_SWITCH_WITHIN, MIN_RESOLUTION, Preset, Size, check_bounds,
-};
+#[doc(hidden)]
+pub use options::ColumnBuilder;
+pub use options::{AssumeGround, BakeOptions, FrameChoice, Size};
 pub use progress::{Progress, Report, Watch};
-pub use regions::{DEFAULT_REGION_TEXELS, RegionPlan};
+pub use regions::RegionPlan;
 
 /// What is needed to build another structure than the quadtree from the same columns.
 #[doc(hidden)]
@@ -133,6 +130,7 @@ pub mod structure {
     pub use crate::bake::structure::{BuiltStructure, build};
     pub use crate::columns::BlockColumns;
     pub use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
+    pub use crate::options::check_bounds;
     pub use crate::pages::Pages;
     pub use crate::sink::depths::{DepthsBlock, DepthsSink};
     pub use crate::sink::{BlockSink, Structure};

@@ -1,26 +1,19 @@
-//! The options of a bake, with defaults, ranges and presets.
+//! The options of a bake, with defaults and ranges.
 
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 
 use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
-use adumbra::{Bias, Bounds, Encoding, RangeError, RangeField, Receivers, Region, Sun};
+use adumbra::{Bias, Bounds, Encoding, RangeError, Receivers, Region, Sun};
 use adumbra_files::target_folder;
 
-use crate::error::{Error, Result};
-
-/// Smallest resolution, texels on the longest side of the light's plane.
-pub const MIN_RESOLUTION: u32 = 8;
-/// Largest resolution, texels on the longest side of the light's plane.
-pub const MAX_RESOLUTION: u32 = 1 << 18;
-/// Largest value of [`BakeOptions::switch_within_voxels`].
-pub const MAX_SWITCH_WITHIN: u32 = 65_535;
+use crate::error::{BakeField, Error, Result};
 
 /// The resolution of the grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Size {
-    /// Texels on the longest side of the scene as the sun sees it; a power of two. Voxels have the same size
-    /// in either frame.
+    /// Texels on the longest side of the scene as the sun sees it: a power of two from
+    /// [`Size::MIN_RESOLUTION`] to [`Size::MAX_RESOLUTION`]. Voxels have the same size in either frame.
     Resolution(u64),
     /// Edge length of a voxel in world units, in either frame.
     VoxelSize(f64),
@@ -36,20 +29,20 @@ pub enum FrameChoice {
     /// Upright, with the grid's x axis at this angle from the world's +X towards +Z, in radians. Bakes of
     /// parts of a world share their voxels only if they share the angle.
     ObliqueAt(f64),
-    /// Light, if the sun is below [`LOWEST_OBLIQUE_DEGREES`]. Otherwise the frame in which the file is
-    /// smaller in a forecast from a few blocks; oblique if the forecast finds no difference.
+    /// Light, if the sun is below 5°. Otherwise the frame in which the file is smaller in a forecast from a
+    /// few blocks; oblique if the forecast finds no difference.
     #[default]
     Auto,
 }
 
 /// Elevation of the sun in degrees below which [`FrameChoice::Auto`] does not consider the oblique frame: a
 /// shadow would be more than eleven times as long as its caster is high, and the grid would be as long.
-pub const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
+pub(crate) const LOWEST_OBLIQUE_DEGREES: f64 = 5.0;
 
 /// Whether shadows below the last surface of a column are left out, because they would fall on nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum AssumeGround {
-    /// Left out if the scene has a ground of its own, see [`Ground`](crate::Ground).
+    /// Left out if the scene has a ground of its own: a floor that fills its outline and catches its shadows.
     #[default]
     Auto,
     /// Left out.
@@ -76,8 +69,9 @@ pub enum ColumnBuilder {
     Plain,
 }
 
-/// The options of a bake.
+/// The options of a bake. [`BakeOptions::new`] creates default ones, and [`BakeOptions::with`] changes them.
 #[derive(Clone, Debug)]
+#[non_exhaustive]
 pub struct BakeOptions {
     /// The sun.
     pub sun: Sun,
@@ -108,13 +102,13 @@ pub struct BakeOptions {
     /// Folder for the temporary files, which have no names; `None` = the system's folder.
     pub spill_folder: Option<PathBuf>,
     /// How far behind its first surface a column may switch to shadow, in voxels, at most
-    /// [`MAX_SWITCH_WITHIN`]; 0 = anywhere that neither receivers nor the filters around them read. In a
-    /// block that no contour crosses, the distance counts from the block's deepest first surface for all of
-    /// its columns. A limit makes files larger. It serves filters around points that are not part of the
-    /// scene, such as movers beside a wall.
+    /// [`BakeOptions::MAX_SWITCH_WITHIN`]; 0 = anywhere that neither receivers nor the filters around them
+    /// read. In a block that no contour crosses, the distance counts from the block's deepest first surface
+    /// for all of its columns. A limit makes files larger. It serves filters around points that are not part
+    /// of the scene, such as movers beside a wall.
     pub switch_within_voxels: u32,
     /// Number of levels of detail, from 1 to [`MAX_LEVELS`](adumbra::file::MAX_LEVELS). Each has voxels four
-    /// times as large as the one before it. Levels of fewer than [`LEAST_LEVEL_TEXELS`] texels are left out.
+    /// times as large as the one before it. Levels of fewer than 256 texels are left out.
     pub levels: u32,
     /// How the voxels are stored in a file that is written.
     pub encoding: Encoding,
@@ -128,13 +122,16 @@ pub struct BakeOptions {
     pub builder: ColumnBuilder,
 }
 
-/// Levels of detail of a bake, unless another number is asked for.
-pub const DEFAULT_LEVELS: u32 = 3;
 /// Texels on the longest side of the scene below which a bake has no coarser level: its few root blocks would
 /// each have nearly all triangles.
-pub const LEAST_LEVEL_TEXELS: u32 = 256;
+pub(crate) const LEAST_LEVEL_TEXELS: u32 = 256;
 
 impl BakeOptions {
+    /// Levels of detail of a bake, unless another number is asked for.
+    pub const DEFAULT_LEVELS: u32 = 3;
+    /// Largest value of [`BakeOptions::switch_within_voxels`].
+    pub const MAX_SWITCH_WITHIN: u32 = 65_535;
+
     /// Creates default options for a sun and a size: a ground assumed where the scene has one, closed regions
     /// used, every point answered.
     pub fn new(sun: Sun, size: Size) -> Self {
@@ -152,11 +149,18 @@ impl BakeOptions {
             max_memory_bytes: None,
             spill_folder: None,
             switch_within_voxels: 0,
-            levels: DEFAULT_LEVELS,
+            levels: Self::DEFAULT_LEVELS,
             encoding: Encoding::default(),
             region: None,
             builder: ColumnBuilder::Fast,
         }
+    }
+
+    /// Returns the options with some of them changed.
+    #[must_use]
+    pub fn with(mut self, change: impl FnOnce(&mut Self)) -> Self {
+        change(&mut self);
+        self
     }
 
     /// Returns the options with the folder of `path` for temporary files, unless they name another folder.
@@ -174,21 +178,21 @@ impl BakeOptions {
     pub(crate) fn check(&self) -> Result<()> {
         if !self.thickness_world.is_finite() || self.thickness_world < 0.0 {
             let range = "a finite length in world units, 0 or more";
-            return Err(RangeError::new(RangeField::Thickness, self.thickness_world, range).into());
+            return Err(RangeError::new(BakeField::Thickness, self.thickness_world, range).into());
         }
-        if self.switch_within_voxels > MAX_SWITCH_WITHIN {
+        if self.switch_within_voxels > Self::MAX_SWITCH_WITHIN {
             let range = "a number of voxels up to 65535";
-            return Err(RangeError::new(RangeField::SwitchLimit, self.switch_within_voxels, range).into());
+            return Err(RangeError::new(BakeField::SwitchLimit, self.switch_within_voxels, range).into());
         }
         if !(1..=MAX_LEVELS).contains(&self.levels) {
-            return Err(RangeError::new(RangeField::Levels, self.levels, "from 1 to 8").into());
+            return Err(RangeError::new(BakeField::Levels, self.levels, "from 1 to 8").into());
         }
         if let FrameChoice::ObliqueAt(yaw_radians) = self.frame
             && !(-PI..=PI).contains(&yaw_radians)
         {
             let value = format!("{yaw_radians} radians ({}°)", yaw_radians.to_degrees());
             return Err(
-                RangeError::new(RangeField::Yaw, value, "from -pi to pi radians (-180° to 180°)").into()
+                RangeError::new(BakeField::Yaw, value, "from -pi to pi radians (-180° to 180°)").into()
             );
         }
         self.bias.check()?;
@@ -205,13 +209,25 @@ pub fn check_bounds(b: &Bounds) -> Result<()> {
         if !(b.min[a].is_finite() && b.max[a].is_finite() && b.min[a] < b.max[a]) {
             let value = format!("{:?} to {:?}", b.min, b.max);
             let range = "six finite numbers, each minimum below its maximum";
-            return Err(RangeError::new(RangeField::Bounds, value, range).into());
+            return Err(RangeError::new(BakeField::Bounds, value, range).into());
         }
     }
     Ok(())
 }
 
+impl Default for Size {
+    /// 8192 texels on the longest side.
+    fn default() -> Self {
+        Self::Resolution(8192)
+    }
+}
+
 impl Size {
+    /// Smallest resolution, texels on the longest side.
+    pub const MIN_RESOLUTION: u32 = 8;
+    /// Largest resolution, texels on the longest side.
+    pub const MAX_RESOLUTION: u32 = 1 << 18;
+
     /// Returns the edge of a voxel for a space whose longest side is `longest_side`, without the limits of
     /// one grid.
     ///
@@ -232,13 +248,14 @@ impl Size {
     pub fn resolve(self, longest_side: f64) -> Result<(u32, f64)> {
         match self {
             Self::Resolution(resolution) => {
-                let nearest =
-                    resolution.clamp(MIN_RESOLUTION.into(), MAX_RESOLUTION.into()).next_power_of_two();
+                let nearest = resolution
+                    .clamp(Self::MIN_RESOLUTION.into(), Self::MAX_RESOLUTION.into())
+                    .next_power_of_two();
                 if nearest != resolution {
                     return Err(Error::Resolution {
                         resolution,
-                        min: MIN_RESOLUTION,
-                        max: MAX_RESOLUTION,
+                        min: Self::MIN_RESOLUTION,
+                        max: Self::MAX_RESOLUTION,
                         suggestion: nearest as u32,
                     });
                 }
@@ -246,45 +263,17 @@ impl Size {
             }
             Self::VoxelSize(size) => {
                 let refuse =
-                    |value: String, range| Err(RangeError::new(RangeField::VoxelSize, value, range).into());
+                    |value: String, range| Err(RangeError::new(BakeField::VoxelSize, value, range).into());
                 if !(size.is_finite() && size > 0.0) {
                     return refuse(size.to_string(), "a finite length in world units above 0");
                 }
                 let texels = (longest_side / size).ceil();
-                if texels > f64::from(MAX_RESOLUTION) {
+                if texels > f64::from(Self::MAX_RESOLUTION) {
                     let value = format!("{size} ({texels} texels across)");
                     return refuse(value, "coarse enough for at most 262144 texels across the scene");
                 }
-                Ok(((texels as u32).next_power_of_two().max(MIN_RESOLUTION), size))
+                Ok(((texels as u32).next_power_of_two().max(Self::MIN_RESOLUTION), size))
             }
-        }
-    }
-}
-
-/// Ready-made resolutions. An explicit resolution or voxel size takes precedence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Preset {
-    /// 2048: a preview within seconds.
-    Draft,
-    /// 4096.
-    Low,
-    /// 8192.
-    Medium,
-    /// 16384.
-    High,
-    /// 32768.
-    Ultra,
-}
-
-impl Preset {
-    /// Returns the number of texels on the longest side.
-    pub fn resolution(self) -> u32 {
-        match self {
-            Self::Draft => 2048,
-            Self::Low => 4096,
-            Self::Medium => 8192,
-            Self::High => 16384,
-            Self::Ultra => 32768,
         }
     }
 }

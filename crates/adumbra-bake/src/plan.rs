@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex};
 
 use crate::columns::capture;
 use crate::columns::rules::{ColumnRules, NormalOffset};
-use crate::error::{Error, Result};
+use crate::error::{BakeField, Error, Result};
 use crate::options::{AssumeGround, BakeOptions, ColumnBuilder};
 use crate::pages::Spill;
 use crate::root_blocks::RootBlocks;
@@ -18,7 +18,7 @@ use adumbra::file::LEVEL_STEP;
 use adumbra::grid::{Frame, LightExtent, LightGrid};
 use adumbra::layout::depths::page::PAGE_LEVEL;
 use adumbra::query::MAX_FIXED_SIDE;
-use adumbra::{Bounds, RangeError, RangeField, Sun};
+use adumbra::{Bounds, RangeError, Sun};
 use adumbra_scene::{Instance, Scene, UpAxis};
 use rayon::prelude::*;
 
@@ -71,7 +71,7 @@ impl Placement {
     pub(crate) fn on(grid: LightGrid, resolution: u32, options: &BakeOptions) -> Result<Self> {
         if f64::from(grid.size[2]) > DEPTH_MAX_VOXELS {
             return Err(RangeError::new(
-                RangeField::Resolution,
+                BakeField::Resolution,
                 format!("{resolution} ({} voxels along the light)", grid.size[2]),
                 "coarse enough for at most 2097152 voxels along the light; lower it",
             )
@@ -80,7 +80,7 @@ impl Placement {
         let across = grid.size[0].max(grid.size[1]);
         if across > MAX_FIXED_SIDE {
             return Err(RangeError::new(
-                RangeField::Resolution,
+                BakeField::Resolution,
                 format!("{resolution} ({across} texels across, in the {} frame)", grid.frame.name()),
                 "coarse enough for at most 516096 texels across; lower it, or use the light's frame",
             )

@@ -1,10 +1,10 @@
 //! The grids of a region of a world.
 
 use adumbra::file::LEVEL_STEP;
-use adumbra::{Frame, LightGrid, RangeError, RangeField, Region};
+use adumbra::{Frame, LightGrid, RangeError, Region};
 use adumbra_scene::Scene;
 
-use crate::error::Result;
+use crate::error::{BakeField, Result};
 use crate::options::{BakeOptions, FrameChoice, Size};
 use crate::plan::{Placement, lattice_step};
 use crate::triangles::casters::SceneClusters;
@@ -56,7 +56,7 @@ pub(crate) fn placements(
 
 fn not_shared(value: &str) -> crate::Error {
     RangeError::new(
-        RangeField::VoxelSize,
+        BakeField::VoxelSize,
         value,
         "one that all regions share, as RegionPlan::options returns it",
     )

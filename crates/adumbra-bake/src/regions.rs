@@ -4,19 +4,17 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use adumbra::{Frame, LightGrid, RangeError, RangeField, Region};
+use adumbra::{Frame, LightGrid, RangeError, Region};
 use adumbra_scene::Scene;
 
 use crate::choose::{check_sorting, frame};
-use crate::error::{Error, Result};
+use crate::error::{BakeField, Error, Result};
 use crate::options::{BakeOptions, FrameChoice, Size};
 use crate::plan::{Extents, caster_options};
 use crate::progress::NEVER;
 use crate::region_grids::REACH_TEXELS;
 use crate::triangles::casters::SceneClusters;
 
-/// Texels a side of a region, unless another number is asked for.
-pub const DEFAULT_REGION_TEXELS: u32 = 1 << 17;
 /// Most regions of a world.
 const MAX_REGIONS: usize = 1 << 16;
 
@@ -33,20 +31,24 @@ pub struct RegionPlan {
 }
 
 impl RegionPlan {
+    /// Texels a side of a region, unless another number is asked for.
+    pub const DEFAULT_TEXELS: u32 = 1 << 17;
+
     /// Cuts the world of `scene` into regions of `texels` texels a side, a power of two. Only those that a
     /// shadow reaches are listed. The frame and the voxel size are chosen as for one bake, but neither the
     /// resolution nor the voxel size has a limit.
     ///
     /// # Errors
-    /// Returns an error if an option or the number of regions is out of range, if bounds are given, or if the
-    /// scene does not fit `max_memory_bytes`.
+    /// Returns [`Error::Range`], [`Error::Resolution`] or [`Error::File`] if an option, `texels` or the
+    /// number of regions is out of range or if bounds are given, and [`Error::MemoryLimit`] if the scene does
+    /// not fit `max_memory_bytes`.
     pub fn new(scene: &Scene, options: &BakeOptions, texels: u32) -> Result<Self> {
         options.check()?;
         Region::check_texels(texels)?;
         if let Some(bounds) = options.bounds {
             let value = format!("{:?} to {:?}", bounds.min, bounds.max);
             return Err(RangeError::new(
-                RangeField::Bounds,
+                BakeField::Bounds,
                 value,
                 "left out where a world is cut into regions",
             )
@@ -108,7 +110,7 @@ impl RegionPlan {
 }
 
 /// Resolution of the bake whose frame is forecast for worlds with more texels than a file can have.
-const FORECAST_RESOLUTION: u64 = crate::MAX_RESOLUTION as u64;
+const FORECAST_RESOLUTION: u64 = Size::MAX_RESOLUTION as u64;
 
 /// Returns the regions whose look-ups may meet a caster, with the number of triangles of the clusters in
 /// reach.
@@ -138,7 +140,7 @@ fn reached(
     if too_many || counts.len() > MAX_REGIONS {
         let value = format!("{} (more than {MAX_REGIONS} regions)", world.voxel_size);
         return Err(Error::Range(RangeError::new(
-            RangeField::VoxelSize,
+            BakeField::VoxelSize,
             value,
             "large enough for fewer regions",
         )));

@@ -6,8 +6,7 @@ use std::sync::{Arc, Mutex};
 
 use adumbra::{Bounds, Encoding, IoError, Sun};
 use adumbra_bake::{
-    Bake, BakeCache, BakeOptions, BakePlan, Baker, BakerPage, CacheKey, Error, Fetched, MemoryCache, Size,
-    Watch,
+    Bake, BakeCache, BakeOptions, BakePlan, Baker, CacheKey, Error, Fetched, MemoryCache, Size, Watch,
 };
 use adumbra_scene::random::Random;
 use adumbra_scene::{Added, Edits, GeneratedKind, Moved, Which, generate};
@@ -15,7 +14,7 @@ use adumbra_scene::{Added, Edits, GeneratedKind, Moved, Which, generate};
 fn options(resolution: u64) -> BakeOptions {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let bounds = Some(Bounds { min: [-150.0, -1.0, -150.0], max: [150.0, 60.0, 150.0] });
-    BakeOptions { bounds, ..BakeOptions::new(sun, Size::Resolution(resolution)) }
+    BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| o.bounds = bounds)
 }
 
 fn fresh(baker: &Baker) -> Vec<u8> {
@@ -50,14 +49,16 @@ fn edited_files(resolution: u64, bakes: usize) -> Vec<u64> {
     let error = baker.in_memory().map(|_| ()).unwrap_err();
     assert!(matches!(error, Error::MissingParts { .. }), "{error}");
     let mut random = Random::for_batch(3, 3);
-    let all = baker.pages().count();
+    let all = baker.plan().parts().len();
     let mut drawn_texels = Vec::new();
     for number in 0..bakes {
-        let due = baker.pages().filter(|page| !page.is_baked).count();
+        let due = baker.plan().parts().iter().filter(|part| !baker.is_baked(part)).count();
         assert!(if number == 0 { due == all } else { due > 0 && due < all }, "{number}: {due} of {all}");
         let done = baker.bake(None, Watch::none()).unwrap();
         // Entries of an earlier scene may be reused for due pages.
-        assert!(done.baked + done.reused == due && baker.pages().all(|page| page.is_baked));
+        assert!(
+            done.baked + done.reused == due && baker.plan().parts().iter().all(|part| baker.is_baked(part))
+        );
         drawn_texels.push(done.drawn_texels);
         let bytes = written(&baker);
         assert!(bytes == fresh(&baker), "{number}");
@@ -87,16 +88,17 @@ fn edited_files_equal_fresh_bakes() {
 }
 
 #[test]
-fn pages_cover_each_level_once() {
+fn parts_cover_each_level_once() {
     for resolution in [256, 4096, 32_768] {
         let baker = Baker::new(generate(GeneratedKind::City, 3), &options(resolution)).unwrap();
         for (level, grid) in (0..).zip(baker.grids()) {
-            let pages: Vec<BakerPage> = baker.pages().filter(|page| page.level == level).collect();
-            let texels = |page: &BakerPage| u64::from(page.size[0]) * u64::from(page.size[1]);
-            let inside = |page: &BakerPage| (0..2).all(|a| page.corner[a] + page.size[a] <= grid.size[a]);
-            assert!(pages.iter().all(inside));
+            let parts = baker.plan().parts().iter().filter(|part| part.level() == level);
+            let places: Vec<_> = parts.map(|part| baker.plan().texels_of(part)).collect();
+            let texels = |[_, size]: &[[u32; 2]; 2]| u64::from(size[0]) * u64::from(size[1]);
+            let inside = |[corner, size]: &[[u32; 2]; 2]| (0..2).all(|a| corner[a] + size[a] <= grid.size[a]);
+            assert!(places.iter().all(inside));
             let all = u64::from(grid.size[0]) * u64::from(grid.size[1]);
-            assert_eq!(pages.iter().map(texels).sum::<u64>(), all, "{resolution} {level}");
+            assert_eq!(places.iter().map(texels).sum::<u64>(), all, "{resolution} {level}");
         }
     }
 }
@@ -134,13 +136,11 @@ fn coarse_levels_and_pages_near_the_focus_come_first() {
     let levels: Vec<u32> = came.iter().map(level_of).collect();
     assert!(levels.contains(&1) && levels.contains(&2) && levels.is_sorted_by(|a, b| a >= b), "{levels:?}");
     pool.install(|| baker.bake(Some(focus), Watch::none())).unwrap();
-    // Pages of a level are in the order of the plan.
-    let finest = plan.parts().iter().filter(|part| part.level() == 0).map(|part| *part.key());
-    let places: HashMap<CacheKey, BakerPage> =
-        finest.zip(baker.pages().filter(|page| page.level == 0)).collect();
+    let finest = plan.parts().iter().filter(|part| part.level() == 0);
+    let places: HashMap<CacheKey, _> = finest.map(|part| (*part.key(), plan.texels_of(part))).collect();
     let p_grid = baker.grids()[0].to_grid(focus);
     let distance = |key: &CacheKey| {
-        let BakerPage { corner, size, .. } = places[key];
+        let [corner, size] = places[key];
         let beside = |a: usize| {
             let first = f64::from(corner[a]);
             (first - p_grid[a]).max(p_grid[a] - first - f64::from(size[a])).max(0.0)

@@ -29,12 +29,11 @@ fn options(resolution: u64) -> BakeOptions {
     let frame = FrameChoice::ObliqueAt(0.0);
     // The bounds keep voxels where they are when something beyond the scene's extent is added.
     let bounds = Some(Bounds { min: [-150.0, -1.0, -150.0], max: [150.0, 60.0, 150.0] });
-    BakeOptions {
-        frame,
-        bounds,
-        encoding: Encoding::Raw,
-        ..BakeOptions::new(sun, Size::Resolution(resolution))
-    }
+    BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| {
+        o.frame = frame;
+        o.bounds = bounds;
+        o.encoding = Encoding::Raw;
+    })
 }
 
 fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
@@ -126,7 +125,7 @@ fn edits_are_fresh_bakes(name: &str, mut scene: Scene, options: &BakeOptions, ed
 fn edited_small_scenes_have_the_bytes_of_fresh_bakes() {
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), 1);
     // The grid follows the scene.
-    let unbounded = BakeOptions { bounds: None, ..options(2048) };
+    let unbounded = options(2048).with(|o| o.bounds = None);
     edited_bakes_are_fresh_bakes(GeneratedKind::Primitives, &unbounded, 3);
 }
 
@@ -134,7 +133,7 @@ fn edited_small_scenes_have_the_bytes_of_fresh_bakes() {
 #[ignore = "slow: takes over eight seconds"]
 fn edited_scenes_have_the_bytes_of_fresh_bakes() {
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &options(1024), if full() { 200 } else { 2 });
-    let of_receivers = BakeOptions { receivers: Receivers::Static, ..options(1024) };
+    let of_receivers = options(1024).with(|o| o.receivers = Receivers::Static);
     edited_bakes_are_fresh_bakes(GeneratedKind::City, &of_receivers, 1);
 }
 
@@ -143,7 +142,7 @@ fn edited_scenes_have_the_bytes_of_fresh_bakes() {
 fn edited_scenes_without_bounds_have_the_bytes_of_fresh_bakes() {
     let edits = if full() { 200 } else { 4 };
     // The grid follows the scene.
-    let unbounded = BakeOptions { bounds: None, ..options(2048) };
+    let unbounded = options(2048).with(|o| o.bounds = None);
     for kind in [GeneratedKind::Primitives, GeneratedKind::Wires] {
         edited_bakes_are_fresh_bakes(kind, &unbounded, edits);
     }
@@ -160,7 +159,10 @@ fn edits_of_real_scenes_have_the_bytes_of_fresh_bakes() {
     for name in names {
         let scene = load(&scene_file(&scenes, name), &LoadOptions::default()).expect("a good scene");
         // The grid follows the scene: an edit may move every voxel.
-        let options = BakeOptions { bounds: None, frame: FrameChoice::Auto, ..options(4096) };
+        let options = options(4096).with(|o| {
+            o.bounds = None;
+            o.frame = FrameChoice::Auto;
+        });
         edits_are_fresh_bakes(name, scene, &options, edits);
     }
 }
@@ -178,20 +180,20 @@ fn every_relevant_option_changes_the_keys() {
     let plain = options(512);
     let bias = |constant_texels, slope_texels, normal_offset_texels| {
         let bias = Bias { constant_texels, slope_texels, normal_offset_texels };
-        BakeOptions { bias, ..plain.clone() }
+        plain.clone().with(|o| o.bias = bias)
     };
     let Bias { constant_texels: c, slope_texels: s, normal_offset_texels: n } = plain.bias;
     let cases = [
-        BakeOptions { builder: ColumnBuilder::Plain, ..plain.clone() },
-        BakeOptions { sun: Sun::from_direction([0.5, 0.8, 0.36]).unwrap(), ..plain.clone() },
-        BakeOptions { frame: FrameChoice::ObliqueAt(0.1), ..plain.clone() },
-        BakeOptions { frame: FrameChoice::Light, ..plain.clone() },
-        BakeOptions { thickness_world: 0.5, ..plain.clone() },
-        BakeOptions { assume_ground: AssumeGround::No, ..plain.clone() },
-        BakeOptions { closed_regions: false, ..plain.clone() },
-        BakeOptions { ignore_alpha: true, ..plain.clone() },
-        BakeOptions { receivers: Receivers::Static, ..plain.clone() },
-        BakeOptions { switch_within_voxels: 3, ..plain.clone() },
+        plain.clone().with(|o| o.builder = ColumnBuilder::Plain),
+        plain.clone().with(|o| o.sun = Sun::from_direction([0.5, 0.8, 0.36]).unwrap()),
+        plain.clone().with(|o| o.frame = FrameChoice::ObliqueAt(0.1)),
+        plain.clone().with(|o| o.frame = FrameChoice::Light),
+        plain.clone().with(|o| o.thickness_world = 0.5),
+        plain.clone().with(|o| o.assume_ground = AssumeGround::No),
+        plain.clone().with(|o| o.closed_regions = false),
+        plain.clone().with(|o| o.ignore_alpha = true),
+        plain.clone().with(|o| o.receivers = Receivers::Static),
+        plain.clone().with(|o| o.switch_within_voxels = 3),
         bias(c + 0.25, s, n),
         bias(c, s + 0.25, n),
         bias(c, s, n + 0.25),
@@ -234,7 +236,7 @@ fn small_scene() -> Scene {
 /// One page.
 fn small_options() -> BakeOptions {
     let bounds = Some(Bounds { min: [-8.0, -1.0, -8.0], max: [8.0, 4.0, 8.0] });
-    BakeOptions { bounds, ..options(128) }
+    options(128).with(|o| o.bounds = bounds)
 }
 
 /// A bake reuses no entry of a scene that differs in a property that may affect pages.
@@ -320,13 +322,14 @@ fn disk_cache_removes_least_recently_used_entries_first() {
     let cache: Arc<dyn BakeCache> = Arc::new(disk.clone());
     let (scene, options) = (generate(GeneratedKind::City, 3), options(1024));
     let (bytes, _) = with_cache(&scene, &options, &cache);
-    let all = disk.contents().unwrap().contents;
+    let all = disk.contents().unwrap();
     assert!(all.entries > 0 && all.bytes > 0);
     let (again, report) = with_cache(&scene, &options, &cache);
     assert!(again == bytes && report.reused_root_blocks == report.root_blocks);
-    assert_eq!(disk.contents().unwrap().contents, all);
-    let removed = disk.prune(all.bytes / 2).unwrap().contents;
-    let left = disk.contents().unwrap().contents;
+    let found = disk.contents().unwrap();
+    assert_eq!((found.entries, found.bytes), (all.entries, all.bytes));
+    let removed = disk.prune(all.bytes / 2).unwrap();
+    let left = disk.contents().unwrap();
     assert!(
         left.bytes <= all.bytes / 2 && removed.entries + left.entries == all.entries,
         "{removed:?} {left:?}"
@@ -372,7 +375,11 @@ fn pages_change_only_with_the_version_of_the_rules() {
     let scenes = generated.into_iter().map(|kind| generate(kind, 3)).chain([small_scene()]);
     for scene in scenes {
         for receivers in [Receivers::All, Receivers::Static] {
-            let options = BakeOptions { receivers, levels: 1, bounds: None, ..options(1024) };
+            let options = options(1024).with(|o| {
+                o.receivers = receivers;
+                o.levels = 1;
+                o.bounds = None;
+            });
             let memory = Arc::new(InMemory::default());
             let cache: Arc<dyn BakeCache> = memory.clone();
             with_cache(&scene, &options, &cache);

@@ -11,13 +11,13 @@ use std::time::{Duration, SystemTime};
 use adumbra::{IoError, Sun};
 use adumbra_bake::{
     Bake, BakeCache, BakeOptions, BakePlan, Baker, BestEffortCache, CacheKey, DiskCache, ENTRY_MAGIC, Error,
-    Fetched, FrameChoice, MemoryCache, PartBaker, Report, Size, Watch, link,
+    Fetched, FrameChoice, MemoryCache, PartBaker, Report, Size, Watch,
 };
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
 fn options() -> BakeOptions {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    BakeOptions { frame: FrameChoice::ObliqueAt(0.0), ..BakeOptions::new(sun, Size::Resolution(1024)) }
+    BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.frame = FrameChoice::ObliqueAt(0.0))
 }
 
 fn scene() -> Scene {
@@ -100,11 +100,11 @@ fn foreign_files_are_neither_counted_nor_removed() {
         write(place.join("00").join(name("2")), &[0; 90]),
         write(place.join("00").join(name("0")), b""),
     ];
-    let found = cache.contents().unwrap().contents;
+    let found = cache.contents().unwrap();
     let bytes = entry.len() as u64 + 4 + 90;
     assert_eq!((found.entries, found.bytes, found.abandoned), (4, bytes, 0));
     let removed = cache.prune(0).unwrap();
-    assert_eq!((removed.contents.bytes, removed.contents.abandoned), (bytes, 0));
+    assert_eq!((removed.bytes, removed.abandoned), (bytes, 0));
     assert!(removed.failures.is_empty() && removable[..3].iter().all(|path| !path.exists()));
     for path in others {
         assert!(fs::symlink_metadata(&path).is_ok(), "{}", path.display());
@@ -130,10 +130,10 @@ fn abandoned_temporary_files_are_counted_and_removed_after_a_day() {
     let (held, lock) = leave(".adumbra-a-abcdeh.tmp", 25);
     lock.lock().unwrap();
     let (foreign, _) = leave("notes.tmp", 25);
-    let found = DiskCache::open(&place).unwrap().contents().unwrap().contents;
+    let found = DiskCache::open(&place).unwrap().contents().unwrap();
     assert_eq!((found.entries, found.abandoned, found.abandoned_bytes), (1, 1, 13));
     assert!(old.exists(), "opening and counting must not remove files");
-    let removed = cache.prune(1 << 20).unwrap().contents;
+    let removed = cache.prune(1 << 20).unwrap();
     assert_eq!((removed.entries, removed.abandoned, removed.abandoned_bytes), (0, 1, 13));
     assert!(!old.exists() && young.exists() && held.exists() && foreign.exists());
     let (old, _) = leave(".adumbra-a-abcdef.tmp", 25);
@@ -278,7 +278,7 @@ fn reads_are_limited_to_the_size_of_a_part_and_the_memory_limit() {
     let unlimited = noting.1.lock().unwrap()[0];
     assert!((1 << 20..4 << 20).contains(&unlimited), "{unlimited}");
     let limit = 4 << 20;
-    let limited = BakeOptions { max_memory_bytes: Some(limit), ..options() };
+    let limited = options().with(|o| o.max_memory_bytes = Some(limit));
     *noting.1.lock().unwrap() = [0; 2];
     let mut out = Cursor::new(Vec::new());
     let written = Bake::with_options(&scene, &limited).cache(Arc::clone(&cache)).write_to(&mut out).unwrap();
@@ -294,11 +294,11 @@ fn linking_reports_a_part_beyond_the_memory_limit() {
     let plan = BakePlan::new(&scene, &options).unwrap();
     let ids: Vec<usize> = (0..plan.parts().len()).collect();
     PartBaker::new(&scene, &plan, &options).unwrap().bake(&ids, &cache, Watch::none()).unwrap();
-    let limited = |bytes| BakeOptions { max_memory_bytes: Some(bytes), ..options.clone() };
+    let limited = |bytes| options.clone().with(|o| o.max_memory_bytes = Some(bytes));
     let mut out = Cursor::new(Vec::new());
-    link(&plan, &cache, &limited(64 << 20), Watch::none(), &mut out).unwrap();
+    plan.link(&cache, &limited(64 << 20), Watch::none(), &mut out).unwrap();
     assert!(out.into_inner() == fresh(&scene));
-    let refused = |bytes| match link(&plan, &cache, &limited(bytes), Watch::none(), Cursor::new(Vec::new())) {
+    let refused = |bytes| match plan.link(&cache, &limited(bytes), Watch::none(), Cursor::new(Vec::new())) {
         Err(Error::MemoryLimit { what, needed_bytes, .. }) => (what, needed_bytes),
         other => panic!("{other:?}"),
     };

@@ -30,8 +30,9 @@ fn boxes(corners: &[([f32; 3], [f32; 3])]) -> Scene {
     }
 }
 
-fn bake(scene: &Scene, sun: [f64; 3], change: impl Fn(BakeOptions) -> BakeOptions) -> ShadowFile {
-    let options = change(BakeOptions::new(Sun::from_direction(sun).unwrap(), Size::Resolution(512)));
+fn bake(scene: &Scene, sun: [f64; 3], change: impl FnOnce(&mut BakeOptions)) -> ShadowFile {
+    let sun = Sun::from_direction(sun).unwrap();
+    let options = BakeOptions::new(sun, Size::Resolution(512)).with(change);
     Bake::with_options(scene, &options).in_memory().unwrap()
 }
 
@@ -52,7 +53,7 @@ fn contact_shadows_reach_a_walls_foot_under_a_filter() {
         for half_thickness in [1.0_f32, 2.0] {
             let (near, far) = ([-half_thickness, 0.0, -8.0], [half_thickness, 6.0, 8.0]);
             let scene = boxes(&[([-20.0, -1.0, -20.0], [20.0, 0.0, 20.0]), (near, far)]);
-            let baked = bake(&scene, sun, |o| BakeOptions { frame, ..o });
+            let baked = bake(&scene, sun, |o| o.frame = frame);
             let along = |i: u32| -5.0 + 0.1 * f64::from(i);
             let from_foot =
                 |d: u32| -f64::from(half_thickness) - baked.grid.voxel_size * (0.25 + 0.5 * f64::from(d));
@@ -78,7 +79,7 @@ fn contact_shadows_begin_at_a_ledge_under_a_filter() {
         ([-0.5, 0.0, -8.0], [0.5, 14.0, 8.0]),
         ([0.4, 9.0, -8.0], [3.5, 10.9, 8.0]),
     ]);
-    let baked = bake(&scene, [0.3, 0.9, 0.2], |o| o);
+    let baked = bake(&scene, [0.3, 0.9, 0.2], |_| {});
     let points: Vec<_> = (0..120)
         .flat_map(|i| (0..10).map(move |d| [0.5, 8.95 - 0.1 * f64::from(d), -6.0 + 0.1 * f64::from(i)]))
         .collect();
@@ -92,7 +93,7 @@ fn contact_shadows_begin_at_a_ledge_under_a_filter() {
 fn bounds_below_a_roof_are_dark() {
     let scene = boxes(&[([-20.0, 10.0, -20.0], [20.0, 10.5, 20.0])]);
     let bounds = Bounds { min: [-5.0, 0.0, -5.0], max: [5.0, 4.0, 5.0] };
-    let baked = bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), ..o });
+    let baked = bake(&scene, [0.1, 1.0, 0.05], |o| o.bounds = Some(bounds));
     let at = |i: u32| -4.0 + f64::from(i);
     let points: Vec<_> = (0..9).flat_map(|x| (0..9).map(move |z| [at(x), 1.0, at(z)])).collect();
     assert_eq!(mean(&baked, &points, None, Filter::Box9), 0.0);
@@ -105,7 +106,9 @@ fn bounds_beside_the_scene_bake_within_a_limit() {
     let scene = boxes(&[([-1.0, 0.0, -1.0], [1.0, 1.0, 1.0])]);
     let bounds = Bounds { min: [100.0, 0.0, 100.0], max: [110.0, 10.0, 110.0] };
     let max_memory_bytes = Some(64 << 20);
-    let baked =
-        bake(&scene, [0.1, 1.0, 0.05], |o| BakeOptions { bounds: Some(bounds), max_memory_bytes, ..o });
+    let baked = bake(&scene, [0.1, 1.0, 0.05], |o| {
+        o.bounds = Some(bounds);
+        o.max_memory_bytes = max_memory_bytes;
+    });
     assert_eq!(mean(&baked, &[[105.0, 1.0, 105.0]], None, Filter::Box9), 1.0);
 }

@@ -34,7 +34,7 @@ fn coded_file_has_the_words_of_the_raw_one() {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let kinds = [GeneratedKind::City, GeneratedKind::Landscape];
     for (kind, frame) in kinds.into_iter().flat_map(|kind| FRAMES.map(|frame| (kind, frame))) {
-        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+        let options = BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.frame = frame);
         let file = Bake::with_options(&generate(kind, 3), &options).in_memory().unwrap();
         // 1024 and 256 texels; a level of 64 would be left out.
         assert_eq!(file.level_count(), 2);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use adumbra::{Bounds, Encoding, Receivers, Sun};
-use adumbra_bake::{Bake, BakeCache, BakeOptions, BakePlan, Error, PartBaker, Size, Watch, link};
+use adumbra_bake::{Bake, BakeCache, BakeOptions, BakePlan, Error, PartBaker, Size, Watch};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
 
@@ -25,7 +25,7 @@ fn fresh(scene: &Scene, options: &BakeOptions) -> Vec<u8> {
 
 fn linked(plan: &BakePlan, cache: &Arc<dyn BakeCache>, limits: &BakeOptions) -> Result<Vec<u8>, Error> {
     let mut out = Cursor::new(Vec::new());
-    link(plan, cache, limits, Watch::none(), &mut out)?;
+    plan.link(cache, limits, Watch::none(), &mut out)?;
     Ok(out.into_inner())
 }
 
@@ -85,11 +85,26 @@ fn parts_in_any_order_link_to_the_bytes_of_one_bake() {
     let bounds = Some(Bounds { min: [-90.0, -1.0, -80.0], max: [70.0, 60.0, 90.0] });
     let cases = [
         (GeneratedKind::City, options(2048)),
-        (GeneratedKind::Primitives, BakeOptions { encoding: Encoding::Raw, levels: 1, ..options(1024) }),
-        (GeneratedKind::City, BakeOptions { bounds, thickness_world: 0.3, ..options(1024) }),
+        (
+            GeneratedKind::Primitives,
+            options(1024).with(|o| {
+                o.encoding = Encoding::Raw;
+                o.levels = 1;
+            }),
+        ),
+        (
+            GeneratedKind::City,
+            options(1024).with(|o| {
+                o.bounds = bounds;
+                o.thickness_world = 0.3;
+            }),
+        ),
         (
             GeneratedKind::Wires,
-            BakeOptions { receivers: Receivers::Static, switch_within_voxels: 8, ..options(1024) },
+            options(1024).with(|o| {
+                o.receivers = Receivers::Static;
+                o.switch_within_voxels = 8;
+            }),
         ),
     ];
     let mut random = Random::for_batch(1, 1);
@@ -217,10 +232,10 @@ fn linking_within_a_memory_limit_spills_and_keeps_the_bytes() {
     let cache = store();
     let all: Vec<usize> = (0..plan.parts().len()).collect();
     PartBaker::new(&scene, &plan, &options).unwrap().bake(&all, &cache, Watch::none()).unwrap();
-    let limits = |bytes| BakeOptions { max_memory_bytes: bytes, ..options.clone() };
+    let limits = |bytes| options.clone().with(|o| o.max_memory_bytes = bytes);
     let within = |bytes: Option<u64>| {
         let mut out = Cursor::new(Vec::new());
-        let written = link(&plan, &cache, &limits(bytes), Watch::none(), &mut out).unwrap();
+        let written = plan.link(&cache, &limits(bytes), Watch::none(), &mut out).unwrap();
         (out.into_inner(), written.report)
     };
     let (plain, report) = within(None);

@@ -29,7 +29,10 @@ fn bake(has_grown: bool, frame: FrameChoice, voxel: f64) -> ShadowFile {
     let sun = Sun::from_direction([0.6, 0.7, 0.2]).unwrap();
     // Both scenes need the same decision on the ground.
     let assume_ground = AssumeGround::Yes;
-    let options = BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::VoxelSize(voxel)) };
+    let options = BakeOptions::new(sun, Size::VoxelSize(voxel)).with(|o| {
+        o.frame = frame;
+        o.assume_ground = assume_ground;
+    });
     Bake::with_options(&scene(has_grown), &options).in_memory().unwrap()
 }
 

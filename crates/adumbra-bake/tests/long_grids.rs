@@ -18,11 +18,10 @@ fn root_block_count_does_not_grow_with_shadow_length() {
     let mut all = Vec::new();
     for elevation_degrees in [60.0, 5.0, 1.0, 0.5] {
         let sun = Sun::from_angles(100.0, elevation_degrees).unwrap();
-        let options = BakeOptions {
-            frame: FrameChoice::ObliqueAt(0.3),
-            levels: 1,
-            ..BakeOptions::new(sun, Size::Resolution(512))
-        };
+        let options = BakeOptions::new(sun, Size::Resolution(512)).with(|o| {
+            o.frame = FrameChoice::ObliqueAt(0.3);
+            o.levels = 1;
+        });
         all.push(Bake::with_options(&wall(), &options).estimate().unwrap().root_blocks);
     }
     // A shadow of 11 km has 120 times the texels of one of 60 m.
@@ -33,7 +32,10 @@ fn root_block_count_does_not_grow_with_shadow_length() {
 fn long_grid_answers_like_a_short_one() {
     let sun = Sun::from_angles(100.0, 2.0).unwrap();
     let baked = |frame| {
-        let options = BakeOptions { frame, levels: 1, ..BakeOptions::new(sun, Size::Resolution(256)) };
+        let options = BakeOptions::new(sun, Size::Resolution(256)).with(|o| {
+            o.frame = frame;
+            o.levels = 1;
+        });
         Bake::with_options(&wall(), &options).in_memory().unwrap()
     };
     let [long, short] = [FrameChoice::ObliqueAt(0.3), FrameChoice::Light]

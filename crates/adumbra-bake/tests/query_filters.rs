@@ -15,7 +15,7 @@ fn baked() -> ShadowFile {
 
 fn baked_in(frame: FrameChoice) -> ShadowFile {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(256)) };
+    let options = BakeOptions::new(sun, Size::Resolution(256)).with(|o| o.frame = frame);
     Bake::with_options(&generate(GeneratedKind::Primitives, 1), &options).in_memory().unwrap()
 }
 

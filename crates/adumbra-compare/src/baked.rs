@@ -95,11 +95,10 @@ pub struct BakeOnDemand<'a> {
 impl BakeOnDemand<'_> {
     /// Returns the options of a bake.
     pub(crate) fn options(&self) -> BakeOptions {
-        BakeOptions {
-            ignore_alpha: self.ignore_alpha,
-            max_memory_bytes: self.max_memory_bytes,
-            ..BakeOptions::new(self.sun, Size::Resolution(self.resolution))
-        }
+        BakeOptions::new(self.sun, Size::Resolution(self.resolution)).with(|o| {
+            o.ignore_alpha = self.ignore_alpha;
+            o.max_memory_bytes = self.max_memory_bytes;
+        })
     }
 }
 

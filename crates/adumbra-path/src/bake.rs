@@ -53,7 +53,8 @@ struct Keys<'a> {
 
 impl Probe for Keys<'_> {
     fn bake(&self, towards_sun: [f64; 3]) -> Result<ShadowFile> {
-        let options = BakeOptions { sun: Sun::from_direction(towards_sun)?, ..self.options.clone() };
+        let sun = Sun::from_direction(towards_sun)?;
+        let options = self.options.clone().with(|o| o.sun = sun);
         let bake = Bake::with_options(self.scene, &options);
         let mut file = bake.watch(self.watch).in_memory()?;
         file.settings.dark_after_voxels = self.dark_after_voxels;
@@ -119,7 +120,11 @@ fn on_one_lattice(
     watch: Watch<'_>,
 ) -> Result<BakeOptions> {
     let sun = Sun::from_direction(towards_sun)?;
-    let probe = BakeOptions { sun, frame: FrameChoice::Oblique, levels: 1, ..options.bake.clone() };
+    let probe = options.bake.clone().with(|o| {
+        o.sun = sun;
+        o.frame = FrameChoice::Oblique;
+        o.levels = 1;
+    });
     let bake = Bake::with_options(scene, &probe).watch(watch);
     let grid = bake.in_memory()?.grid;
     let yaw_radians = match grid.frame {
@@ -127,7 +132,10 @@ fn on_one_lattice(
         Frame::Light => 0.0,
     };
     let frame = FrameChoice::ObliqueAt(yaw_radians);
-    Ok(BakeOptions { frame, size: Size::VoxelSize(grid.voxel_size), ..probe })
+    Ok(probe.with(|o| {
+        o.frame = frame;
+        o.size = Size::VoxelSize(grid.voxel_size);
+    }))
 }
 
 /// Returns the runs of steps, first and last, in which the sun is high enough.

@@ -37,6 +37,7 @@ impl From<Code> for ExitCode {
 
 /// An error that ends a verb early.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Failure {
     /// Wrong arguments. The text says which, and what to give instead.
     #[error("{0}")]
@@ -155,7 +156,7 @@ fn code_of_reader(error: &adumbra::Error) -> Code {
 fn code_of_scene(error: &adumbra_scene::Error) -> Code {
     use adumbra_scene::Error as E;
     match error {
-        E::Range(_) | E::Pattern { .. } | E::GltfIsYUp { .. } => Code::Usage,
+        E::GroundSize { .. } | E::Pattern { .. } | E::GltfIsYUp { .. } => Code::Usage,
         E::SceneMemory { .. } => Code::OutOfRoom,
         E::Io(error) => code_of_io(error),
         _ => Code::BadInput,
@@ -182,6 +183,7 @@ pub type Outcome = Result<Code, Failure>;
 #[cfg(test)]
 mod tests {
     use adumbra::RangeField;
+    use adumbra_bake::BakeField;
     use adumbra_scene::EmptyReason;
 
     use super::*;
@@ -189,6 +191,7 @@ mod tests {
     #[test]
     fn errors_map_to_exit_codes_and_name_options() {
         let range = |field| Failure::from(RangeError::new(field, "x", "y"));
+        let bake_range = |field| Failure::from(adumbra_bake::Error::from(RangeError::new(field, "x", "y")));
         let memory = Failure::memory("the bake", 2, 1);
         let resolution: Failure =
             adumbra_bake::Error::Resolution { resolution: 1000, min: 8, max: 16, suggestion: 16 }.into();
@@ -200,7 +203,8 @@ mod tests {
         let away: Failure = IoError::at("read", "store")(ErrorKind::TimedOut.into()).into();
         let spill: Failure = adumbra_bake::Error::Spill(IoError::at("write", "/tmp")(full)).into();
         for (failure, code, options) in [
-            (range(RangeField::Thickness), Code::Usage, "(--thickness)"),
+            (bake_range(BakeField::Thickness), Code::Usage, "(--thickness)"),
+            (range(RangeField::FilterWidth), Code::Usage, "(--filter)"),
             (range(RangeField::LongestSide), Code::Usage, "must be y"),
             (memory, Code::OutOfRoom, "(--max-memory, --resolution, --threads)"),
             (resolution, Code::Usage, "(--resolution)"),

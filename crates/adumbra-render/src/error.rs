@@ -29,6 +29,7 @@ impl fmt::Display for Fix {
 
 /// Why the GPU could not be used, or could not draw.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RenderError {
     /// No adapter: no GPU, no driver, and no software Vulkan either.
     #[error(

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use adumbra::{IoError, RangeError};
+use adumbra::IoError;
 
 use crate::Omission;
 use crate::one_line::one_line;
@@ -15,9 +15,14 @@ pub enum Error {
     /// The operating system refused to read or write something.
     #[error(transparent)]
     Io(#[from] IoError),
-    /// A value is out of its range.
-    #[error(transparent)]
-    Range(#[from] RangeError),
+    /// The ground that is to be added is too small or too large.
+    #[error(
+        "the size of the ground: {factor:?} is out of range; it must be from 1 to 1000 times the scene's extent"
+    )]
+    GroundSize {
+        /// How many times as wide as the scene it was to be.
+        factor: f64,
+    },
     /// The file extension is not one of the supported ones.
     #[error("{path:?}: unknown scene format; give a .glb, .gltf, .obj or .ply file", path = path.display())]
     UnknownSceneFormat {

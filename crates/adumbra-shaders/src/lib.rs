@@ -2,13 +2,14 @@
 //!
 //! | folder | contents |
 //! |---|---|
-//! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades. Engines include these |
-//! | `wgsl/access/` | functions that fetch words: from one buffer, several buffers or a look-up texture, or from a hybrid map |
+//! | `wgsl/core/` | functions without bindings: look-ups, filters, cascades |
+//! | `wgsl/access/` | bindings of files and hybrid maps, the functions that fetch from them, and those that engines call |
 //! | `wgsl/passes/` | bindings and entry points |
 //!
 //! [`assemble`] makes a module: the parts of [`layout::STRUCTS`] and [`constants::declarations`] that the
-//! chosen files use, followed by those files in order. There is no preprocessor. Structures and constants are
-//! declared once, in Rust. A test checks the structures against naga's layout.
+//! chosen files use, followed by those files in order. `adumbra::gpu` returns such modules for engines. There
+//! is no preprocessor. Structures and constants are declared once, in Rust. A test checks the structures
+//! against naga's layout.
 //!
 //! All names in `core/` and `access/`, all shared structures and constants, and all functions that
 //! `core/` and `access/` expect other files to define begin with `adumbra_`, `Adumbra` or `ADUMBRA_`, so that

@@ -9,8 +9,11 @@ pub struct Source {
     pub text: &'static str,
 }
 
-/// Returns the file at a path below `wgsl/`, such as those that `adumbra::gpu::wgsl_files` names; `None` if
-/// there is no such file.
+/// The files that define `adumbra_voxel_factor`, the look-up in any shadow file. They must follow
+/// [`SURFACE`]. The words come from a file of `access/`.
+pub const LOOK_UP: &[Source] = &[GRID, VOXEL, DEPTHS, DEPTHS_LEAF];
+
+/// Returns the file at a path below `wgsl/`; `None` if there is no such file.
 pub fn by_path(path: &str) -> Option<Source> {
     ALL.iter().copied().find(|source| source.name == path)
 }
@@ -61,6 +64,10 @@ sources! {
     VOXEL_PARAMS = "access/voxel_params.wgsl";
     /// The parameters of a streamed file's levels.
     VOXEL_LEVELS = "access/voxel_levels.wgsl";
+    /// Penumbrae in a file that was uploaded whole.
+    VOXEL_PARAMS_SOFT = "access/voxel_params_soft.wgsl";
+    /// Penumbrae in a streamed file.
+    VOXEL_LEVELS_SOFT = "access/voxel_levels_soft.wgsl";
     /// The parameters of two keys of a sun path.
     VOXEL_PATH = "access/voxel_path.wgsl";
     /// The look-up between two keys of a sun path, with a filter.
@@ -75,6 +82,10 @@ sources! {
     LOOK_UP_TEXTURE = "access/look_up_texture.wgsl";
     /// Header and parameters of a look-up texture.
     LOOK_UP_PARAMETERS = "access/look_up_parameters.wgsl";
+    /// The look-up in a file that is a look-up texture.
+    LOOK_UP_FILE = "access/look_up_file.wgsl";
+    /// The functions that an engine's shader calls.
+    VISIBILITY = "access/visibility.wgsl";
     /// Renders depth, normals and base colour into the G-buffer.
     GBUFFER = "passes/gbuffer.wgsl";
     /// The vertex input and the material shared by the passes that draw the scene.
@@ -197,8 +208,6 @@ sources! {
     GIVEN = "passes/given.wgsl";
     /// The technique `voxel`.
     VOXEL_PASS = "passes/voxel.wgsl";
-    /// The technique `voxel` from a look-up texture.
-    VOXEL_TEXTURE_PASS = "passes/voxel_texture.wgsl";
     /// The technique `voxel+csm`.
     VOXEL_CSM = "passes/voxel_csm.wgsl";
     /// The technique `voxel:soft`.
@@ -215,8 +224,6 @@ sources! {
     PATH_READS = "passes/path_reads.wgsl";
     /// The level at which a look-up of `voxel` ends, as a pass.
     VOXEL_LEVEL_PASS = "passes/voxel_level.wgsl";
-    /// The technique `voxel:soft` in a streamed file.
-    VOXEL_LEVELS_SOFT_PASS = "passes/voxel_levels_soft.wgsl";
     /// The level at which a look-up in a streamed file ends.
     VOXEL_LEVELS_BLOCK_PASS = "passes/voxel_levels_block.wgsl";
     /// The level of a streamed file that answers.

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use adumbra::IoError;
-use adumbra_bake::{BakeCache, CacheKey, CacheReport, CacheUsage, ENTRY_MAGIC, Fetched};
+use adumbra_bake::{BakeCache, CacheKey, CacheReport, ENTRY_MAGIC, Fetched};
 use object_store::path::Path;
 use object_store::{Error, ObjectMeta, ObjectStore, ObjectStoreExt, PutMode, PutOptions, PutPayload};
 use tokio::runtime::{Builder, Runtime};
@@ -85,12 +85,12 @@ impl StoreCache {
     /// # Errors
     /// Returns [`IoError`] if the store cannot be read.
     pub fn contents(&self) -> Result<CacheReport, IoError> {
-        let mut contents = CacheUsage::default();
+        let mut found = CacheReport::default();
         for ObjectMeta { size, .. } in self.list()? {
-            contents.entries += 1;
-            contents.bytes += size;
+            found.entries += 1;
+            found.bytes += size;
         }
-        Ok(CacheReport { contents, failures: Vec::new() })
+        Ok(found)
     }
 
     /// Removes entries until at most `most_bytes` remain. The entries that were written longest ago go first,
@@ -102,7 +102,7 @@ impl StoreCache {
         let mut list = self.list()?;
         list.sort_by(|a, b| (a.last_modified, &a.location).cmp(&(b.last_modified, &b.location)));
         let mut left: u64 = list.iter().map(|object| object.size).sum();
-        let CacheReport { contents: mut removed, mut failures } = CacheReport::default();
+        let mut removed = CacheReport::default();
         for ObjectMeta { location, size, .. } in list {
             if left <= most_bytes {
                 break;
@@ -114,10 +114,10 @@ impl StoreCache {
                     removed.bytes += size;
                 }
                 Ok(false) => left -= size,
-                Err(error) => failures.push(self.failed("remove", &location, error)),
+                Err(error) => removed.failures.push(self.failed("remove", &location, error)),
             }
         }
-        Ok(CacheReport { contents: removed, failures })
+        Ok(removed)
     }
 
     /// Removes an entry. Returns `false` if the path holds something else, or another process has removed the

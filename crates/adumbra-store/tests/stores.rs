@@ -32,7 +32,7 @@ fn stores_entries_and_replaces_damaged_ones() {
     store.put(&key('a'), b"whole").unwrap();
     assert_eq!(store.get(&key('a'), 5).unwrap(), Fetched::Whole(b"whole".to_vec()));
     assert_eq!(store.get(&key('a'), 4).unwrap(), Fetched::TooLong(5));
-    let all = store.contents().unwrap().contents;
+    let all = store.contents().unwrap();
     assert_eq!((all.entries, all.bytes), (1, 5));
 }
 
@@ -56,9 +56,9 @@ fn pruning_keeps_the_latest_entries() {
         store.put(&key(digit), &entry).unwrap();
         thread::sleep(std::time::Duration::from_millis(3));
     }
-    let removed = store.prune(35).unwrap().contents;
+    let removed = store.prune(35).unwrap();
     assert_eq!((removed.entries, removed.bytes), (7, 70));
-    assert_eq!(store.contents().unwrap().contents.entries, 3);
+    assert_eq!(store.contents().unwrap().entries, 3);
     assert!(store.get(&key('6'), 10).unwrap() == Fetched::Nothing);
     assert!(store.get(&key('7'), 10).unwrap() == Fetched::Whole(entry));
 }
@@ -83,7 +83,7 @@ fn pruning_keeps_foreign_files() {
         runtime.block_on(inner.put(&Path::from(&**path), "mine, and not an entry".into())).unwrap();
     }
     store.put(&key('a'), ENTRY_MAGIC).unwrap();
-    assert_eq!(store.prune(0).unwrap().contents.entries, 1);
+    assert_eq!(store.prune(0).unwrap().entries, 1);
     for path in &others {
         assert!(runtime.block_on(inner.head(&Path::from(&**path))).is_ok(), "{path}");
     }

@@ -14,6 +14,40 @@ pub fn verbs(program: &Command) -> Vec<(String, Command)> {
     leaves("", &program)
 }
 
+/// Checks that the table of a guide, whose header begins with "| verb of `PROGRAM`", names each verb of a
+/// program, and no other.
+///
+/// # Panics
+/// Panics with the names if it does not.
+pub fn assert_listed(guide: &str, name: &str, program: &Command) {
+    let header = format!("| verb of `{name}`");
+    let table = guide.lines().skip_while(|line| !line.starts_with(&header)).skip(2);
+    let rows = table.take_while(|line| line.starts_with('|'));
+    let mut listed: Vec<String> =
+        rows.flat_map(|row| named_verbs(row.split(" | ").next().unwrap())).collect();
+    let mut verbs: Vec<String> = verbs(program).into_iter().map(|(verb, _)| verb).collect();
+    listed.sort();
+    verbs.sort();
+    assert_eq!(listed, verbs, "the guide's table, and the verbs of {name}");
+}
+
+/// Returns the verbs of a cell: the words in lower case that each code span begins with. A cell may name the
+/// further sub-verbs of its first verb without the verb.
+fn named_verbs(cell: &str) -> Vec<String> {
+    let is_verb =
+        |word: &&str| word.chars().all(|c| c.is_ascii_lowercase() || c == '-') && !word.starts_with('-');
+    let codes = cell.split('`').skip(1).step_by(2);
+    let names: Vec<Vec<&str>> = codes.map(|code| code.split(' ').take_while(is_verb).collect()).collect();
+    let above: &[&str] = match names.first() {
+        Some(first) => &first[..first.len().saturating_sub(1)],
+        None => &[],
+    };
+    let full = |name: &[&str]| {
+        if name.len() > above.len() { name.join(" ") } else { [above, name].concat().join(" ") }
+    };
+    names.iter().map(|name| full(name)).collect()
+}
+
 fn leaves(above: &str, command: &Command) -> Vec<(String, Command)> {
     let below = command.get_subcommands().filter(|verb| verb.get_name() != "help");
     let found: Vec<_> =

@@ -156,10 +156,8 @@ fn interior_agrees(kinds: &[GeneratedKind], resolution: u64, samples: u64) {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for &kind in kinds {
         let scene = generate(kind, 1);
-        let everywhere = BakeOptions {
-            assume_ground: AssumeGround::No,
-            ..BakeOptions::new(sun, Size::Resolution(resolution))
-        };
+        let everywhere =
+            BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| o.assume_ground = AssumeGround::No);
         let baked = bake_quietly(&scene, &everywhere);
         let surface = verify(&scene, &baked, false, samples);
         let volume = verify(&scene, &baked, true, samples);
@@ -168,7 +166,10 @@ fn interior_agrees(kinds: &[GeneratedKind], resolution: u64, samples: u64) {
             Frame::Light => FrameChoice::Light,
             Frame::Oblique { yaw_radians } => FrameChoice::ObliqueAt(yaw_radians),
         };
-        let static_receivers = BakeOptions { receivers: Receivers::Static, frame, ..everywhere.clone() };
+        let static_receivers = everywhere.clone().with(|o| {
+            o.receivers = Receivers::Static;
+            o.frame = frame;
+        });
         let on_surfaces = bake_quietly(&scene, &static_receivers);
         let still = verify(&scene, &on_surfaces, false, samples);
         eprintln!(
@@ -206,7 +207,7 @@ fn casters_outside_the_bounds_still_shade_the_bounded_box() {
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_angles(70.0, 20.0).unwrap();
     let bounds = Bounds { min: [-60.0, -1.0, -60.0], max: [60.0, 30.0, 60.0] };
-    let options = BakeOptions { bounds: Some(bounds), ..BakeOptions::new(sun, Size::Resolution(2048)) };
+    let options = BakeOptions::new(sun, Size::Resolution(2048)).with(|o| o.bounds = Some(bounds));
     let baked = bake_quietly(&scene, &options);
     let v = verify(&scene, &baked, false, 60_000);
     assert!(v.outside_bounds > 20_000 && v.samples > 1_000, "{v:?}");

@@ -44,7 +44,7 @@ fn scene_without_ground_casts_on_the_ground_of_an_app() {
         (70.0, 17.0, FrameChoice::Auto),
     ] {
         let sun = Sun::from_angles(azimuth, elevation).expect("above the horizon");
-        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+        let options = BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.frame = frame);
         let file = baked(&scene, &options);
         assert!(!file.settings.assume_ground);
         for filter in [1, 5] {
@@ -60,8 +60,7 @@ fn scene_without_ground_casts_on_the_ground_of_an_app() {
 fn verify_detects_missing_shadows_below_the_last_surface() {
     let scene = without_ground(GeneratedKind::City);
     let sun = Sun::from_angles(205.0, 50.0).expect("above the horizon");
-    let options =
-        BakeOptions { assume_ground: AssumeGround::Yes, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+    let options = BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.assume_ground = AssumeGround::Yes);
     let file = baked(&scene, &options);
     // A file that assumes ground promises nothing below it.
     let v = verify(&scene, &file, file.settings, 1);
@@ -79,7 +78,7 @@ fn ground_far_beyond_the_grid_is_in_shadow() {
     let all = scene.bounds();
     let middle: [f64; 3] = std::array::from_fn(|a| 0.5 * (all.min[a] + all.max[a]));
     for bounds in [None, Some(Bounds { min: all.min, max: middle })] {
-        let options = BakeOptions { bounds, ..BakeOptions::new(sun, Size::Resolution(512)) };
+        let options = BakeOptions::new(sun, Size::Resolution(512)).with(|o| o.bounds = bounds);
         let file = baked(&scene, &options);
         let v = verify(&scene, &file, file.settings, 1);
         let ground = v.class(Class::Ground);

@@ -111,7 +111,7 @@ fn light_below<const N: usize>(
 
 fn baked(scene: &Scene, size: Size) -> ShadowFile {
     let sun = Sun::from_angles(205.0, 55.0).expect("above the horizon");
-    let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, size) };
+    let options = BakeOptions::new(sun, size).with(|o| o.frame = FrameChoice::Light);
     Bake::with_options(scene, &options).in_memory().expect("a small bake fits")
 }
 
@@ -301,7 +301,7 @@ fn assert_filtered(scene: &Scene, resolutions: [u64; 2], before: [f64; 2]) {
     let tracer = Tracer::build(scene, TraceOptions::default());
     for (resolution, before) in resolutions.into_iter().zip(before) {
         let size = Size::Resolution(resolution);
-        let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, size) };
+        let options = BakeOptions::new(sun, size).with(|o| o.frame = FrameChoice::Light);
         let file = Bake::with_options(scene, &options).in_memory().expect("it fits");
         let error = filtered_error(scene, &tracer, &file, 5);
         eprintln!("at {resolution}, 5 × 5: {error:.4?}");

@@ -148,7 +148,7 @@ fn detects_clamped_plane_slopes_under_a_low_sun() {
         let sun = Sun::from_angles(37.0, elevation).expect("above the horizon");
         // Without assumed ground, the columns of the floor switch to shadow below it.
         let options =
-            BakeOptions { assume_ground: AssumeGround::No, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+            BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.assume_ground = AssumeGround::No);
         let baked = bake_quietly(&scene, &options);
         let query = baked.sampler(Filter::try_from(filter).expect("a filter"));
         let honest = || LightAnswers::of(&baked, query.clone());

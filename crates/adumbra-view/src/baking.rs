@@ -112,7 +112,7 @@ fn bake_levels(
     inputs: &Inputs<'_>,
     cancel: &AtomicBool,
     sender: &EventSender,
-) -> adumbra_bake::Result<()> {
+) -> Result<(), adumbra_bake::Error> {
     for resolution in levels(key.resolution) {
         // Reports each percent once, because the window redraws its panel for each report.
         let reported = AtomicU32::new(0);
@@ -123,11 +123,10 @@ fn bake_levels(
                 sender.send(Event::Baking { bake: number, resolution, share: share as f32 });
             }
         };
-        let options = BakeOptions {
-            ignore_alpha: inputs.scene.ignore_alpha,
-            max_memory_bytes: inputs.max_memory,
-            ..BakeOptions::new(key.sun, Size::Resolution(resolution))
-        };
+        let options = BakeOptions::new(key.sun, Size::Resolution(resolution)).with(|o| {
+            o.ignore_alpha = inputs.scene.ignore_alpha;
+            o.max_memory_bytes = inputs.max_memory;
+        });
         let mut bake = Bake::with_options(&inputs.scene.still, &options).on_progress(done).cancel(cancel);
         if let Some(cache) = &inputs.cache {
             bake = bake.cache(Arc::clone(cache));

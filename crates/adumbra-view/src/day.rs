@@ -196,11 +196,10 @@ impl Day {
         }
         if let Keys::None = self.keys {
             let size = Size::Resolution(settings.resolution);
-            let bake = BakeOptions {
-                ignore_alpha: scene.ignore_alpha,
-                max_memory_bytes,
-                ..BakeOptions::new(settings.sun, size)
-            };
+            let bake = BakeOptions::new(settings.sun, size).with(|o| {
+                o.ignore_alpha = scene.ignore_alpha;
+                o.max_memory_bytes = max_memory_bytes;
+            });
             let sender = sender.clone();
             let options = FollowOptions { near_world: self.near_world, ..FollowOptions::new(bake) };
             let started = SunFollower::start(scene.still.clone(), options, move || sender.send(Event::Key));

@@ -1,9 +1,10 @@
 //! The data that a shader gets from a file: its words, the parameter block and the texture with both.
 
-use adumbra::gpu::{HEADER_WORDS, LookUp, Penumbra, TEXTURE_MAGIC, TEXTURE_VERSION, WordSource, wgsl_files};
+use adumbra::gpu::{Bindings, HEADER_WORDS, LookUp, Penumbra, TEXTURE_MAGIC, TEXTURE_VERSION, TexelFormat};
 use adumbra::grid::Placement;
 use adumbra::layout::depths::TreeBuilder;
 use adumbra::query::MAX_FIXED_SIDE;
+use adumbra::stream::{Resident, StreamOptions};
 use adumbra::{Bias, Error, Filter, RangeField, ShadowFile};
 use adumbra_testing::{overhead_grid, settings_for, vectors};
 
@@ -170,18 +171,25 @@ fn texture_holds_words_and_parameters() {
     }
 }
 
+/// Returns the variables with bindings that a text declares, without their names and types.
+fn declared(wgsl: &str) -> Vec<&str> {
+    let lines = wgsl.lines().filter(|line| line.starts_with('@') && line.contains("binding"));
+    lines.map(|line| line.split(" adumbra_").next().unwrap_or_default()).collect()
+}
+
 #[test]
-fn wgsl_files_of_texture_extend_those_of_buffers() {
-    let of = |words| wgsl_files(words);
-    let (buffer, texels) = (of(WordSource::Buffer), of(WordSource::Rgba8Unorm));
-    let looked_up = buffer.iter().filter(|file| file.starts_with("core/"));
-    // A texture may belong to a stream, whose levels are blended.
-    let of_texels = |file: &&&str| file.starts_with("core/") && **file != "core/depths_blend.wgsl";
-    assert!(looked_up.clone().count() > 3 && looked_up.eq(texels.iter().filter(of_texels)));
-    assert!(texels.contains(&"core/depths_blend.wgsl"));
-    assert_eq!(buffer.last(), Some(&"access/words_1.wgsl"));
-    assert!(
-        texels.contains(&"access/texture_rgba8unorm.wgsl") && texels.contains(&"access/look_up_texture.wgsl")
-    );
-    assert!(of(WordSource::R32Uint).contains(&"access/texture_r32uint.wgsl"));
+fn wgsl_declares_its_bindings_where_asked() {
+    let file = file("many_pages");
+    let texture = file.gpu().texture(&LookUp::default(), 4096).unwrap();
+    let stream = Resident::new(StreamOptions::default());
+    let bindings = Bindings { group: 3, first: 7 };
+    for text in [file.gpu().wgsl(bindings), stream.wgsl(bindings)] {
+        let mut found = declared(&text);
+        found.sort_unstable();
+        let expected = ["@group(3) @binding(7) var<uniform>", "@group(3) @binding(8) var<storage, read>"];
+        assert_eq!(found, expected);
+    }
+    for format in [TexelFormat::R32Uint, TexelFormat::Rgba8Unorm] {
+        assert_eq!(declared(&texture.wgsl(format, bindings)), ["@group(3) @binding(7) var"]);
+    }
 }

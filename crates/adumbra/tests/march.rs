@@ -12,7 +12,10 @@ use adumbra_testing::overhead_grid;
 
 fn city(frame: FrameChoice) -> ShadowFile {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
-    let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+    let options = BakeOptions::new(sun, Size::Resolution(1024)).with(|o| {
+        o.levels = 1;
+        o.frame = frame;
+    });
     Bake::with_options(&generate(GeneratedKind::City, 3), &options).in_memory().unwrap()
 }
 

@@ -260,10 +260,8 @@ mod tests {
 
     fn key(degrees: f64, resolution: u64) -> Arc<ShadowFile> {
         let sun = Sun::from_direction(towards(degrees)).unwrap();
-        let options = BakeOptions {
-            frame: FrameChoice::Oblique,
-            ..BakeOptions::new(sun, Size::Resolution(resolution))
-        };
+        let options =
+            BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| o.frame = FrameChoice::Oblique);
         Arc::new(Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap())
     }
 

@@ -172,10 +172,8 @@ impl Copy {
 
 fn bake_copy(copy: &Copy, settings: &AssetBake, sun: Sun) -> Result<ShadowFile, AssetBakeError> {
     let scene = adumbra_scene::load(&copy.scene, &LoadOptions::default())?;
-    let options = BakeOptions {
-        thickness_world: settings.thickness_world,
-        ..BakeOptions::new(sun, Size::Resolution(settings.resolution))
-    };
+    let options = BakeOptions::new(sun, Size::Resolution(settings.resolution))
+        .with(|o| o.thickness_world = settings.thickness_world);
     Ok(Bake::with_options(&scene, &options).in_memory()?)
 }
 

@@ -7,7 +7,6 @@
 
 use std::collections::BTreeSet;
 
-use adumbra::gpu::{WordSource, wgsl_files};
 use adumbra_shaders::{Source, assemble, source};
 
 use crate::error::BakedShadowError;
@@ -42,10 +41,9 @@ impl Way {
 
     /// Returns its module, `adumbra::NAME`.
     pub(crate) fn module(self) -> String {
-        let files = wgsl_files(WordSource::Rgba8Unorm);
-        // The texels come from `adumbra::words`, not from a separate binding.
-        let files = files.into_iter().filter(|path| *path != "access/texture_rgba8unorm.wgsl");
-        let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
+        let mut texts = [&[source::SURFACE], source::LOOK_UP].concat();
+        // The texels come from `adumbra::words`.
+        texts.extend([source::DEPTHS_BLEND, source::LOOK_UP_TEXTURE, source::LOOK_UP_PARAMETERS]);
         let of_plugin = |name, text| Source { name, text };
         texts.push(of_plugin("bevy_adumbra/selected_file.wgsl", include_str!("wgsl/selected_file.wgsl")));
         let levels = of_plugin("bevy_adumbra/levels.wgsl", include_str!("wgsl/levels.wgsl"));

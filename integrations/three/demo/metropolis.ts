@@ -168,7 +168,7 @@ function budgetOfSlider(): number {
 }
 
 function openFile(bytes: number): Promise<StreamedShadowFile> {
-  return StreamedShadowFile.open('metropolis.adumbra', { budget: bytes });
+  return StreamedShadowFile.open('metropolis.adumbra', { budgetBytes: bytes });
 }
 
 /** Lets people choose another renderer, which reloads the page. */

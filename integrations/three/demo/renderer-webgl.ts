@@ -47,7 +47,7 @@ export function open(canvas: HTMLCanvasElement, antialias: boolean): Drawing {
       fitToMover(sun);
       if (bus !== null) follow(sun, bus, towardsSun);
       const options = { statics, ...settings, ...(lookUp === undefined ? {} : { lookUp }) };
-      const attached = attachBakedShadow(scene, sun, file, options);
+      const attached = attachBakedShadow(scene, sun, { file, ...options });
       return {
         update() {
           if (bus !== null) follow(sun, bus, towardsSun);

@@ -9,7 +9,7 @@ export function Sun({ url }: { url: string }) {
   const scene = useThree((state) => state.scene);
   const light = useRef<DirectionalLight>(null!);
   useLayoutEffect(() => {
-    const shadow = attachBakedShadow(scene, light.current, file);
+    const shadow = attachBakedShadow(scene, light.current, { file });
     return () => shadow.dispose();
   }, [scene, file]);
   return <directionalLight ref={light} intensity={3} />;

@@ -3,15 +3,10 @@
 
 export { ShadowFileError } from './error.js';
 export type { ShadowFileErrorDetails, ShadowFileErrorKind, ShadowFileFault } from './error.js';
-export { HEADER_BYTES } from './file/faults.js';
-export { LATEST_VERSION, parseHeader } from './file/header.js';
-export type { ShadowFileHeader } from './file/header.js';
-export { BakedShadowFile } from './file/shadow-file.js';
+export { BakedShadowFile, PARSE_DEFAULTS } from './file/shadow-file.js';
 export type { ParseOptions } from './file/shadow-file.js';
-export { HEADER_WORDS, PARAMETERS_AT } from './gpu/look-up-header.js';
 export type { GpuLookUpOptions, Penumbra } from './gpu/look-up-header.js';
 export { LookUpTexture } from './gpu/look-up-texture.js';
-export { toGrid, toWorld } from './grid/light-grid.js';
 export type { Bounds, LightGrid } from './grid/light-grid.js';
 export { placedGrid } from './grid/placement.js';
 export type { WorldFromFile } from './grid/placement.js';
@@ -19,5 +14,5 @@ export type { Mat3, PointLike, Vec3 } from './grid/vec3.js';
 export { MissingHookError } from './light/three.js';
 export { ShadowFileLoader } from './loader.js';
 export { Sampler } from './sampler/sampler.js';
-export { FILTER_WIDTHS } from './settings.js';
+export { FILTER_WIDTHS, LOOK_UP_DEFAULTS } from './settings.js';
 export type { Bias, FileSettings, FilterWidth, LookUpOptions } from './settings.js';

@@ -64,12 +64,35 @@ export const FILTER_WIDTHS: readonly FilterWidth[] = [1, 3, 5, 9, 17];
 
 /** Settings of look-ups. */
 export interface LookUpOptions {
-  /** Width of the filter in texels. With 1, the answer is 0 or 1. */
-  readonly filter: FilterWidth;
+  /** Width of the filter in texels, by default 5. With 1, the answer is 0 or 1. */
+  readonly filter?: FilterWidth | undefined;
   /** The bias; that of the file by default. */
   readonly bias?: Bias | undefined;
   /** Where the app has placed the file's world; by default where it was baked. */
   readonly placement?: WorldFromFile | undefined;
+}
+
+/** What look-ups use where their options are left out. */
+export const LOOK_UP_DEFAULTS = { filter: 5 } as const;
+
+/** Returns options with the defaults of those that are left out or `undefined`. */
+export function withDefaults<O extends object, D extends { readonly [K in keyof O]?: unknown }>(
+  defaults: D,
+  options: O,
+): O & { readonly [K in keyof D & keyof O]-?: NonNullable<O[K]> } {
+  const all = { ...options } as Record<string, unknown>;
+  for (const name in defaults) all[name] ??= defaults[name];
+  return all as never;
+}
+
+/** Throws the error of an option that is out of its range, unless `isGood`. */
+export function checkOption(isGood: boolean, name: string, value: number, range: string): void {
+  if (!isGood) throw new RangeError(`${name} is ${value}, but must be ${range}`);
+}
+
+/** Checks that an option is from `low` to `high`. */
+export function checkRange(name: string, value: number, low: number, high: number): void {
+  checkOption(value >= low && value <= high, name, value, `from ${low} to ${high}`);
 }
 
 /**
@@ -78,7 +101,5 @@ export interface LookUpOptions {
  * @throws RangeError if it is not one of {@link FILTER_WIDTHS}.
  */
 export function checkFilter(filter: number): void {
-  if (!(FILTER_WIDTHS as readonly number[]).includes(filter)) {
-    throw new RangeError(`the filter's width is ${filter}, but must be one of ${FILTER_WIDTHS.join(', ')}`);
-  }
+  checkOption((FILTER_WIDTHS as readonly number[]).includes(filter), "the filter's width", filter, `one of ${FILTER_WIDTHS}`);
 }

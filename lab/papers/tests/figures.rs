@@ -27,8 +27,7 @@ fn shared_print_sizes_and_speeds_of_depths() {
         let scene = load(&path, &LoadOptions::default()).expect("a good scene");
         let towards = if name == "jacksboro" { [-0.77, 0.105, -0.63] } else { [0.5, 0.8, 0.35] };
         let sun = Sun::from_direction(towards).expect("above the horizon");
-        let options =
-            BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+        let options = BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| o.thickness_world = 0.1);
         let BuiltStructure { grid, settings, made: dag, .. } =
             build(&scene, &options, Watch::none(), GraphSink::new).expect("a good bake");
         let graph_bytes = 4 * (dag.top.len() + dag.nodes.len()) + 8 * dag.leaf_masks.len();

@@ -70,7 +70,7 @@ impl Structure for Recorder {
         0
     }
 
-    fn check_room(&self) -> adumbra_bake::Result<()> {
+    fn check_room(&self) -> Result<(), adumbra_bake::Error> {
         Ok(())
     }
 
@@ -170,16 +170,15 @@ fn graphs_and_quadtrees_respect_column_intervals() {
         let scene = any_scene(&mut random);
         let mut any = |low: f64, high: f64| low + (high - low) * random.unit();
         let sun = Sun::from_direction([any(-1.0, 1.0), any(0.2, 1.0), any(-1.0, 1.0)]).unwrap();
-        let options = BakeOptions {
-            frame: [FrameChoice::Light, FrameChoice::Oblique, FrameChoice::Auto][case as usize % 3],
-            builder: if case % 4 == 3 { ColumnBuilder::Plain } else { ColumnBuilder::Fast },
-            thickness_world: if case % 2 == 0 { 0.0 } else { any(0.0, 0.5) },
-            assume_ground: (case % 5 != 0).into(),
-            closed_regions: case % 7 != 0,
-            receivers: if case % 3 == 0 { Receivers::Static } else { Receivers::All },
-            switch_within_voxels: if case % 6 == 0 { 4 } else { 0 },
-            ..BakeOptions::new(sun, Size::Resolution(128))
-        };
+        let options = BakeOptions::new(sun, Size::Resolution(128)).with(|o| {
+            o.frame = [FrameChoice::Light, FrameChoice::Oblique, FrameChoice::Auto][case as usize % 3];
+            o.builder = if case % 4 == 3 { ColumnBuilder::Plain } else { ColumnBuilder::Fast };
+            o.thickness_world = if case % 2 == 0 { 0.0 } else { any(0.0, 0.5) };
+            o.assume_ground = (case % 5 != 0).into();
+            o.closed_regions = case % 7 != 0;
+            o.receivers = if case % 3 == 0 { Receivers::Static } else { Receivers::All };
+            o.switch_within_voxels = if case % 6 == 0 { 4 } else { 0 };
+        });
         ends += Structures::of(&scene, &options).check(&mut random);
     }
     assert!(ends > 5_000, "{ends} columns have an end");
@@ -191,7 +190,7 @@ fn graphs_and_quadtrees_of_masked_trees_respect_intervals() {
     scene.instances.retain(|instance| instance.name.starts_with("tree"));
     scene.instances.truncate(6);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(128)) };
+    let options = BakeOptions::new(sun, Size::Resolution(128)).with(|o| o.frame = FrameChoice::Light);
     Structures::of(&scene, &options).check(&mut Random::for_batch(4, 0));
 }
 
@@ -200,6 +199,6 @@ fn graphs_and_quadtrees_of_masked_trees_respect_intervals() {
 fn graphs_and_quadtrees_of_masked_forest_respect_intervals() {
     let scene = generate(GeneratedKind::Forest, 1);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::Resolution(256)) };
+    let options = BakeOptions::new(sun, Size::Resolution(256)).with(|o| o.frame = FrameChoice::Light);
     Structures::of(&scene, &options).check(&mut Random::for_batch(4, 0));
 }

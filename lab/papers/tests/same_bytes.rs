@@ -26,8 +26,12 @@ fn listed(text: &str) -> impl Iterator<Item = [&str; 3]> {
 fn digest(scene: &Scene, kind: &str, [resolution, tree_resolution]: [u64; 2]) -> String {
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     let assume_ground = AssumeGround::Yes;
-    let in_frame =
-        |frame| BakeOptions { frame, assume_ground, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    let in_frame = |frame| {
+        BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| {
+            o.frame = frame;
+            o.assume_ground = assume_ground;
+        })
+    };
     let mut bytes = Cursor::new(Vec::new());
     let mut quadtree = |frame| {
         Bake::with_options(scene, &in_frame(frame)).in_memory().unwrap().write_to(&mut bytes, Encoding::Raw)

@@ -3,8 +3,8 @@
 
 use std::sync::atomic::AtomicBool;
 
-use adumbra::{Bounds, RangeError, RangeField, Sun};
-use adumbra_bake::{Error as BakeError, Size, Watch};
+use adumbra::{Bounds, RangeError, Sun};
+use adumbra_bake::{BakeField, Error as BakeError, Size, Watch};
 use adumbra_papers::tree::query::{TreeQuery, Weights};
 use adumbra_papers::tree::{BakedTree, CaptureBias, Error, Reduction, TreeOptions, VoxelTree, bake_tree};
 use adumbra_scene::{LoadOptions, Scene, load};
@@ -144,7 +144,7 @@ fn tree_has_requested_voxel_size() {
     for size in [0.0, -1.0, f64::NAN, 1e-9] {
         let refused = bake_tree(&world, &options(UP, Size::VoxelSize(size)), Watch::none());
         let Err(Error::Bake(BakeError::Range(RangeError { field, .. }))) = refused else { panic!("{size}") };
-        assert_eq!(field, RangeField::VoxelSize, "{size}");
+        assert_eq!(field, BakeField::VoxelSize, "{size}");
     }
 }
 

@@ -71,7 +71,7 @@ mod tests {
 
     #[test]
     fn recorded_results_fit_their_schemas() {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench");
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
         let mut recorded = 0;
         for described in DESCRIBED {
             let file = described.about.split([',', ' ']).next().unwrap_or_default();

@@ -18,13 +18,13 @@ use typescript::add_imports;
 
 /// Crates in the order in which data flows. A crate depends only on earlier ones.
 const ORDER: [&str; 18] = [
+    "adumbra-shaders",
     "adumbra",
     "adumbra-files",
     "adumbra-solar",
     "adumbra-scene",
     "adumbra-bake",
     "adumbra-store",
-    "adumbra-shaders",
     "adumbra-render",
     "adumbra-truth",
     "adumbra-path",

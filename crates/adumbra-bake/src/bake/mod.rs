@@ -31,7 +31,7 @@ use crate::cache::{BakeCache, PartCache, PartGrid};
 use crate::choose::Choice;
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
-use crate::options::{BakeOptions, Preset, Size};
+use crate::options::{BakeOptions, Size};
 use crate::pages::Pages;
 use crate::plan::{Placement, Plan};
 use crate::progress::{NEVER, Progress, Report, Watch};
@@ -90,12 +90,9 @@ pub struct BakeSummary {
 }
 
 impl<'a> Bake<'a> {
-    /// Creates a bake with default options, at the resolution of [`Preset::Medium`].
+    /// Creates a bake with default options, and 8192 texels on the longest side.
     pub fn new(scene: &'a Scene, sun: Sun) -> Self {
-        Self::with_options(
-            scene,
-            &BakeOptions::new(sun, Size::Resolution(Preset::Medium.resolution().into())),
-        )
+        Self::with_options(scene, &BakeOptions::new(sun, Size::default()))
     }
 
     /// Creates a bake with these options.
@@ -103,8 +100,8 @@ impl<'a> Bake<'a> {
         Self { scene, options: options.clone(), cache: None, progress: Box::new(|_| {}), cancel: &NEVER }
     }
 
-    /// Sets the number of texels on the longest side of the scene as the sun sees it: a power of two from
-    /// [`MIN_RESOLUTION`](crate::MIN_RESOLUTION) to [`MAX_RESOLUTION`](crate::MAX_RESOLUTION).
+    /// Sets the number of texels on the longest side of the scene as the sun sees it, see
+    /// [`Size::Resolution`].
     pub fn resolution(self, texels: u64) -> Self {
         self.with(|options| options.size = Size::Resolution(texels))
     }
@@ -190,8 +187,8 @@ impl<'a> Bake<'a> {
     /// Bakes a file in memory.
     ///
     /// # Errors
-    /// - [`Error::Range`] or [`Error::Resolution`]: an option is out of range, or the grid would be too
-    ///   large.
+    /// - [`Error::Range`], [`Error::Resolution`] or [`Error::File`]: an option is out of range, or the grid
+    ///   would be too large.
     /// - [`Error::MemoryLimit`]: scene, tables or the result do not fit the memory limit.
     /// - [`Error::TooManyWords`]: the result is larger than its addresses can reach.
     /// - [`Error::Spill`]: what exceeds the memory limit cannot be written to disk.

@@ -25,9 +25,9 @@ pub struct DiskCache {
     folder: PathBuf,
 }
 
-/// The contents of a cache.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct CacheUsage {
+/// What counting found in a cache, or pruning removed from it.
+#[derive(Debug, Default)]
+pub struct CacheReport {
     /// Number of entries.
     pub entries: u64,
     /// Their bytes.
@@ -36,13 +36,6 @@ pub struct CacheUsage {
     pub abandoned: u64,
     /// Their bytes.
     pub abandoned_bytes: u64,
-}
-
-/// The entries that counting found or pruning removed, and the failures.
-#[derive(Debug, Default)]
-pub struct CacheReport {
-    /// The entries and temporary files that were found or removed.
-    pub contents: CacheUsage,
     /// The failures to read or remove files.
     pub failures: Vec<IoError>,
 }
@@ -77,10 +70,10 @@ impl DiskCache {
     /// Returns [`IoError`] if the folder cannot be read.
     pub fn contents(&self) -> Result<CacheReport, IoError> {
         let (entries, failures) = self.list()?;
-        let mut contents = CacheUsage::default();
-        entries.iter().for_each(|entry| contents.add_entry(entry.bytes));
-        self.abandoned().for_each(|file| contents.add_abandoned(file.bytes()));
-        Ok(CacheReport { contents, failures })
+        let mut found = CacheReport { failures, ..CacheReport::default() };
+        entries.iter().for_each(|entry| found.add_entry(entry.bytes));
+        self.abandoned().for_each(|file| found.add_abandoned(file.bytes()));
+        Ok(found)
     }
 
     /// Removes temporary files that were left more than a day ago, then the least recently used entries until
@@ -90,13 +83,13 @@ impl DiskCache {
     /// # Errors
     /// Returns [`IoError`] if the folder cannot be read.
     pub fn prune(&self, most_bytes: u64) -> Result<CacheReport, IoError> {
-        let mut removed = CacheUsage::default();
-        let (mut found, mut failures) = self.list()?;
+        let (mut found, failures) = self.list()?;
+        let mut removed = CacheReport { failures, ..CacheReport::default() };
         for file in self.abandoned() {
             let bytes = file.bytes();
             match file.remove() {
                 Ok(()) => removed.add_abandoned(bytes),
-                Err(error) => failures.push(error),
+                Err(error) => removed.failures.push(error),
             }
         }
         found.sort_by(|a, b| (a.used, &a.path).cmp(&(b.used, &b.path)));
@@ -108,14 +101,14 @@ impl DiskCache {
             match fs::remove_file(&path) {
                 // Another program has removed the entry.
                 Err(error) if error.kind() == ErrorKind::NotFound => left -= bytes,
-                Err(error) => failures.push(IoError::at("remove", path)(error)),
+                Err(error) => removed.failures.push(IoError::at("remove", path)(error)),
                 Ok(()) => {
                     left -= bytes;
                     removed.add_entry(bytes);
                 }
             }
         }
-        Ok(CacheReport { contents: removed, failures })
+        Ok(removed)
     }
 
     fn abandoned(&self) -> impl Iterator<Item = Abandoned> + use<> {
@@ -162,7 +155,7 @@ impl DiskCache {
     }
 }
 
-impl CacheUsage {
+impl CacheReport {
     fn add_entry(&mut self, bytes: u64) {
         self.entries += 1;
         self.bytes += bytes;

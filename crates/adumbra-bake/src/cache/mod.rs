@@ -33,7 +33,7 @@ use std::sync::Arc;
 use adumbra::IoError;
 
 pub use best_effort::BestEffortCache;
-pub use disk::{CacheReport, CacheUsage, DiskCache};
+pub use disk::{CacheReport, DiskCache};
 pub(crate) use entry::CachedPage;
 pub use entry::ENTRY_MAGIC;
 pub use key::CacheKey;

@@ -19,64 +19,66 @@ use crate::progress::{Progress, Report, Watch};
 use crate::sink::Structure;
 use crate::sink::depths::DepthsSink;
 
-/// Links the entries of a plan's parts to a file in `out`, from its position on. The bytes are those of a
-/// bake on one machine. The scene is not needed. Of `limits`, the memory limit and the folder for temporary
-/// files count.
-///
-/// # Errors
-/// Returns [`Error::MissingParts`] if entries are missing or damaged, [`Error::Io`] with the errors of
-/// `cache`, [`Error::Output`] with those of `out`, and the errors of the memory limit.
-pub fn link(
-    plan: &BakePlan,
-    cache: &Arc<dyn BakeCache>,
-    limits: &BakeOptions,
-    watch: Watch<'_>,
-    out: impl Write + Seek,
-) -> Result<BakeSummary> {
-    let start = Instant::now();
-    let grids = plan.grids();
-    let mut writer = file_writer(out, plan.settings, &grids, plan.encoding)?;
-    let mut report = Report { threads: rayon::current_num_threads(), ..Report::default() };
-    let total = (0..grids.len()).map(|level| root_blocks_of(plan, level)).sum();
-    for level in (0..grids.len()).rev() {
-        if watch.cancel.load(std::sync::atomic::Ordering::Relaxed) {
-            return Err(Error::Interrupted);
+impl BakePlan {
+    /// Links the entries of the parts to a file in `out`, from its position on. The bytes are those of a bake
+    /// on one machine. The scene is not needed. Of `limits`, the memory limit and the folder for temporary
+    /// files count.
+    ///
+    /// # Errors
+    /// Returns [`Error::MissingParts`] if entries are missing or damaged, [`Error::Io`] with the errors of
+    /// `cache`, [`Error::Output`] with those of `out`, and the errors of the memory limit.
+    pub fn link(
+        &self,
+        cache: &Arc<dyn BakeCache>,
+        limits: &BakeOptions,
+        watch: Watch<'_>,
+        out: impl Write + Seek,
+    ) -> Result<BakeSummary> {
+        let start = Instant::now();
+        let grids = self.grids();
+        let mut writer = file_writer(out, self.settings, &grids, self.encoding)?;
+        let mut report = Report { threads: rayon::current_num_threads(), ..Report::default() };
+        let total = (0..grids.len()).map(|level| root_blocks_of(self, level)).sum();
+        for level in (0..grids.len()).rev() {
+            if watch.cancel.load(std::sync::atomic::Ordering::Relaxed) {
+                return Err(Error::Interrupted);
+            }
+            let spill = Arc::new(spill(limits));
+            let (sink, held_bytes) = found(self, level, cache, limits, &spill)?;
+            report.accounted_bytes = report.accounted_bytes.max(held_bytes + spill.resident_bytes());
+            report.root_blocks += root_blocks_of(self, level);
+            report.reused_root_blocks = report.root_blocks;
+            let result_bytes = sink.result_bytes();
+            write_level(&mut writer, sink.into_pages(), grids[level].size, self.encoding, watch.cancel)?;
+            report.spilled_bytes += spill.spilled_bytes();
+            let texels_per_unit = 1 << (2 * self.levels[level].root_level);
+            (watch.progress)(Progress { done: report.root_blocks, total, texels_per_unit, result_bytes });
         }
-        let spill = Arc::new(spill(limits));
-        let (sink, held_bytes) = found(plan, level, cache, limits, &spill)?;
-        report.accounted_bytes = report.accounted_bytes.max(held_bytes + spill.resident_bytes());
-        report.root_blocks += root_blocks_of(plan, level);
-        report.reused_root_blocks = report.root_blocks;
-        let result_bytes = sink.result_bytes();
-        write_level(&mut writer, sink.into_pages(), grids[level].size, plan.encoding, watch.cancel)?;
-        report.spilled_bytes += spill.spilled_bytes();
-        let texels_per_unit = 1 << (2 * plan.levels[level].root_level);
-        (watch.progress)(Progress { done: report.root_blocks, total, texels_per_unit, result_bytes });
+        let bytes = writer.finish().map_err(Error::Output)?;
+        report.seconds = start.elapsed().as_secs_f64();
+        Ok(BakeSummary { grid: grids[0], settings: self.settings, levels: grids.len() as u32, bytes, report })
     }
-    let bytes = writer.finish().map_err(Error::Output)?;
-    report.seconds = start.elapsed().as_secs_f64();
-    Ok(BakeSummary { grid: grids[0], settings: plan.settings, levels: grids.len() as u32, bytes, report })
+
+    /// Links the entries of the parts to a file that replaces the one at `path` when it is placed. See
+    /// [`BakePlan::link`]. What exceeds the memory limit goes to the folder of `path`, unless `limits` name
+    /// another one.
+    ///
+    /// # Errors
+    /// Returns the errors of [`BakePlan::link`], and [`Error::Io`] if the file cannot be written.
+    #[doc(hidden)]
+    pub fn stage_link(
+        &self,
+        cache: &Arc<dyn BakeCache>,
+        limits: &BakeOptions,
+        watch: Watch<'_>,
+        path: &Path,
+    ) -> Result<(StagedFile, BakeSummary)> {
+        let limits = limits.spilling_beside(path);
+        stage(path, |out| self.link(cache, &limits, watch, out))
+    }
 }
 
-/// Links the entries of a plan's parts to a file that replaces the one at
-/// `path` when it is placed. See [`link`]. What exceeds the memory limit goes to the folder of
-/// `path`, unless `limits` name another one.
-///
-/// # Errors
-/// Returns the errors of [`link`], and [`Error::Io`] if the file cannot be written.
-#[doc(hidden)]
-pub fn stage_link(
-    plan: &BakePlan,
-    cache: &Arc<dyn BakeCache>,
-    limits: &BakeOptions,
-    watch: Watch<'_>,
-    path: &Path,
-) -> Result<(StagedFile, BakeSummary)> {
-    let limits = limits.spilling_beside(path);
-    stage(path, |out| link(plan, cache, &limits, watch, out))
-}
-
-/// Links the entries of a plan's parts to a file in memory. See [`link`].
+/// Links the entries of a plan's parts to a file in memory. See [`BakePlan::link`].
 pub(crate) fn link_in_memory(
     plan: &BakePlan,
     cache: &Arc<dyn BakeCache>,

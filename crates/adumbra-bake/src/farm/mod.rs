@@ -17,7 +17,6 @@ mod plan;
 mod stored;
 
 pub(crate) use link::link_in_memory;
-pub use link::{link, stage_link};
 pub use parts::{BakedParts, PartBaker};
 pub(crate) use plan::Prepared;
 pub use plan::{BakePlan, PlannedPart};

@@ -183,8 +183,9 @@ impl BakePlan {
         Some(Self { settings, levels, parts, ..self.clone() })
     }
 
-    /// Returns the first texel of a part along x and y of its level's grid, and the number of its texels.
-    pub(crate) fn texels_of(&self, part: &PlannedPart) -> [[u32; 2]; 2] {
+    /// Returns the first texel of a part along x and y of its level's grid, and then its number of texels
+    /// along both. The part must be one of this plan's.
+    pub fn texels_of(&self, part: &PlannedPart) -> [[u32; 2]; 2] {
         self.levels[part.level as usize].parts().texels(part.number as usize)
     }
 

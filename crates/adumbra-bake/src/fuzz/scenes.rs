@@ -2,7 +2,6 @@
 
 use std::f64::consts::PI;
 
-use crate::MAX_SWITCH_WITHIN;
 use crate::fuzz::dice::Dice;
 use crate::fuzz::parts::Modeller;
 use crate::options::{BakeOptions, FrameChoice, Size};
@@ -169,7 +168,7 @@ fn options(dice: &mut Dice, frame: &Frame, sun: Sun, resolution: u32, voxel_worl
         Bounds { min: place(low), max: place(high) }
     });
     let switch_within_voxels = match dice.below(8) {
-        0 => MAX_SWITCH_WITHIN,
+        0 => BakeOptions::MAX_SWITCH_WITHIN,
         1..=3 => dice.below(12) as u32,
         _ => 0,
     };

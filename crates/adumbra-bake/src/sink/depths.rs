@@ -420,7 +420,7 @@ impl Structure for DepthsSink {
         Pages::link_bytes(&self.store, self.fullest_bundle_bytes.load(Ordering::Relaxed))
     }
 
-    fn check_room(&self) -> crate::Result<()> {
+    fn check_room(&self) -> Result<(), crate::Error> {
         if self.is_too_large.load(Ordering::Relaxed) || self.store.halves() > MAX_HALVES {
             return Err(crate::Error::TooManyWords { what: "the quadtree of depths" });
         }

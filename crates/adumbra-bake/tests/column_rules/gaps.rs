@@ -21,8 +21,7 @@ fn assert_dark(upper: impl Fn(&mut Model, f64)) {
         let cosine = 1.0 / slope.hypot(1.0);
         let sun = Sun::from_direction([slope, 1.0, 0.0]).unwrap();
         // Gaps and biases are in voxels along the light.
-        let options =
-            BakeOptions { frame: FrameChoice::Light, ..BakeOptions::new(sun, Size::VoxelSize(VOXEL)) };
+        let options = BakeOptions::new(sun, Size::VoxelSize(VOXEL)).with(|o| o.frame = FrameChoice::Light);
         let bias = Bias::default().along_light(slope);
         for gap in BEYOND_BIAS.map(|beyond| bias + beyond).into_iter().chain([10.0]) {
             for phase in [0.0, 0.27, 0.61] {

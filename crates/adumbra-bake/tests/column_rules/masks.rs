@@ -51,8 +51,10 @@ fn floor_under_a_striped_card_gets_the_clear_share_of_light() {
             (-30..30).flat_map(|x| (-30..30).map(move |z| [middle(x), 0.0, middle(z)])).collect();
         for builder in [ColumnBuilder::Fast, ColumnBuilder::Plain] {
             let frame = FrameChoice::ObliqueAt(0.0);
-            let options =
-                BakeOptions { builder, frame, ..BakeOptions::new(overhead, Size::VoxelSize(VOXEL)) };
+            let options = BakeOptions::new(overhead, Size::VoxelSize(VOXEL)).with(|o| {
+                o.builder = builder;
+                o.frame = frame;
+            });
             let lit = lit_on_ground(&bake_quietly(&scene, &options), &points);
             let share = lit as f64 / points.len() as f64;
             // Stripes and texels alias: of thirteen texels in a row, three or four are on a clear stripe.

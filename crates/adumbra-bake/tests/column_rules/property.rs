@@ -98,12 +98,11 @@ impl Layers {
 
     fn options(&self) -> BakeOptions {
         let towards = [self.slope * self.azimuth.cos(), 1.0, self.slope * self.azimuth.sin()];
-        BakeOptions {
-            switch_within_voxels: self.switch_within_voxels,
-            builder: self.builder,
-            frame: self.yaw_radians.map_or(FrameChoice::Light, FrameChoice::ObliqueAt),
-            ..BakeOptions::new(Sun::from_direction(towards).unwrap(), Size::VoxelSize(VOXEL))
-        }
+        BakeOptions::new(Sun::from_direction(towards).unwrap(), Size::VoxelSize(VOXEL)).with(|o| {
+            o.switch_within_voxels = self.switch_within_voxels;
+            o.builder = self.builder;
+            o.frame = self.yaw_radians.map_or(FrameChoice::Light, FrameChoice::ObliqueAt);
+        })
     }
 }
 

@@ -139,7 +139,7 @@ fn abutting_instances_have_no_pinholes() {
     }
     let sun = Sun::from_direction(OVERHEAD).unwrap();
     let frame = FrameChoice::ObliqueAt(0.0);
-    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+    let options = BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.frame = frame);
     let baked = bake_quietly(&scene, &options);
     // The middle of every column well away from the ceiling's border.
     let [nx, ny, _] = baked.grid.size;

@@ -18,11 +18,10 @@ fn assert_dark(model: Model, resolution: u64, points: &[Point], what: &str) {
     let overhead = Sun::from_direction([0.0, 1.0, 0.0]).unwrap();
     for switch_within_voxels in [0, 2, 8] {
         for builder in [ColumnBuilder::Fast, ColumnBuilder::Plain] {
-            let options = BakeOptions {
-                switch_within_voxels,
-                builder,
-                ..BakeOptions::new(overhead, Size::Resolution(resolution))
-            };
+            let options = BakeOptions::new(overhead, Size::Resolution(resolution)).with(|o| {
+                o.switch_within_voxels = switch_within_voxels;
+                o.builder = builder;
+            });
             let lit = lit_on_ground(&bake_quietly(&scene, &options), points);
             let of = points.len();
             assert!(

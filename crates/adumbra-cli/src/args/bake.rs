@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use adumbra::{Bounds, Encoding, Receivers, Sun};
-use adumbra_bake::{AssumeGround, BakeOptions, DEFAULT_LEVELS, FrameChoice, Preset, Size};
+use adumbra_bake::{AssumeGround, BakeOptions, FrameChoice, Size};
 use adumbra_program::args::{RunArgs, SceneArgs, SunArgs, parse_bounds, parse_triple};
 use adumbra_program::exit::Failure;
 use adumbra_program::output::{SCENE, refuse_inputs};
@@ -25,6 +25,19 @@ pub(crate) enum PresetArg {
     High,
     /// 32768 texels
     Ultra,
+}
+
+impl PresetArg {
+    /// Returns the number of texels on the longest side.
+    fn resolution(self) -> u64 {
+        match self {
+            Self::Draft => 2048,
+            Self::Low => 4096,
+            Self::Medium => 8192,
+            Self::High => 16_384,
+            Self::Ultra => 32_768,
+        }
+    }
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -114,7 +127,7 @@ pub(crate) struct BakeSettings {
     ///
     /// The coarser ones take a third more time and bytes, and are what a reader has first. Levels of fewer
     /// than 256 texels are left out.
-    #[arg(long, value_name = "N", default_value_t = DEFAULT_LEVELS)]
+    #[arg(long, value_name = "N", default_value_t = BakeOptions::DEFAULT_LEVELS)]
     levels: u32,
     /// Leave out shadows below the last surface
     ///
@@ -159,43 +172,35 @@ impl BakeSettings {
 
     /// Returns the options of a bake under a sun.
     pub(crate) fn options(&self, sun: Sun, ignore_alpha: bool) -> BakeOptions {
-        let preset = match self.preset {
-            PresetArg::Draft => Preset::Draft,
-            PresetArg::Low => Preset::Low,
-            PresetArg::Medium => Preset::Medium,
-            PresetArg::High => Preset::High,
-            PresetArg::Ultra => Preset::Ultra,
-        };
         let size = match (self.resolution, self.voxel_size) {
             (Some(n), _) => Size::Resolution(n),
             (None, Some(edge)) => Size::VoxelSize(edge),
-            (None, None) => Size::Resolution(preset.resolution().into()),
+            (None, None) => Size::Resolution(self.preset.resolution()),
         };
-        BakeOptions {
-            frame: match (self.frame, self.yaw) {
+        BakeOptions::new(sun, size).with(|o| {
+            o.frame = match (self.frame, self.yaw) {
                 (FrameArg::Auto, _) => FrameChoice::Auto,
                 (FrameArg::Light, _) => FrameChoice::Light,
                 (FrameArg::Oblique, None) => FrameChoice::Oblique,
                 (FrameArg::Oblique, Some(degrees)) => FrameChoice::ObliqueAt(degrees.to_radians()),
-            },
-            thickness_world: self.thickness,
-            switch_within_voxels: self.switch_within,
-            levels: self.levels,
-            encoding: self.encoding.into(),
-            assume_ground: match self.assume_ground {
+            };
+            o.thickness_world = self.thickness;
+            o.switch_within_voxels = self.switch_within;
+            o.levels = self.levels;
+            o.encoding = self.encoding.into();
+            o.assume_ground = match self.assume_ground {
                 AssumeGroundArg::Auto => AssumeGround::Auto,
                 AssumeGroundArg::Yes => AssumeGround::Yes,
                 AssumeGroundArg::No => AssumeGround::No,
-            },
-            closed_regions: !self.no_closed_regions,
-            ignore_alpha,
-            receivers: match self.receivers {
+            };
+            o.closed_regions = !self.no_closed_regions;
+            o.ignore_alpha = ignore_alpha;
+            o.receivers = match self.receivers {
                 ReceiversArg::All => Receivers::All,
                 ReceiversArg::Static => Receivers::Static,
-            },
-            bounds: self.bounds,
-            ..BakeOptions::new(sun, size)
-        }
+            };
+            o.bounds = self.bounds;
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use adumbra_program::lookup::LookupArgs;
 use adumbra_program::output::format_bytes;
 use adumbra_program::sun::{DEFAULT_SUN, SunSource};
 use adumbra_scene::{Camera, FileSun, Scene, UpAxis};
-use adumbra_testing::help::{assert_defaults, verbs};
+use adumbra_testing::help::{assert_defaults, assert_listed, verbs};
 use adumbra_truth::verify::Promises;
 use clap::CommandFactory;
 
@@ -126,7 +126,11 @@ fn settings(args: &bake::BakeSettings) -> Used {
     };
     assert_eq!(options.frame, FrameChoice::Auto);
     assert_eq!(of(&["--frame", "oblique"]).frame, FrameChoice::Oblique);
-    assert_eq!([options.size, of(&["--preset", "medium"]).size], [Size::Resolution(8192); 2]);
+    let presets = [("draft", 2048), ("low", 4096), ("medium", 8192), ("high", 16_384), ("ultra", 32_768)];
+    for (preset, texels) in presets {
+        assert_eq!(of(&["--preset", preset]).size, Size::Resolution(texels), "{preset}");
+    }
+    assert_eq!(options.size, Size::Resolution(8192));
     assert_eq!(options.thickness_world, 0.0);
     let lower = |text: String| text.to_lowercase();
     let own = vec![
@@ -149,7 +153,7 @@ fn settings(args: &bake::BakeSettings) -> Used {
 fn bake(args: &Bake) -> Used {
     let words = ["adumbra", "bake", "a.glb", "--regions"];
     let Verb::Bake(cut) = Args::try_parse_from(words).unwrap().verb else { panic!("it is bake") };
-    assert_eq!((args.regions, cut.regions), (None, Some(adumbra_bake::DEFAULT_REGION_TEXELS)));
+    assert_eq!((args.regions, cut.regions), (None, Some(adumbra_bake::RegionPlan::DEFAULT_TEXELS)));
     let own = vec![
         (
             "--output",
@@ -415,6 +419,13 @@ fn help_states_the_defaults_that_verbs_use() {
         let args = Args::try_parse_from(words).unwrap_or_else(|error| panic!("{name}: {error}"));
         assert_defaults(&name, &command, &used(&args.verb));
     }
+}
+
+#[test]
+#[cfg(feature = "view")]
+fn guide_lists_every_verb() {
+    let guide = include_str!("../../../../docs/guides/the-programs.md");
+    assert_listed(guide, "adumbra", &Args::command());
 }
 
 /// The derive macros of clap keep a default in a static variable, which all instances of a generic type

@@ -192,11 +192,10 @@ impl<'a> Job<'a> {
         let sun = args.settings.sun.choose(&scene, &args.scene)?;
         warn_of_low_sun(&sun.sun);
         let share = limit.share(scene.memory_bytes());
-        let mut options = BakeOptions {
-            max_memory_bytes: share.bytes(),
-            spill_folder: Some(files::target_folder(output)),
-            ..args.settings.options(sun.sun, args.load.ignore_alpha)
-        };
+        let mut options = args.settings.options(sun.sun, args.load.ignore_alpha).with(|o| {
+            o.max_memory_bytes = share.bytes();
+            o.spill_folder = Some(files::target_folder(output));
+        });
         if !args.dry_run {
             refuse_read("--output", output).map_err(|e| Failure::BadInput(e.to_string()))?;
         }

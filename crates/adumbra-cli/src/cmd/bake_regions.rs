@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use adumbra::regions::Regions;
 use adumbra::{Frame, Region};
-use adumbra_bake::{BakeCache, BakeOptions, RegionPlan};
+use adumbra_bake::{BakeCache, RegionPlan};
 use adumbra_files::{StagedFile, check_output};
 use adumbra_program::exit::Failure;
 use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
@@ -97,11 +97,10 @@ pub(super) fn run(args: &Bake, texels: u32) -> Result<BakedRegions, Failure> {
         warn_of_low_sun(&sun.sun);
         refuse_read("--output", &manifest).map_err(bad_input)?;
         let share = limit.share(scene.memory_bytes());
-        let mut options = BakeOptions {
-            max_memory_bytes: share.bytes(),
-            spill_folder: Some(names.folder.clone()),
-            ..args.settings.options(sun.sun, args.load.ignore_alpha)
-        };
+        let mut options = args.settings.options(sun.sun, args.load.ignore_alpha).with(|o| {
+            o.max_memory_bytes = share.bytes();
+            o.spill_folder = Some(names.folder.clone());
+        });
         let ground = DecidedGround::of(&scene, &mut options);
         let glance = look(&scene, &args.scene, sun.sun, options.ignore_alpha);
         let plan = RegionPlan::new(&scene, &options, texels).map_err(|error| share.whole(error.into()))?;

@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use adumbra_bake::{BakeOptions, BakedParts, Baker, BestEffortCache, Error, Watch};
+use adumbra_bake::{BakedParts, Baker, BestEffortCache, Error, Watch};
 use adumbra_files::{self as files, FileWatch};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::output::{format_bytes, print_json_line};
@@ -72,11 +72,10 @@ impl Follower<'_> {
         warn_of_low_sun(&sun.sun);
         let mut followed = self.follow_files(&scene)?;
         let start = Instant::now();
-        let mut options = BakeOptions {
-            max_memory_bytes: self.args.run.memory_limit().share(scene.memory_bytes()).bytes(),
-            spill_folder: Some(files::target_folder(self.output)),
-            ..self.args.settings.options(sun.sun, self.args.load.ignore_alpha)
-        };
+        let mut options = self.args.settings.options(sun.sun, self.args.load.ignore_alpha).with(|o| {
+            o.max_memory_bytes = self.args.run.memory_limit().share(scene.memory_bytes()).bytes();
+            o.spill_folder = Some(files::target_folder(self.output));
+        });
         let ground = DecidedGround::of(&scene, &mut options);
         if !self.args.run.json {
             say!("  {ground}");
@@ -175,7 +174,7 @@ impl Follower<'_> {
         let watch = Watch::new(&|_| {}, &self.stop);
         let written = baker.save(self.output, watch)?;
         let link_seconds = start.elapsed().as_secs_f64();
-        let parts = baker.pages().count();
+        let parts = baker.plan().parts().len();
         if self.args.run.json {
             print_json_line(&BakedAgain {
                 file: self.output.display().to_string(),

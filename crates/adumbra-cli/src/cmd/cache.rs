@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use adumbra::IoError;
-use adumbra_bake::{CacheReport, CacheUsage};
+use adumbra_bake::CacheReport;
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::output::{format_bytes, print_json};
 use adumbra_program::say;
@@ -26,8 +26,9 @@ pub(super) struct CacheContents {
     abandoned_bytes: u64,
 }
 
-impl From<CacheUsage> for CacheContents {
-    fn from(CacheUsage { entries, bytes, abandoned, abandoned_bytes }: CacheUsage) -> Self {
+impl From<&CacheReport> for CacheContents {
+    fn from(report: &CacheReport) -> Self {
+        let &CacheReport { entries, bytes, abandoned, abandoned_bytes, .. } = report;
         Self { entries, bytes, abandoned, abandoned_bytes }
     }
 }
@@ -49,41 +50,42 @@ pub(crate) fn run(args: &Cache) -> Outcome {
 }
 
 fn info(args: &CacheInfo) -> Outcome {
-    let CacheReport { contents, failures } = Store::open(&args.place)?.contents()?;
-    warn(&args.place, &failures, "");
+    let found = Store::open(&args.place)?.contents()?;
+    warn(&args.place, &found.failures, "");
     if args.json {
-        print_json(&CacheContents::from(contents))?;
+        print_json(&CacheContents::from(&found))?;
     } else {
-        say!("{}: {}", args.place.display(), said(contents));
+        say!("{}: {}", args.place.display(), said(&found));
     }
     Ok(Code::Fine)
 }
 
 fn prune(args: &CachePrune) -> Outcome {
     let store = Store::open(&args.place)?;
-    let CacheReport { contents: removed, failures } = store.prune(args.keep)?;
-    warn(&args.place, &failures, "; it stays");
-    let left = store.contents()?.contents;
+    let removed = store.prune(args.keep)?;
+    warn(&args.place, &removed.failures, "; it stays");
+    let left = store.contents()?;
     if args.json {
-        print_json(&Pruned { removed: removed.into(), left: left.into() })?;
+        print_json(&Pruned { removed: (&removed).into(), left: (&left).into() })?;
     } else {
-        say!("{}: removed {}; left {}", args.place.display(), said(removed), said(left));
+        say!("{}: removed {}; left {}", args.place.display(), said(&removed), said(&left));
     }
-    if left.bytes > args.keep && !failures.is_empty() {
+    if left.bytes > args.keep && !removed.failures.is_empty() {
         adumbra_program::note!("error: {}: more than --keep is left", args.place.display());
         return Ok(Code::BadInput);
     }
     Ok(Code::Fine)
 }
 
-fn said(CacheUsage { entries, bytes, abandoned, abandoned_bytes }: CacheUsage) -> String {
-    let entries = format!("{entries} entries, {}", format_bytes(bytes));
-    if abandoned == 0 {
+fn said(report: &CacheReport) -> String {
+    let entries = format!("{} entries, {}", report.entries, format_bytes(report.bytes));
+    if report.abandoned == 0 {
         return entries;
     }
     format!(
-        "{entries}, and {abandoned} temporary files of killed programs, {}",
-        format_bytes(abandoned_bytes)
+        "{entries}, and {} temporary files of killed programs, {}",
+        report.abandoned,
+        format_bytes(report.abandoned_bytes)
     )
 }
 

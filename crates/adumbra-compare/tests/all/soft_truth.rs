@@ -18,7 +18,7 @@ fn shared_soft_voxels_beat_fixed_filters_on_a_sun_disc() {
     let (camera, sun) = truth_camera(&truths.join(format!("{name}.npz"))).unwrap();
     let truth = TruthTracer::build(&scene, false);
     let street = street_camera(&truth, sun.towards(), &StreetOptions::default()).unwrap();
-    let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(8192)) };
+    let options = BakeOptions::new(sun, Size::Resolution(8192)).with(|o| o.thickness_world = 0.1);
     let baked = Bake::with_options(&scene, &options).in_memory().unwrap();
     let gpu = Gpu::request(&GpuOptions::default()).unwrap();
     let mut renderer = Renderer::new(gpu, &scene, SceneOptions::default()).unwrap();

@@ -111,8 +111,13 @@ impl Bench {
         };
         let sun = Sun::from_direction(job.towards)?;
         let bounds = self.near_world.map(|near| self.around(job.focus, near)).or(self.options.bounds);
-        let options =
-            BakeOptions { sun, size, bounds, frame: FrameChoice::Oblique, levels: 1, ..self.options.clone() };
+        let options = self.options.clone().with(|o| {
+            o.sun = sun;
+            o.size = size;
+            o.bounds = bounds;
+            o.frame = FrameChoice::Oblique;
+            o.levels = 1;
+        });
         Ok(Bake::with_options(&self.scene, &options).cancel(&self.cancel).in_memory()?)
     }
 

@@ -1,5 +1,5 @@
-//! An engine that links `adumbra` and `adumbra-shaders` but not this renderer: it builds a bind group from
-//! the bytes of a look-up texture.
+//! An engine whose materials can add a texture but no buffer. It links `adumbra` and a graphics library, and
+//! nothing else of this project: it builds a bind group from the bytes of a look-up texture.
 //!
 //! `cargo run --release -p adumbra-render --example look_up_texture` bakes the generated city and prints the
 //! mean visibility of the points of a square of 200 m over its streets, from a texture of either format.
@@ -11,7 +11,7 @@ mod shade;
 
 use std::error::Error;
 
-use adumbra::gpu::{LookUp, WordSource};
+use adumbra::gpu::{Bindings, LookUp, TexelFormat};
 use adumbra::{Filter, ShadowFile, Sun};
 use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_scene::{GeneratedKind, generate};
@@ -58,15 +58,18 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let points: Vec<shade::Point> = points_world.iter().map(relative).collect();
     let shadow = file.sampler(FILTER);
-    for words in [WordSource::R32Uint, WordSource::Rgba8Unorm] {
-        let found = shade::shade(&device, &queue, (&texture, words), &points)?;
+    for format in [TexelFormat::R32Uint, TexelFormat::Rgba8Unorm] {
+        let view = shade::upload(&device, &queue, &texture, format);
+        let look_up = texture.wgsl(format, Bindings { group: 1, first: 0 }) + shade::FILTERED;
+        let resources = [wgpu::BindingResource::TextureView(&view)];
+        let found = shade::shade(&device, &queue, (&look_up, &resources), &points)?;
         let is_off =
             |(p, v): &(&[f64; 3], &f32)| (shadow.visibility(**p, Some(UP)) - **v).abs() > ROW_OF_TAPS;
         let off = points_world.iter().zip(&found).filter(is_off).count();
         let mean = found.iter().sum::<f32>() / found.len() as f32;
         let (width, height) = (texture.width(), texture.height());
         println!(
-            "{words:?}, {width} x {height} texels: mean visibility {mean:.3}; {off} of {} points differ from the CPU's look-up",
+            "{format:?}, {width} x {height} texels: mean visibility {mean:.3}; {off} of {} points differ from the CPU's look-up",
             found.len()
         );
         if off * 1000 > found.len() {

@@ -1,15 +1,13 @@
-//! Shades points with a look-up texture: builds a bind group from the bytes that `adumbra::gpu` provides,
-//! using wgpu alone.
+//! Shades points with a look-up's WGSL, using wgpu alone.
 
 use std::error::Error;
 
-use adumbra::gpu::{LookUpTexture, WordSource, wgsl_files};
-use adumbra_shaders::{Source, assemble, source};
+use adumbra::gpu::{LookUpTexture, TexelFormat};
 
-/// A point, relative to the texture's anchor, and its normal: two elements of the WGSL `array<vec4f>`.
+/// A point, relative to the look-up's anchor, and its normal: two elements of the WGSL `array<vec4f>`.
 pub(crate) type Point = [[f32; 4]; 2];
 
-/// The engine's own shader. Group 0 is its own, group 1 is the look-up texture.
+/// The engine's own shader. Group 0 is its own, group 1 is the look-up's.
 const ENGINE_WGSL: &str = "
 @group(0) @binding(0) var<storage, read> points: array<vec4f>;
 @group(0) @binding(1) var<storage, read_write> visibility: array<f32>;
@@ -17,26 +15,28 @@ const ENGINE_WGSL: &str = "
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u) {
     if (id.x < arrayLength(&visibility)) {
-        var s: AdumbraSurface;
-        s.p_relative = points[2u * id.x].xyz;
-        s.normal = points[2u * id.x + 1u].xyz;
-        s.towards_sun = adumbra_texture_towards_sun();
-        visibility[id.x] = adumbra_shadow_factor(s);
+        visibility[id.x] = visibility_of(id.x, points[2u * id.x].xyz, points[2u * id.x + 1u].xyz);
     }
 }
 ";
 
-/// Returns the visibility of the sun at each point.
-pub(crate) fn shade(
+/// The visibility of a point with a filter.
+pub(crate) const FILTERED: &str = "
+fn visibility_of(point: u32, p_relative: vec3f, normal: vec3f) -> f32 {
+    return adumbra_visibility(p_relative, normal);
+}
+";
+
+/// Uploads the texture's bytes unchanged, whichever format the engine uses.
+pub(crate) fn upload(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    (texture, words): (&LookUpTexture, WordSource),
-    points: &[Point],
-) -> Result<Vec<f32>, Box<dyn Error>> {
-    // Upload the texture's bytes unchanged, whichever format the engine uses.
-    let format = match words {
-        WordSource::R32Uint => wgpu::TextureFormat::R32Uint,
-        _ => wgpu::TextureFormat::Rgba8Unorm,
+    texture: &LookUpTexture,
+    format: TexelFormat,
+) -> wgpu::TextureView {
+    let format = match format {
+        TexelFormat::R32Uint => wgpu::TextureFormat::R32Uint,
+        TexelFormat::Rgba8Unorm => wgpu::TextureFormat::Rgba8Unorm,
     };
     let size = wgpu::Extent3d { width: texture.width(), height: texture.height(), depth_or_array_layers: 1 };
     let on_device = device.create_texture(&wgpu::TextureDescriptor {
@@ -52,14 +52,21 @@ pub(crate) fn shade(
     let bytes_per_row = Some(4 * texture.width());
     let rows = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None };
     queue.write_texture(on_device.as_image_copy(), texture.bytes(), rows, size);
+    on_device.create_view(&Default::default())
+}
 
-    // Assemble the shader from the files that the format needs, then the engine's own text.
-    let mut files: Vec<Source> = wgsl_files(words).into_iter().filter_map(source::by_path).collect();
-    files.push(source::VOXEL_TEXTURE_PASS);
-    files.push(Source { name: "engine", text: ENGINE_WGSL });
+/// Returns the visibility of the sun at each point. `look_up` is the WGSL of a look-up, followed by the
+/// function that calls it, and `resources` are those of the look-up.
+pub(crate) fn shade(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    (look_up, resources): (&str, &[wgpu::BindingResource<'_>]),
+    points: &[Point],
+) -> Result<Vec<f32>, Box<dyn Error>> {
+    let wgsl = look_up.to_owned() + ENGINE_WGSL;
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("engine"),
-        source: wgpu::ShaderSource::Wgsl(assemble(&files).into()),
+        source: wgpu::ShaderSource::Wgsl(wgsl.into()),
     });
     let pipeline = device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
         label: Some("engine"),
@@ -93,8 +100,7 @@ pub(crate) fn shade(
         })
     };
     let own = bind(0, &[input.as_entire_binding(), output.as_entire_binding()]);
-    let view = on_device.create_view(&Default::default());
-    let look_up = bind(1, &[wgpu::BindingResource::TextureView(&view)]);
+    let look_up = bind(1, resources);
 
     let mut encoder = device.create_command_encoder(&Default::default());
     let mut pass = encoder.begin_compute_pass(&Default::default());

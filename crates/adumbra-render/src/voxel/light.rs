@@ -16,9 +16,6 @@ use crate::error::Result;
 use crate::gpu::Gpu;
 use crate::technique::FrameInput;
 
-/// The WGSL files of a look-up, except the access file.
-pub(super) const LOOK_UP: &[Source] = &[source::GRID, source::VOXEL, source::DEPTHS, source::DEPTHS_LEAF];
-
 /// A light-aligned file on the GPU with its look-up settings: bind group 1, and the WGSL that reads it.
 pub struct BakedLight {
     /// The levels that look-ups may use, the finest first. A file that was uploaded whole has one level.
@@ -104,7 +101,7 @@ impl BakedLight {
     /// The WGSL files that define `adumbra_voxel_factor` for these bindings. They must follow
     /// core/surface.wgsl.
     pub fn look_up(&self) -> Vec<Source> {
-        [LOOK_UP, &[self.bindings.access()]].concat()
+        [source::LOOK_UP, &[self.bindings.access()]].concat()
     }
 
     /// The WGSL files that define `adumbra_file_factor`. They must follow core/surface.wgsl.
@@ -127,9 +124,10 @@ impl BakedLight {
     }
 
     pub(super) fn soft_sources(&self) -> Vec<Source> {
-        let pass =
-            if self.streamed.is_some() { source::VOXEL_LEVELS_SOFT_PASS } else { source::VOXEL_SOFT_PASS };
-        [self.file_factor(), vec![source::DISC, source::DEPTHS_SOFT, pass]].concat()
+        let access =
+            if self.streamed.is_some() { source::VOXEL_LEVELS_SOFT } else { source::VOXEL_PARAMS_SOFT };
+        let soft = vec![source::DISC, source::DEPTHS_SOFT, access, source::VOXEL_SOFT_PASS];
+        [self.file_factor(), soft].concat()
     }
 
     /// The WGSL files that return the level at which a look-up ends. `None` for a sun path, whose look-ups

@@ -7,7 +7,7 @@ use adumbra_shaders::layout::PointQuery;
 use adumbra_shaders::{Source, source};
 
 use super::VoxelBindings;
-use super::light::{BakedLight, LOOK_UP, queries};
+use super::light::{BakedLight, queries};
 use super::{fixed, moving};
 use crate::error::{Fix, RenderError, Result};
 use crate::gpu::Gpu;
@@ -66,8 +66,13 @@ impl BakedLight {
     /// # Errors
     /// Returns any error that the device reports.
     pub fn path_reads(&self, gpu: &Gpu, points: &[PointQuery]) -> Result<Vec<(f32, u32)>> {
-        let files =
-            [&[source::SURFACE], LOOK_UP, &[source::WORDS_LOGGED], moving::FILTER, &[source::PATH_READS]];
+        let files = [
+            &[source::SURFACE],
+            source::LOOK_UP,
+            &[source::WORDS_LOGGED],
+            moving::FILTER,
+            &[source::PATH_READS],
+        ];
         let mut all = Vec::with_capacity(points.len());
         for batch in points.chunks(BATCH) {
             for answer in fixed::answer::<_, ANSWER_BYTES>(gpu, self.bindings(), &files.concat(), batch)? {
@@ -84,6 +89,6 @@ impl BakedLight {
     /// # Errors
     /// Returns the errors of [`reads`].
     pub fn reads(&self, gpu: &Gpu, receivers: &[FixedReceiver]) -> Result<Vec<Reads>> {
-        reads(gpu, self.bindings(), LOOK_UP, receivers)
+        reads(gpu, self.bindings(), source::LOOK_UP, receivers)
     }
 }

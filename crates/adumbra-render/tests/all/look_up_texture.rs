@@ -1,18 +1,15 @@
-//! The look-up texture against the CPU, in each frame and format, and the WGSL files that `adumbra::gpu`
-//! lists against those that the renderer includes.
+//! The look-up texture against the CPU, in each frame and format.
 
-use adumbra::gpu::{LookUp, LookUpTexture, WordSource, wgsl_files};
+use adumbra::gpu::{Bindings, LookUp, LookUpTexture, TexelFormat};
 use adumbra::{Filter, Sun};
 use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
-use adumbra_render::voxel::{BakedLight, VoxelSettings};
+use adumbra_render::gpu::Gpu;
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, generate};
-use adumbra_shaders::source;
 use adumbra_testing::placements;
 
 use crate::kit;
 use crate::shade;
-use crate::shade::shade;
 
 /// Points in and around a box, with upward normals or none.
 fn points(min: [f64; 3], max: [f64; 3], anchor: [f32; 3], count: usize) -> Vec<shade::Point> {
@@ -27,6 +24,14 @@ fn points(min: [f64; 3], max: [f64; 3], anchor: [f32; 3], count: usize) -> Vec<s
         .collect()
 }
 
+/// Returns the answers of a texture.
+fn answers(gpu: &Gpu, texture: &LookUpTexture, format: TexelFormat, points: &[shade::Point]) -> Vec<f32> {
+    let view = shade::upload(&gpu.device, &gpu.queue, texture, format);
+    let look_up = texture.wgsl(format, Bindings::default()) + shade::FILTERED;
+    let resources = [wgpu::BindingResource::TextureView(&view)];
+    shade::shade(&gpu.device, &gpu.queue, (&look_up, &resources), points).unwrap()
+}
+
 #[test]
 fn look_up_texture_matches_cpu_in_every_frame_and_format() {
     const COUNT: usize = 20_000;
@@ -35,7 +40,7 @@ fn look_up_texture_matches_cpu_in_every_frame_and_format() {
     let bounds = scene.bounds();
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)] {
-        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(1024)) };
+        let options = BakeOptions::new(sun, Size::Resolution(1024)).with(|o| o.frame = frame);
         let file = Bake::with_options(&scene, &options).in_memory().unwrap();
         // Narrow rows, so that the words fill many of them.
         let mut texture =
@@ -47,19 +52,19 @@ fn look_up_texture_matches_cpu_in_every_frame_and_format() {
         let points = points(bounds.min, bounds.max, anchor, COUNT);
         let sampler = file.sampler(Filter::Box5);
         let mut first: Option<Vec<f32>> = None;
-        for words in [WordSource::R32Uint, WordSource::Rgba8Unorm] {
-            let found = shade(&gpu.device, &gpu.queue, (&texture, words), &points).unwrap();
+        for format in [TexelFormat::R32Uint, TexelFormat::Rgba8Unorm] {
+            let found = answers(&gpu, &texture, format, &points);
             let off = points.iter().zip(&found).filter(|([p, n], found)| {
                 let p_world = [0, 1, 2].map(|a| f64::from(anchor[a]) + f64::from(p[a]));
                 let normal = (n[1] > 0.0).then_some([0.0, 1.0, 0.0]);
                 (sampler.visibility(p_world, normal) - **found).abs() > 1e-5
             });
             let off = off.count();
-            assert!(off * 2000 <= COUNT, "{frame:?} {words:?}: {off} of {COUNT} points differ");
+            assert!(off * 2000 <= COUNT, "{frame:?} {format:?}: {off} of {COUNT} points differ");
             let partly = found.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
-            assert!(partly * 100 > COUNT, "{frame:?} {words:?}: {partly} points are partly lit");
+            assert!(partly * 100 > COUNT, "{frame:?} {format:?}: {partly} points are partly lit");
             // Both formats give bit-identical answers.
-            assert!(*first.get_or_insert_with(|| found.clone()) == found, "{frame:?} {words:?}");
+            assert!(*first.get_or_insert_with(|| found.clone()) == found, "{frame:?} {format:?}");
         }
     }
 }
@@ -71,7 +76,7 @@ fn placed_textures_match_cpu() {
     let scene = generate(GeneratedKind::City, 3);
     let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
     for frame in [FrameChoice::Light, FrameChoice::ObliqueAt(0.4)] {
-        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(512)) };
+        let options = BakeOptions::new(sun, Size::Resolution(512)).with(|o| o.frame = frame);
         let file = Bake::with_options(&scene, &options).in_memory().unwrap();
         for (place, placement) in placements() {
             let texture =
@@ -89,7 +94,7 @@ fn placed_textures_match_cpu() {
                     [[x, y, z, 0.0], [nx, ny, nz, 0.0]]
                 })
                 .collect();
-            let found = shade(&gpu.device, &gpu.queue, (&texture, WordSource::R32Uint), &points).unwrap();
+            let found = answers(&gpu, &texture, TexelFormat::R32Uint, &points);
             let expected = points.iter().map(|[p, n]| {
                 let p_world = [0, 1, 2].map(|a| f64::from(anchor[a]) + f64::from(p[a]));
                 let normal = [n[0], n[1], n[2]].map(f64::from);
@@ -100,24 +105,6 @@ fn placed_textures_match_cpu() {
             assert!(off * 500 <= COUNT, "{frame:?}, {place}: {off} of {COUNT} points differ");
             let partly = found.iter().filter(|v| **v > 0.0 && **v < 1.0).count();
             assert!(partly * 100 > COUNT, "{frame:?}, {place}: {partly} points are partly lit");
-        }
-    }
-}
-
-#[test]
-fn reader_lists_the_wgsl_files_that_the_renderer_includes() {
-    let gpu = kit::gpu();
-    let sun = Sun::from_direction([0.5, 0.8, 0.35]).unwrap();
-    let options = BakeOptions::new(sun, Size::Resolution(256));
-    let file = Bake::with_options(&generate(GeneratedKind::Primitives, 1), &options).in_memory().unwrap();
-    let settings = VoxelSettings::taps(Filter::Box5, file.settings.bias);
-    let light = BakedLight::from_file(&gpu, &file, settings).unwrap();
-    let included = [vec![source::SURFACE], light.look_up()].concat();
-    let included: Vec<_> = included.iter().map(|file| file.name).collect();
-    assert_eq!(included, wgsl_files(WordSource::Buffer));
-    for words in [WordSource::Buffer, WordSource::R32Uint, WordSource::Rgba8Unorm] {
-        for path in wgsl_files(words) {
-            assert!(source::by_path(path).is_some_and(|file| file.name == path), "{path} is not a file");
         }
     }
 }

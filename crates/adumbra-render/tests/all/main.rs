@@ -5,6 +5,7 @@ mod colors;
 mod depths;
 mod depths_leaves;
 mod device;
+mod engine_wgsl;
 mod frame;
 mod frame_again;
 mod hybrid;

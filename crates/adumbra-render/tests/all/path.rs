@@ -28,7 +28,10 @@ const DARK_AFTER_VOXELS: u32 = 3;
 fn keys(frame: FrameChoice, voxel_world: f64) -> [ShadowFile; 2] {
     let [first, second, _] = suns();
     [first, second].map(|sun| {
-        let options = BakeOptions { levels: 1, frame, ..BakeOptions::new(sun, Size::VoxelSize(voxel_world)) };
+        let options = BakeOptions::new(sun, Size::VoxelSize(voxel_world)).with(|o| {
+            o.levels = 1;
+            o.frame = frame;
+        });
         let mut file = Bake::with_options(&kit::city(), &options).in_memory().unwrap();
         file.settings.dark_after_voxels = DARK_AFTER_VOXELS;
         file
@@ -276,11 +279,10 @@ fn moving_sun_switches_keys_without_an_intermediate_frame() {
     let [first, second] = keys(FrameChoice::ObliqueAt(0.0), 0.6);
     let third = Bake::with_options(
         &kit::city(),
-        &BakeOptions {
-            levels: 1,
-            frame: FrameChoice::ObliqueAt(0.0),
-            ..BakeOptions::new(Sun::from_angles(131.0, 44.0).unwrap(), Size::VoxelSize(0.4))
-        },
+        &BakeOptions::new(Sun::from_angles(131.0, 44.0).unwrap(), Size::VoxelSize(0.4)).with(|o| {
+            o.levels = 1;
+            o.frame = FrameChoice::ObliqueAt(0.0);
+        }),
     )
     .in_memory()
     .unwrap();

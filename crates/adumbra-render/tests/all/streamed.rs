@@ -101,7 +101,7 @@ fn penumbrae_use_one_level_next_to_an_absent_page() {
     }));
     let frame = FrameChoice::ObliqueAt(0.0);
     let sun = Sun::from_angles(0.0, 90.0).unwrap();
-    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::VoxelSize(VOXEL)) };
+    let options = BakeOptions::new(sun, Size::VoxelSize(VOXEL)).with(|o| o.frame = frame);
     let light = Bake::with_options(&boxes(&corners), &options).in_memory().unwrap();
     let penumbra = Some(Penumbra { sun_degrees: 10.0, max_radius_texels: 4.9 });
     let settings =

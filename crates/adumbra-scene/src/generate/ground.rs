@@ -2,9 +2,8 @@
 
 use crate::generate::shapes::MeshBuilder;
 use crate::generate::{Placement, Stage};
-use adumbra::{RangeError, RangeField};
 
-use crate::{Result, Scene};
+use crate::{Error, Result, Scene};
 
 /// Height of the ground's top above the model's lowest point, as a fraction of its longest extent, so that no
 /// light leaks below it.
@@ -19,11 +18,10 @@ impl Scene {
     /// triangles is left unchanged. Cost: [`Scene::bounds`].
     ///
     /// # Errors
-    /// Returns [`crate::Error::Range`] if `factor` is not from 1 to 1,000.
+    /// Returns [`Error::GroundSize`] if `factor` is not from 1 to 1,000.
     pub fn stand_on_ground(&mut self, factor: f64) -> Result<()> {
         if !(1.0..=1000.0).contains(&factor) {
-            let (value, range) = (factor.to_string(), "from 1 to 1000 times the scene's extent");
-            return Err(RangeError::new(RangeField::GroundSize, value, range).into());
+            return Err(Error::GroundSize { factor });
         }
         if self.instanced_triangles() == 0 {
             return Ok(());

@@ -64,7 +64,7 @@ const LOOK_UPS: &[(&str, &str)] = &[
     (
         "voxel:soft, streamed",
         "core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft access/words_6 \
-         core/depths_blend access/voxel_levels passes/voxel_levels_soft",
+         core/depths_blend access/voxel_levels access/voxel_levels_soft passes/voxel_soft",
     ),
     (
         "voxel levels, streamed",
@@ -88,18 +88,19 @@ const LOOK_UPS: &[(&str, &str)] = &[
     ),
     (
         "voxel, R32Uint texture",
-        "core/grid core/voxel core/depths core/depths_leaf core/depths_blend access/texture_r32uint access/look_up_texture \
-         access/look_up_parameters passes/voxel_texture",
+        "core/grid core/voxel core/depths core/depths_leaf core/depths_blend core/disc core/depths_soft \
+         access/texture_r32uint access/look_up_texture access/look_up_parameters access/look_up_file passes/voxel",
     ),
     (
         "voxel, Rgba8Unorm texture",
-        "core/grid core/voxel core/depths core/depths_leaf core/depths_blend access/texture_rgba8unorm \
-         access/look_up_texture access/look_up_parameters passes/voxel_texture",
+        "core/grid core/voxel core/depths core/depths_leaf core/depths_blend core/disc core/depths_soft \
+         access/texture_rgba8unorm access/look_up_texture access/look_up_parameters access/look_up_file \
+         passes/voxel_soft",
     ),
     (
         "voxel:soft",
         "core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft access/words_6 \
-         access/voxel_params passes/voxel_soft",
+         access/voxel_params access/voxel_params_soft passes/voxel_soft",
     ),
     (
         "nearest",
@@ -213,7 +214,12 @@ const MODULES: &[(&str, &str)] = &[
     (
         "penumbrae, fixed point",
         "core/surface core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft \
-         access/words_1 access/voxel_params passes/voxel_soft passes/depths_fixed",
+         access/words_1 access/voxel_params access/voxel_params_soft passes/voxel_soft passes/depths_fixed",
+    ),
+    (
+        "an engine's functions",
+        "core/surface core/grid core/voxel core/depths core/depths_leaf core/disc core/depths_soft \
+         access/words_1 access/voxel_params access/voxel_params_soft access/visibility",
     ),
     (
         "vsm, rows",

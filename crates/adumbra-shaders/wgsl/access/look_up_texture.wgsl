@@ -1,7 +1,7 @@
 // Words of the look-up texture, version 3: the counterpart of adumbra::gpu::LookUpTexture. Source:
 // spec/look-up-texture.md. Texels are fetched by `adumbra_texture_texel` of access/texture_r32uint.wgsl or
-// access/texture_rgba8unorm.wgsl. An engine with different bindings provides the two functions of those files
-// itself.
+// access/texture_rgba8unorm.wgsl. An engine that has the texels elsewhere provides the two functions of those
+// files itself.
 
 // Number of header words before those of the file.
 const ADUMBRA_TEXTURE_HEADER: u32 = 128u;

@@ -1,5 +1,6 @@
-// The technique `voxel:soft`: penumbrae from the switch depths of a file.
+// The technique `voxel:soft`: penumbrae from the switch depths of a file. `adumbra_file_soft` is from
+// access/voxel_params_soft.wgsl, access/voxel_levels_soft.wgsl or access/look_up_file.wgsl.
 
 fn adumbra_shadow_factor(s: AdumbraSurface) -> f32 {
-    return adumbra_depths_soft(adumbra_voxel_params, adumbra_voxel_receiver(adumbra_voxel_params, s), adumbra_disc_turn(s.pixel));
+    return adumbra_file_soft(s);
 }

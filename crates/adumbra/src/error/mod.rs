@@ -17,10 +17,10 @@ pub enum Error {
     #[error(transparent)]
     Io(#[from] IoError),
     /// A shadow file is not valid.
-    #[error("{path:?}: {source}", path = path.display())]
+    #[error("{}{source}", named(path.as_deref()))]
     Format {
-        /// The file.
-        path: PathBuf,
+        /// The file; `None` for bytes that have no path.
+        path: Option<PathBuf>,
         /// The fault in the file.
         source: Box<FormatError>,
     },
@@ -54,24 +54,36 @@ pub enum Error {
     Range(#[from] RangeError),
 }
 
+impl From<FormatError> for Error {
+    fn from(error: FormatError) -> Self {
+        Self::Format { path: None, source: Box::new(error) }
+    }
+}
+
+/// Returns the beginning of a message about a file.
+fn named(path: Option<&Path>) -> String {
+    path.map_or_else(String::new, |path| format!("{:?}: ", path.display()))
+}
+
 /// Result type of this crate.
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// A value that is out of range.
+/// A value that is out of range. `F` is a crate's enum of fields.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{field}: {value} is out of range; it must be {range}")]
-pub struct RangeError {
+#[non_exhaustive]
+pub struct RangeError<F = RangeField> {
     /// The field or parameter that has the value.
-    pub field: RangeField,
+    pub field: F,
     /// The value that was given.
     pub value: String,
     /// The allowed range, as text.
     pub range: &'static str,
 }
 
-impl RangeError {
+impl<F> RangeError<F> {
     /// Returns the error for `field` having the value `value`, which is not within `range`.
-    pub fn new(field: RangeField, value: impl Display, range: &'static str) -> Self {
+    pub fn new(field: F, value: impl Display, range: &'static str) -> Self {
         Self { field, value: shortened(&value.to_string()), range }
     }
 }
@@ -138,6 +150,15 @@ fn with_reading_hint(error: std::io::Error) -> std::io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn format_errors_name_the_file_if_there_is_one() {
+        let fault = || FormatError::TrailingBytes { end: 4 };
+        let bytes = Error::from(fault()).to_string();
+        assert_eq!(bytes, fault().to_string());
+        let file = Error::Format { path: Some("a.adumbra".into()), source: Box::new(fault()) };
+        assert_eq!(file.to_string(), format!("\"a.adumbra\": {bytes}"));
+    }
 
     #[test]
     fn shortened_text_writes_long_numbers_with_exponent() {

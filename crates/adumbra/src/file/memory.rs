@@ -103,7 +103,7 @@ impl ShadowFile {
         };
         FileMemory::of(
             |end| first(end).map_err(|error| IoError::at("read", path)(error).into()),
-            |fault| Error::Format { path: path.to_owned(), source: Box::new(fault) },
+            |fault| Error::Format { path: Some(path.to_owned()), source: Box::new(fault) },
         )
     }
 }

@@ -87,7 +87,7 @@ impl ShadowFile {
 }
 
 fn invalid(path: &Path, source: FormatError) -> Error {
-    Error::Format { path: path.to_owned(), source: Box::new(source) }
+    Error::Format { path: Some(path.to_owned()), source: Box::new(source) }
 }
 
 /// The parts of one grid in a file whose directory fits its length.

@@ -54,7 +54,7 @@ pub fn read_file(
     let mut bytes = Vec::new();
     (&mut file).take(header_bytes as u64).read_to_end(&mut bytes).map_err(IoError::at("read", path))?;
     let whole = file_bytes(&bytes)
-        .map_err(|source| Error::Format { path: path.to_owned(), source: Box::new(source) })?;
+        .map_err(|source| Error::Format { path: Some(path.to_owned()), source: Box::new(source) })?;
     // Reads one byte more than there should be, to detect trailing bytes.
     let rest = whole.saturating_sub(bytes.len() as u64).saturating_add(1);
     let length = file.metadata().map_or(0, |found| found.len());

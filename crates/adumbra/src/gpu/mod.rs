@@ -1,5 +1,5 @@
 //! The contents of a file for shaders, independent of any graphics library: its words, its parameter block,
-//! both combined in a texture, and the list of WGSL files that read them.
+//! both combined in a texture, and the WGSL that reads them.
 //!
 //! There are two ways to give a shader a file:
 //!
@@ -7,18 +7,22 @@
 //! - *A texture.* [`LookUpTexture`] holds both in rows of texels, `R32Uint` or `Rgba8Unorm`, for engines
 //!   whose materials can add a texture but no buffer. `spec/look-up-texture.md` describes it.
 //!
-//! [`wgsl_files`] lists the files of `adumbra-shaders` for either way.
+//! [`FileForGpu::wgsl`] and [`LookUpTexture::wgsl`] return the WGSL of either way, as one text.
 //!
 //! ```no_run
-//! use adumbra::gpu::LookUp;
+//! use adumbra::gpu::{Bindings, LookUp};
 //! use adumbra::{Filter, ShadowFile};
 //!
 //! let file = ShadowFile::read("city.adumbra")?;
 //! let gpu = file.gpu();
+//! // The storage buffer.
 //! let words: Vec<u32> = gpu.words().to_vec();
+//! // The uniform buffer.
 //! let look_up = LookUp { filter: Filter::Box5, ..LookUp::default() };
 //! let parameters = gpu.parameters(&look_up, [10.0, 1.8, 4.0])?.to_bytes();
-//! println!("{} words, {} bytes of parameters", words.len(), parameters.len());
+//! // The shader. The engine's own text calls `adumbra_visibility(p_relative, normal)`.
+//! let wgsl = gpu.wgsl(Bindings { group: 1, first: 0 });
+//! println!("{} words, {} bytes, {} characters", words.len(), parameters.len(), wgsl.len());
 //! # Ok::<(), adumbra::Error>(())
 //! ```
 
@@ -33,7 +37,8 @@ pub(crate) use parameters::WordPlaces;
 pub use parameters::{LookUp, Parameters, Penumbra};
 pub use texture::{HEADER_WORDS, LookUpTexture, TEXTURE_MAGIC, TEXTURE_VERSION};
 pub(crate) use texture::{middle, put_header};
-pub use wgsl::{WordSource, wgsl_files};
+pub(crate) use wgsl::of_stream;
+pub use wgsl::{Bindings, TexelFormat};
 pub use words::Words;
 
 use crate::error::Result;
@@ -56,6 +61,24 @@ impl<'f> FileForGpu<'f> {
     /// Returns the words of the file's voxels, for a storage buffer.
     pub fn words(self) -> Words<'f> {
         Words::new(&self.file.tree)
+    }
+
+    /// Returns the WGSL of look-ups in buffers: a uniform buffer with the [parameters](Self::parameters) at
+    /// the first binding, and a read-only storage buffer with the [words](Self::words) at the next. An engine
+    /// puts its own text after it. It defines, for any stage:
+    ///
+    /// ```wgsl
+    /// fn adumbra_visibility(p_relative: vec3f, normal: vec3f) -> f32
+    /// fn adumbra_soft_visibility(p_relative: vec3f, normal: vec3f, pixel: vec2u) -> f32
+    /// ```
+    ///
+    /// Both return visibility, 1 = lit. The second averages over the sun's disc: its parameters must have a
+    /// [`Penumbra`], and `pixel`, the fragment's coordinates, rotates the taps. Positions are relative to the
+    /// anchor of the parameters. The normal is the triangle's, of unit length, or zero where there is none.
+    /// All names begin with `adumbra_`, `Adumbra` or `ADUMBRA_`, so two such texts do not fit into one
+    /// module. The text is the same for every file.
+    pub fn wgsl(self, bindings: Bindings) -> String {
+        wgsl::of_buffers(bindings)
     }
 
     /// Returns the parameters of a look-up, for a uniform buffer. Positions in the shader are relative to

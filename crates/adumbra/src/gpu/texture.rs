@@ -19,6 +19,7 @@
 //! | 104 to 127 | zero |
 
 use super::parameters::{LookUp, Parameters, WordPlaces};
+use super::wgsl::{Bindings, TexelFormat, of_texture};
 use super::words::Words;
 use crate::error::{RangeError, RangeField, Result};
 use crate::file::ShadowFile;
@@ -103,6 +104,14 @@ impl LookUpTexture {
     /// [`LookUpTexture::set_look_up`].
     pub fn header(&self) -> &[u8] {
         &self.bytes[..4 * HEADER_WORDS]
+    }
+
+    /// Returns the WGSL of look-ups in the texture at the first binding. It defines the functions of
+    /// [`FileForGpu::wgsl`](super::FileForGpu::wgsl). Positions are relative to `adumbra_texture_anchor()`,
+    /// and `adumbra_texture_towards_sun()` is the unit vector towards the sun. Each call fetches 73 texels of
+    /// parameters, the same for every pixel.
+    pub fn wgsl(&self, format: TexelFormat, bindings: Bindings) -> String {
+        of_texture(format, bindings)
     }
 
     /// Returns the world position that positions in the shader are relative to. Each coordinate is

@@ -273,7 +273,7 @@ fn failed(name: &Path, error: SourceError) -> Error {
 }
 
 fn invalid(name: &Path, fault: FormatError) -> Error {
-    Error::Format { path: name.to_owned(), source: Box::new(fault) }
+    Error::Format { path: Some(name.to_owned()), source: Box::new(fault) }
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use crate::error::Result;
-use crate::gpu::{LookUp, Parameters, middle, put_header};
+use crate::gpu::{Bindings, LookUp, Parameters, middle, of_stream, put_header};
 use crate::grid::LightGrid;
 use crate::query::Filter;
 use crate::settings::FileSettings;
@@ -244,6 +244,14 @@ impl Resident {
     /// fading.
     pub fn is_settled(&self) -> bool {
         self.open().is_some_and(|open| open.residents.are_settled())
+    }
+
+    /// Returns the WGSL of look-ups: a uniform buffer of eight [parameter blocks](Parameters), the first of
+    /// which are those of the [levels](Self::parameters), at the first binding, and a read-only storage
+    /// buffer with the words at the next. It defines the functions of
+    /// [`FileForGpu::wgsl`](crate::gpu::FileForGpu::wgsl).
+    pub fn wgsl(&self, bindings: Bindings) -> String {
+        of_stream(bindings)
     }
 
     /// Returns the parameters of look-ups in each level in use, the finest first. Penumbrae have the same

@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::gpu::{LookUp, Parameters};
+use crate::gpu::{Bindings, LookUp, Parameters};
 use crate::query::Filter;
 use crate::stream::{
     Answer, PoolSampler, PoolWrite, Request, Resident, ShadowSource, StreamCounts, StreamFault,
@@ -123,6 +123,11 @@ impl Streamer {
     /// Returns look-ups in [`Streamer::words`], once they hold the coarsest level.
     pub fn sampler(&self, filter: Filter) -> Option<PoolSampler> {
         self.resident.sampler(filter).filter(|_| !self.words.is_empty())
+    }
+
+    /// Returns the WGSL of look-ups, see [`Resident::wgsl`].
+    pub fn wgsl(&self, bindings: Bindings) -> String {
+        self.resident.wgsl(bindings)
     }
 
     /// Returns the parameters of look-ups in each level in use, see [`Resident::parameters`].

@@ -15,7 +15,10 @@ pub(crate) const LIMIT: Duration = Duration::from_secs(600);
 
 fn coded_city(resolution: u64, levels: u32, frame: FrameChoice) -> Vec<u8> {
     let sun = Sun::from_angles(130.0, 35.0).unwrap();
-    let options = BakeOptions { levels, frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+    let options = BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| {
+        o.levels = levels;
+        o.frame = frame;
+    });
     let file = Bake::with_options(&generate(GeneratedKind::City, 7), &options).in_memory().unwrap();
     let mut bytes = Cursor::new(Vec::new());
     file.write_to(&mut bytes, Encoding::Coded).unwrap();

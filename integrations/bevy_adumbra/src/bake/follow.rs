@@ -139,10 +139,8 @@ pub(crate) fn follow_suns(
 fn start(scene: Arc<Scene>, settings: BakeSettings) -> Result<SunFollower, BakeError> {
     // A placeholder: each key replaces the sun.
     let any = Sun::from_direction([0.0, 1.0, 0.0]).map_err(|e| BakeError::Sun(e.into()))?;
-    let bake = BakeOptions {
-        thickness_world: settings.thickness_world.into(),
-        ..BakeOptions::new(any, Size::Resolution(settings.resolution.into()))
-    };
+    let bake = BakeOptions::new(any, Size::Resolution(settings.resolution.into()))
+        .with(|o| o.thickness_world = settings.thickness_world.into());
     let options = FollowOptions { threads: settings.threads.max(1), ..FollowOptions::new(bake) };
     SunFollower::start(scene, options, || {}).map_err(|e| BakeError::Follow(e.into()))
 }

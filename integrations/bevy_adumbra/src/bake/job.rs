@@ -119,10 +119,8 @@ fn work(
         if coarse == settings.resolution { vec![coarse] } else { vec![coarse, settings.resolution] };
     let triangles = scene.instanced_triangles();
     for resolution in resolutions {
-        let options = BakeOptions {
-            thickness_world: settings.thickness_world.into(),
-            ..BakeOptions::new(sun, Size::Resolution(resolution.into()))
-        };
+        let options = BakeOptions::new(sun, Size::Resolution(resolution.into()))
+            .with(|o| o.thickness_world = settings.thickness_world.into());
         let report = |progress: adumbra_bake::Progress| {
             if let Ok(mut state) = state.progress.lock() {
                 *state = (resolution, progress.done as f32 / progress.total.max(1) as f32);

@@ -35,11 +35,10 @@ fn two_tiles_make_one_world() {
     let tile = |low: f64, high: f64| {
         let mut bounds = Bounds { min: all.min, max: all.max };
         (bounds.min[0], bounds.max[0]) = (low, high);
-        let options = BakeOptions {
-            bounds: Some(bounds),
-            frame,
-            ..BakeOptions::new(sun, Size::VoxelSize(whole.grid.voxel_size))
-        };
+        let options = BakeOptions::new(sun, Size::VoxelSize(whole.grid.voxel_size)).with(|o| {
+            o.bounds = Some(bounds);
+            o.frame = frame;
+        });
         Bake::with_options(&scene, &options).in_memory().unwrap()
     };
     let middle = 0.5 * (all.min[0] + all.max[0]);

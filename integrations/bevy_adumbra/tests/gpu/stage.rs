@@ -54,7 +54,7 @@ pub fn baked(frame: FrameChoice) -> ShadowFile {
         return file.clone();
     }
     let sun = Sun::from_direction(towards_sun()).unwrap();
-    let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(2048)) };
+    let options = BakeOptions::new(sun, Size::Resolution(2048)).with(|o| o.frame = frame);
     let file = Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap();
     baked.push((frame, file.clone()));
     file

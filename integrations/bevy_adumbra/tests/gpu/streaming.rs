@@ -24,11 +24,10 @@ fn city() -> &'static [u8] {
     static CITY: OnceLock<Vec<u8>> = OnceLock::new();
     CITY.get_or_init(|| {
         let sun = Sun::from_direction(towards_sun()).unwrap();
-        let options = BakeOptions {
-            levels: 4,
-            frame: FrameChoice::Oblique,
-            ..BakeOptions::new(sun, Size::Resolution(16_384))
-        };
+        let options = BakeOptions::new(sun, Size::Resolution(16_384)).with(|o| {
+            o.levels = 4;
+            o.frame = FrameChoice::Oblique;
+        });
         let file = Bake::with_options(&generate(GeneratedKind::City, 1), &options).in_memory().unwrap();
         let mut bytes = Cursor::new(Vec::new());
         file.write_to(&mut bytes, Encoding::Coded).unwrap();

@@ -35,10 +35,8 @@ fn bevy_is_as_accurate_as_look_ups_on_shared_views() {
         let vector = |key: &str| [0, 1, 2].map(|i| camera[key][i].as_f64().unwrap());
         let [sun, n_dot_l]: [Vec<f32>; 2] = ["sun", "ndotl"].map(|array| npz_array(&truth, array));
         let scene = load(&path, &LoadOptions { ignore_alpha: true, ..LoadOptions::default() }).unwrap();
-        let options = BakeOptions {
-            ignore_alpha: true,
-            ..BakeOptions::new(Sun::from_direction(vector("sun")).unwrap(), Size::Resolution(16_384))
-        };
+        let options = BakeOptions::new(Sun::from_direction(vector("sun")).unwrap(), Size::Resolution(16_384))
+            .with(|o| o.ignore_alpha = true);
         let file = Bake::with_options(&scene, &options).in_memory().unwrap();
         // The file's visibility at the points that the other renderer saw.
         let [positions, normals]: [Vec<f32>; 2] = ["pos", "normal"].map(|array| npz_array(&truth, array));

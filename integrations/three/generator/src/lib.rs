@@ -10,7 +10,6 @@ mod marches;
 use std::collections::HashMap;
 use std::path::Path;
 
-use adumbra::gpu::{WordSource, wgsl_files};
 use adumbra_shaders::{Source, assemble, source};
 use naga::back;
 use naga::compact::{KeepUnused, compact};
@@ -77,10 +76,8 @@ macro_rules! own {
 
 /// Returns the module of a look-up without unused parts.
 fn module(way: Way) -> Result<(naga::Module, ModuleInfo), String> {
-    let from_texture = ["access/texture_r32uint.wgsl", "access/look_up_texture.wgsl"];
-    let files = wgsl_files(WordSource::R32Uint);
-    let files = files.into_iter().filter(|path| !from_texture.contains(path));
-    let mut texts: Vec<Source> = files.filter_map(source::by_path).collect();
+    let mut texts = [&[source::SURFACE], source::LOOK_UP].concat();
+    texts.extend([source::DEPTHS_BLEND, source::LOOK_UP_PARAMETERS]);
     let surface = own!("surface.wgsl");
     match way {
         Way::Filtered => texts.extend([own!("taps.wgsl"), own!("words.wgsl"), surface, own!("look_up.wgsl")]),

@@ -32,6 +32,9 @@ export interface ParseOptions {
   readonly limitBytes?: number;
 }
 
+/** How a file is checked where options are left out. */
+export const PARSE_DEFAULTS = { verify: true, limitBytes: Infinity } as const;
+
 /**
  * The contents of a `.adumbra` file. Look-ups use its finest level of detail; {@link BakedShadowFile.level}
  * gives the others. It does not keep the bytes that it was made from.
@@ -102,7 +105,7 @@ interface Contents {
 }
 
 /** Reads and checks a whole file. */
-function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = true, limitBytes = Infinity }: ParseOptions): Steps<Contents> {
+function* readContents(bytes: ArrayBufferLike | Uint8Array, { verify = PARSE_DEFAULTS.verify, limitBytes = PARSE_DEFAULTS.limitBytes }: ParseOptions): Steps<Contents> {
   const whole = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
   const header = parseHeader(whole);
   const { version, settings, isCoded, fileBytes: byteLength } = header;

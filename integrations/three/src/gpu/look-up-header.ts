@@ -6,7 +6,7 @@ import { circleAcrossLight, coneTexelsPerVoxel, middle } from '../grid/light-gri
 import type { LightGrid } from '../grid/light-grid.js';
 import { placedGrid } from '../grid/placement.js';
 import type { Vec3 } from '../grid/vec3.js';
-import { checkFilter } from '../settings.js';
+import { LOOK_UP_DEFAULTS, checkFilter, checkRange } from '../settings.js';
 import type { LookUpOptions } from '../settings.js';
 import type { WorldFromFile } from '../grid/placement.js';
 import { writeGridParameters } from './grid-parameters.js';
@@ -27,7 +27,7 @@ export interface Penumbra {
 
 /** Settings of look-ups on a GPU. */
 export interface GpuLookUpOptions extends LookUpOptions {
-  /** Penumbrae, for which the filter must be 1. */
+  /** Penumbrae, for which the filter must be 1 or left out. */
   readonly penumbra?: Penumbra;
 }
 
@@ -86,7 +86,9 @@ export function lookUpHeader(
 
   let anchorWorld: Vec3;
   let placement: WorldFromFile | undefined;
-  const setLookUp = ({ filter, bias = settings.bias, penumbra, placement: place }: GpuLookUpOptions): void => {
+  const setLookUp = (next: GpuLookUpOptions): void => {
+    const { bias = settings.bias, penumbra, placement: place } = next;
+    const filter = next.filter ?? (penumbra === undefined ? LOOK_UP_DEFAULTS.filter : 1);
     checkFilter(filter);
     const terms = [bias.constantTexels, bias.slopeTexels, bias.normalOffsetTexels];
     for (const texels of terms) checkRange('a term of the bias in texels', texels, 0, 16);
@@ -124,10 +126,6 @@ export function lookUpHeader(
 /** Returns the number of a file's words. */
 export function wordCount({ top, code }: LookedUpFile): number {
   return top.length + code.length;
-}
-
-function checkRange(name: string, value: number, low: number, high: number): void {
-  if (!(value >= low && value <= high)) throw new RangeError(`${name} is ${value}, but must be from ${low} to ${high}`);
 }
 
 function viewsOf(all: Uint32Array<ArrayBuffer>, from: number, count: number): WordViews {

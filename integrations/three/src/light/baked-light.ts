@@ -9,7 +9,7 @@ import type { LookUp } from '../look-ups/look-up.js';
 import { Alignment, isIn, shines, towardsLight } from './direction.js';
 import type { SunLike } from './direction.js';
 import { lookUpOf, openFiles } from './files.js';
-import { asList, asPlaced, copied, inScene } from './options.js';
+import { BAKED_SHADOW_DEFAULTS, asList, asPlaced, copied, inScene } from './options.js';
 import type { BakedShadowOptions, FileChoice, ShadowOptions, ShadowStatus } from './options.js';
 import type { Part } from './scene.js';
 import { isMover } from './statics.js';
@@ -53,13 +53,14 @@ const IDENTITY = new Matrix4();
 const inUse = new Set<number>();
 
 /** Reads the options of a light, and prepares its files. The light stays as it is until the first update. */
-export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowOptions): BakedLight {
+export function bakedLight(light: SunLike, { file, ...first }: BakedShadowOptions): BakedLight {
+  if (!file || 'root' in first) throw new TypeError('give file, or file: { file, root }');
   if (!('isDirectionalLight' in light || 'isSunLight' in light)) throw new TypeError(`a ${(light as SunLike).type} has no baked shadow; give a DirectionalLight`);
   let options = copied(first);
   const statics = asList(options.statics, 'statics').map((each) => inScene(each, 'statics'));
   const lookUp = lookUpOf(file) ?? options.lookUp ?? filtered;
   let files = openFiles(file, lookUp, options);
-  const alignment = (options.align ?? true) && new Alignment(light);
+  const alignment = (options.align ?? BAKED_SHADOW_DEFAULTS.align) && new Alignment(light);
   const align = (): void => {
     const [sun, ...others] = files.suns().filter((each) => each !== undefined);
     // Do not align a light whose files have several suns: the app moves it between them.
@@ -100,7 +101,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
     setFiles(choice) {
       if (isDisposed) return;
       const needed = lookUpOf(choice) ?? first.lookUp ?? filtered;
-      if (needed !== lookUp && asPlaced(choice).length > 0) throw new RangeError('these files need a shadow with another look-up');
+      if (needed !== lookUp && asPlaced(choice).length > 0) throw new RangeError('these files need another look-up');
       const next = openFiles(choice, lookUp, options, files);
       if (files.textures !== next.textures) files.textures.dispose(next.textures);
       files = next;
@@ -134,7 +135,7 @@ export function bakedLight(light: SunLike, file: FileChoice, first: BakedShadowO
       const moved = [scene, ...statics].find((root) => !('geometry' in root) && !root.matrixWorld.equals(IDENTITY));
       if (!moved) return;
       const name = moved === scene ? 'the scene' : `'${moved.name || moved.type}' in statics`;
-      warnOnce(`${name} is moved, turned or scaled; if its file was baked from what is below it, give { file, root }`, 'at rest');
+      warnOnce(`${name} is moved, turned or scaled; if its file was baked from what is below, give file: { file, root }`, 'at rest');
     },
     warnOfMovers(object) {
       if (!files.isForStatics) return;

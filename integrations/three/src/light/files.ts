@@ -7,7 +7,7 @@ import type { LightGrid } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { LookUp } from '../look-ups/look-up.js';
 import { asPlaced } from './options.js';
-import type { BakedShadowOptions, FileChoice } from './options.js';
+import type { FileChoice, LightSettings } from './options.js';
 import type { AnyRenderer, StreamedFile } from './streamed.js';
 import { lightTextures } from './textures.js';
 import type { LightTextures } from './textures.js';
@@ -37,7 +37,7 @@ export function lookUpOf(file: FileChoice): LookUp | undefined {
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the texture.
  * @throws RangeError if an option is out of its range.
  */
-export function openFiles(choice: FileChoice, lookUp: LookUp, options: BakedShadowOptions, earlier?: Files): Files {
+export function openFiles(choice: FileChoice, lookUp: LookUp, options: LightSettings, earlier?: Files): Files {
   const placed = asPlaced(choice);
   // Without files, keep the earlier textures.
   const textures = placed.length === 0 && earlier ? earlier.textures : lightTextures(placed.map(({ file }) => file), lookUp, options, earlier?.textures);

@@ -68,6 +68,8 @@ export interface BakedShadow {
 
 /** Options of baked shadows on a light. */
 export interface BakedShadowOptions extends ShadowOptions {
+  /** The light's file, or several. */
+  file: FileChoice;
   /** The shader text; `filtered` by default. */
   lookUp?: LookUp;
   /**
@@ -86,23 +88,32 @@ export interface BakedShadowOptions extends ShadowOptions {
   maxTextureSize?: number;
 }
 
+/** The options apart from the file. */
+export type LightSettings = Omit<BakedShadowOptions, 'file'>;
+
+/**
+ * What baked shadows use where their options are left out: `filter` with the look-up `filtered`, `sunDegrees`
+ * with `soft`.
+ */
+export const BAKED_SHADOW_DEFAULTS = { filter: 5, sunDegrees: 0.53, align: true, maxTextureSize: 8192 } as const;
+
 /** Returns the options as a look-up of a file takes them. */
 export function gpuOptions({ filter, bias, sunDegrees }: ShadowOptions, lookUp: LookUp): GpuLookUpOptions {
   if (!lookUp.isSoft) {
     if (sunDegrees !== undefined) {
       throw new RangeError("sunDegrees needs lookUp: soft, from 'adumbra-three/look-ups'");
     }
-    return { filter: filter ?? 5, bias };
+    return { filter, bias };
   }
   /** The widest penumbra, texels: that of `voxel:soft` and of the plugin for Bevy. */
   const MAX_PENUMBRA_TEXELS = 32;
-  if (filter !== undefined) throw new RangeError('the look-up soft has no filter; set sunDegrees');
-  return { filter: 1, bias, penumbra: { sunDegrees: sunDegrees ?? 0.53, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
+  if (filter !== undefined) throw new RangeError('soft has no filter; set sunDegrees');
+  return { bias, penumbra: { sunDegrees: sunDegrees ?? BAKED_SHADOW_DEFAULTS.sunDegrees, maxRadiusTexels: MAX_PENUMBRA_TEXELS } };
 }
 
 /** Checks that files can be on one light. */
 export function checkFiles(files: readonly LightFile[]): void {
-  if (files.length > MAX_FILES) throw new RangeError(`a light takes up to ${MAX_FILES} files, but got ${files.length}`);
+  if (files.length > MAX_FILES) throw new RangeError(`a light takes up to ${MAX_FILES} files, not ${files.length}`);
   if (files.length > 1 && files.some((file) => 'openWords' in file)) {
     throw new RangeError('a streamed file must be the only one of its light');
   }
@@ -112,7 +123,7 @@ export function checkFiles(files: readonly LightFile[]): void {
 export function asPlaced(files: FileChoice): { file: LightFile; root?: Object3D }[] {
   return asList(files, 'file').map((each) => {
     const { file, root } = 'file' in each ? each : { file: each };
-    if (!('settings' in there(file, 'file'))) throw new TypeError("the file is none; await loadAsync");
+    if (!('settings' in there(file, 'file'))) throw new TypeError('no shadow file; await loadAsync');
     return 'root' in each ? { file, root: inScene(root, 'root') } : { file };
   });
 }

@@ -10,8 +10,8 @@ import { placedGrid } from '../grid/placement.js';
 import type { WorldFromFile } from '../grid/placement.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { LookUp } from '../look-ups/look-up.js';
-import { MAX_FILES, checkFiles, gpuOptions } from './options.js';
-import type { BakedShadowOptions, ShadowOptions } from './options.js';
+import { BAKED_SHADOW_DEFAULTS, MAX_FILES, checkFiles, gpuOptions } from './options.js';
+import type { LightSettings, ShadowOptions } from './options.js';
 import type { AnyRenderer, LightFile } from './streamed.js';
 
 /** The textures of one light. */
@@ -49,13 +49,13 @@ export interface LightTextures {
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the texture.
  * @throws RangeError if an option is out of its range.
  */
-export function lightTextures(files: readonly LightFile[], lookUp: LookUp, options: BakedShadowOptions, earlier?: LightTextures): LightTextures {
+export function lightTextures(files: readonly LightFile[], lookUp: LookUp, options: LightSettings, earlier?: LightTextures): LightTextures {
   checkFiles(files);
   let current: ShadowOptions = options;
   /** Where the app has placed the files' worlds. */
   const placements: (WorldFromFile | undefined)[] = [];
   const ofGpu = gpuOptions(options, lookUp);
-  const maxSide = options.maxTextureSize ?? 8192;
+  const maxSide = options.maxTextureSize ?? BAKED_SHADOW_DEFAULTS.maxTextureSize;
   // A streamed file is the only one.
   const first = files[0];
   const streamed = first && 'openWords' in first ? first.openWords(ofGpu, maxSide) : undefined;

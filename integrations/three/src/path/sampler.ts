@@ -6,7 +6,7 @@ import { FIXED_ONE } from '../grid/fixed.js';
 import type { LightGrid } from '../grid/light-grid.js';
 import { placedGrid } from '../grid/placement.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
-import { checkFilter } from '../settings.js';
+import { LOOK_UP_DEFAULTS, checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
 import type { Answering } from './answering.js';
 import { columnsOf } from './columns.js';
@@ -39,7 +39,7 @@ export class PathSampler {
   readonly #keys: readonly Key[];
 
   /** For {@link SunPathFile.sampler}. `bias` is by default that of the file that is looked up first. */
-  constructor(answering: Answering | undefined, { filter, bias, placement }: LookUpOptions) {
+  constructor(answering: Answering | undefined, { filter = LOOK_UP_DEFAULTS.filter, bias, placement }: LookUpOptions) {
     checkFilter(filter);
     const parts = answering?.parts ?? [];
     this.#keys = parts.map(({ file, slope }) => ({ file, grid: placedGrid(file.grid, placement), slope, columns: columnsOf(file) }));

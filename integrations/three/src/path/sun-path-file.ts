@@ -10,6 +10,7 @@ import type { LightGrid } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { StreamedFile, StreamedWords } from '../light/streamed.js';
 import { warnOnce } from '../light/warn.js';
+import { checkOption, withDefaults } from '../settings.js';
 import type { FileSettings, LookUpOptions } from '../settings.js';
 import { withUrl } from '../stream/opening.js';
 import { Source } from '../stream/source.js';
@@ -34,8 +35,11 @@ export interface SunPathOptions {
   /** Options of `fetch` besides the range, such as `credentials`. */
   readonly fetch?: FetchOptions;
   /** Seconds after which a request without an answer has failed; 30 by default. */
-  readonly timeout?: number;
+  readonly timeoutSeconds?: number;
 }
+
+/** How a sun path is loaded where options are left out. */
+export const SUN_PATH_DEFAULTS = { timeoutSeconds: 30 } as const;
 
 /** The events of a {@link SunPathFile}. */
 export interface SunPathEvents {
@@ -124,10 +128,10 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
    * @throws the reason of `signal`, once it aborts.
    */
   static async open(url: string | URL, options: SunPathOptions = {}): Promise<SunPathFile> {
-    const { signal, fetch = {}, timeout = 30 } = options;
-    if (!(timeout > 0)) throw new RangeError(`timeout is ${timeout}, but must be above 0`);
+    const { signal, fetch = {}, timeoutSeconds } = withDefaults(SUN_PATH_DEFAULTS, options);
+    checkOption(timeoutSeconds > 0, 'timeoutSeconds', timeoutSeconds, 'above 0');
     signal?.throwIfAborted();
-    const source = new Source(String(url), fetch, 1000 * timeout);
+    const source = new Source(String(url), fetch, 1000 * timeoutSeconds);
     let keys: Keys | undefined;
     const abort = (): void => {
       source.abort();
@@ -255,7 +259,7 @@ export class SunPathFile extends EventDispatcher<SunPathEvents> implements Strea
    *
    * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17.
    */
-  sampler(options: LookUpOptions, seconds: number = this.#seconds): PathSampler {
+  sampler(options: LookUpOptions = {}, seconds: number = this.#seconds): PathSampler {
     return new PathSampler(answeringAt(this.#front, this.#keys.resident, seconds), options);
   }
 

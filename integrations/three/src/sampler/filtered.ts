@@ -4,13 +4,13 @@ import { FIXED_ONE } from '../grid/fixed.js';
 import type { LightGrid } from '../grid/light-grid.js';
 import type { Vec3 } from '../grid/vec3.js';
 import type { Voxels } from '../quadtree/voxels.js';
-import type { Bias, LookUpOptions } from '../settings.js';
+import type { Bias, FilterWidth } from '../settings.js';
 import { layerAt, receiverAt } from './receiver.js';
 
 /** Returns the share of lit taps at a point of the world: 1 lit, 0 shadowed. */
 export function filteredVisibility(
   grid: LightGrid,
-  { filter, bias }: LookUpOptions & { readonly bias: Bias },
+  { filter, bias }: { readonly filter: FilterWidth; readonly bias: Bias },
   voxels: Voxels,
   p: Vec3,
   normal: Vec3 | undefined,

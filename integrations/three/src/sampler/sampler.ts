@@ -9,7 +9,7 @@ import { placedGrid } from '../grid/placement.js';
 import type { PointLike, Vec3 } from '../grid/vec3.js';
 import { voxelsOf } from '../quadtree/voxels.js';
 import type { Voxels } from '../quadtree/voxels.js';
-import { checkFilter } from '../settings.js';
+import { LOOK_UP_DEFAULTS, checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
 import { filteredVisibility } from './filtered.js';
 
@@ -28,12 +28,12 @@ export class Sampler {
   readonly #grid: LightGrid;
 
   /**
-   * Creates look-ups with a filter of `filter` × `filter` texels.
+   * Creates look-ups with a filter of `filter` × `filter` texels, by default 5 × 5.
    *
    * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17, or if the placement does anything but move, turn,
    * and scale by one number.
    */
-  constructor(file: BakedShadowFile, { filter, bias = file.settings.bias, placement }: LookUpOptions) {
+  constructor(file: BakedShadowFile, { filter = LOOK_UP_DEFAULTS.filter, bias = file.settings.bias, placement }: LookUpOptions = {}) {
     checkFilter(filter);
     this.#grid = placedGrid(file.grid, placement);
     Object.assign(this, { file, filter, bias });

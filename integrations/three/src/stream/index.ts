@@ -2,6 +2,6 @@
 // `spec/streaming.md`.
 
 export type { LevelStats, StreamEvents, StreamOptions, StreamStats } from './streamed-shadow-file.js';
-export { StreamedShadowFile } from './streamed-shadow-file.js';
+export { STREAM_DEFAULTS, StreamedShadowFile } from './streamed-shadow-file.js';
 export { StreamedSampler } from './sampler.js';
 export type { FetchOptions } from './source.js';

@@ -89,7 +89,7 @@ export function poolLayout(
 
 /** Returns the error of a budget that does not hold the coarsest level. */
 export function tooSmall(budget: number, needed: number): ShadowFileError {
-  return new ShadowFileError('TooLarge', `the coarsest level needs ${needed} bytes, but the budget is ${budget}; raise the budget, or bake with more levels`, {
+  return new ShadowFileError('TooLarge', `the coarsest level needs ${needed} bytes, but the budget is ${budget}; raise it, or bake with more levels`, {
     needed,
     budget,
   });

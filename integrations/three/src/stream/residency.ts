@@ -28,9 +28,9 @@ export class Residency {
    * Takes the bundles of all levels, the finest first, and the number of updates over which they fade. The
    * coarsest level is never given up.
    */
-  constructor(pool: Pool, levels: readonly (readonly Bundle[])[], fadeUpdates: number) {
+  constructor(pool: Pool, levels: readonly (readonly Bundle[])[], fadeFrames: number) {
     this.#pool = pool;
-    this.#step = Math.ceil(WHOLE / Math.max(fadeUpdates, 1));
+    this.#step = Math.ceil(WHOLE / Math.max(fadeFrames, 1));
     this.#comers = levels.slice(0, -1).flat().filter(hasBytes);
     for (const bundle of levels.flat()) {
       if (hasBytes(bundle)) continue;

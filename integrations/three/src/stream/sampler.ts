@@ -6,7 +6,7 @@ import type { PointLike } from '../grid/vec3.js';
 import { voxelsOf } from '../quadtree/voxels.js';
 import type { Voxels } from '../quadtree/voxels.js';
 import { filteredVisibility } from '../sampler/filtered.js';
-import { checkFilter } from '../settings.js';
+import { LOOK_UP_DEFAULTS, checkFilter } from '../settings.js';
 import type { Bias, FilterWidth, LookUpOptions } from '../settings.js';
 import { PAGE_LEVEL } from '../quadtree/pages.js';
 import { ABSENT, WHOLE } from './pool.js';
@@ -37,7 +37,7 @@ export class StreamedSampler {
   #weight = WHOLE;
 
   /** For {@link StreamedShadowFile.sampler}. */
-  constructor(file: SampledFile, { filter, bias = file.bias, placement }: LookUpOptions) {
+  constructor(file: SampledFile, { filter = LOOK_UP_DEFAULTS.filter, bias = file.bias, placement }: LookUpOptions) {
     checkFilter(filter);
     Object.assign(this, { filter, bias });
     this.#file = { ...file, grids: file.grids.map((grid) => placedGrid(grid, placement)) };

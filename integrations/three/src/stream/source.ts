@@ -101,7 +101,7 @@ export class Source {
   async #takeWhole(response: Response): Promise<Uint8Array> {
     try {
       this.#checkSame(response, undefined);
-      warnOnce(`the server of ${this.url} sends no ranges, so the whole file was loaded; serve it with ranges`, `ranges ${this.url}`);
+      warnOnce(`the server of ${this.url} sends no ranges, so all of it was loaded`, `ranges ${this.url}`);
       const bytes = new Uint8Array(await response.arrayBuffer());
       this.#bytes += bytes.length;
       if (this.#length !== undefined && this.#length !== bytes.length) throw this.#changed('length', this.#length, bytes.length);

@@ -11,6 +11,7 @@ import type { LightGrid } from '../grid/light-grid.js';
 import { asList } from '../light/options.js';
 import type { StreamedFile, StreamedWords } from '../light/streamed.js';
 import { warnOnce } from '../light/warn.js';
+import { checkOption, checkRange, withDefaults } from '../settings.js';
 import type { FileSettings, LookUpOptions } from '../settings.js';
 import { bundlesOf } from './bundles.js';
 import type { Bundle } from './bundles.js';
@@ -31,32 +32,45 @@ import { PoolWords } from './words.js';
 
 /** How a file is streamed. */
 export interface StreamOptions {
-  /** Bytes of the pool, 4 KiB to 256 MiB. Each light with the file takes as many on the GPU. */
-  readonly budget: number;
+  /** Bytes of the pool, 4 KiB to 256 MiB; 32 MiB by default. Each light with the file takes as many on the GPU. */
+  readonly budgetBytes?: number;
   /** Largest number of pixels that a texel may cover before a finer level is fetched; 1 by default. */
-  readonly detail?: number;
+  readonly detailPixels?: number;
   /** Ends the opening, and later the streaming, once it aborts. */
   readonly signal?: AbortSignal;
   /** Options of `fetch` besides the range, such as `credentials`. */
   readonly fetch?: FetchOptions;
   /** Seconds after which a request without an answer has failed; 30 by default. */
-  readonly timeout?: number;
+  readonly timeoutSeconds?: number;
   /**
    * The approximate limit of bytes that an update copies into the pool, and so to the GPU; 256 KiB by
    * default.
    */
-  readonly bytesPerUpdate?: number;
+  readonly uploadBytesPerFrame?: number;
   /**
    * Number of updates over which pages fade in and out, so that shadows do not jump; 0, the default, switches
    * them at once.
    */
-  readonly fadeUpdates?: number;
+  readonly fadeFrames?: number;
   /**
    * Whether a worker decodes, if one is available: true by default. Otherwise the page decodes, in slices of
    * ten milliseconds.
    */
   readonly worker?: boolean;
 }
+
+/** How a file is streamed where options are left out. */
+export const STREAM_DEFAULTS = {
+  budgetBytes: 32 * 1024 * 1024,
+  detailPixels: 1,
+  timeoutSeconds: 30,
+  uploadBytesPerFrame: 256 * 1024,
+  fadeFrames: 0,
+  worker: true,
+} as const;
+
+/** All options of a stream. */
+type Settled = Required<Omit<StreamOptions, 'signal' | 'fetch'>> & Pick<StreamOptions, 'signal' | 'fetch'>;
 
 /** The events of a {@link StreamedShadowFile}. */
 export interface StreamEvents {
@@ -151,11 +165,12 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
    * @throws RangeError if an option is out of its range.
    * @throws the reason of `signal`, once it aborts.
    */
-  static async open(url: string | URL, options: StreamOptions): Promise<StreamedShadowFile> {
-    checkOptions(options);
-    const { signal, budget, fadeUpdates = 0, worker = true, timeout = 30, fetch = {} } = options;
+  static async open(url: string | URL, options: StreamOptions = {}): Promise<StreamedShadowFile> {
+    const all: Settled = withDefaults(STREAM_DEFAULTS, options);
+    checkOptions(all);
+    const { signal, budgetBytes, fadeFrames, worker, timeoutSeconds, fetch = {} } = all;
     signal?.throwIfAborted();
-    const source = new Source(String(url), fetch, 1000 * timeout);
+    const source = new Source(String(url), fetch, 1000 * timeoutSeconds);
     const decoder = new Decoder(worker);
     const abort = (): void => {
       source.abort();
@@ -164,8 +179,8 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     signal?.addEventListener('abort', abort);
     try {
       const front = await readFront(source);
-      const pool = new Pool(poolLayout(budget, front.entries, front.tables, fadeUpdates > 1));
-      const file = new StreamedShadowFile(source, decoder, pool, front, options);
+      const pool = new Pool(poolLayout(budgetBytes, front.entries, front.tables, fadeFrames > 1));
+      const file = new StreamedShadowFile(source, decoder, pool, front, all);
       await file.#settleCoarsest(front);
       signal?.throwIfAborted();
       signal?.addEventListener('abort', file.#onAbort);
@@ -179,7 +194,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     }
   }
 
-  private constructor(source: Source, decoder: Decoder, pool: Pool, { header, entries, tables, bytes }: Front, options: StreamOptions) {
+  private constructor(source: Source, decoder: Decoder, pool: Pool, { header, entries, tables, bytes }: Front, options: Settled) {
     super();
     const { layout } = pool;
     this.#source = source;
@@ -187,9 +202,9 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
     this.#pool = pool;
     this.#grids = layout.levels.map(({ level }) => entries[level]!.grid);
     this.#levels = layout.levels.map((place, rank) => bundlesOf(rank, place, entries, tables[place.level]!));
-    this.#residency = new Residency(pool, this.#levels, options.fadeUpdates ?? 0);
-    this.#detail = options.detail ?? 1;
-    this.#wordsPerUpdate = (options.bytesPerUpdate ?? 256 * 1024) / 4;
+    this.#residency = new Residency(pool, this.#levels, options.fadeFrames);
+    this.#detail = options.detailPixels;
+    this.#wordsPerUpdate = options.uploadBytesPerFrame / 4;
     this.#signal = options.signal;
     this.url = source.url;
     this.byteLength = header.fileBytes;
@@ -203,7 +218,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
         this.dispatchEvent({ type: 'arrived' });
       },
       onError: (error, parts) => {
-        warnOnce(`${error.message}; a coarser level is shown until it comes`, `stream ${this.url}`);
+        warnOnce(`${error.message}; a coarser level is shown`, `stream ${this.url}`);
         this.dispatchEvent({ type: 'error', error, parts });
       },
       onChanged: (error) => {
@@ -273,7 +288,7 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
    *
    * @throws RangeError if the width of the filter is not 1, 3, 5, 9 or 17.
    */
-  sampler(options: LookUpOptions): StreamedSampler {
+  sampler(options: LookUpOptions = {}): StreamedSampler {
     return new StreamedSampler({ pool: this.#pool, grids: this.#grids, bias: this.settings.bias }, options);
   }
 
@@ -313,15 +328,12 @@ export class StreamedShadowFile extends EventDispatcher<StreamEvents> implements
 
 /** Rows of pixels of the page's window, or of a common screen if there is no window. */
 function windowRows(): number {
-  const { innerHeight, devicePixelRatio } = globalThis as { innerHeight?: number; devicePixelRatio?: number };
-  return innerHeight === undefined || devicePixelRatio === undefined ? 1080 : innerHeight * devicePixelRatio;
+  const { innerHeight = 1080, devicePixelRatio = 1 } = globalThis as { innerHeight?: number; devicePixelRatio?: number };
+  return innerHeight * devicePixelRatio;
 }
 
-function checkOptions({ budget, detail = 1, timeout = 30, bytesPerUpdate = 1, fadeUpdates = 0 }: StreamOptions): void {
-  const [LEAST, MOST] = [4096, 256 * 1024 * 1024];
-  if (!(budget >= LEAST && budget <= MOST)) throw new RangeError(`the budget is ${budget} bytes, but must be from ${LEAST} to ${MOST}`);
-  for (const [name, value] of Object.entries({ detail, timeout, bytesPerUpdate })) {
-    if (!(value > 0)) throw new RangeError(`${name} is ${value}, but must be above 0`);
-  }
-  if (!(Number.isInteger(fadeUpdates) && fadeUpdates >= 0)) throw new RangeError(`fadeUpdates is ${fadeUpdates}, but must be a whole number, 0 or more`);
+function checkOptions(all: Settled): void {
+  checkRange('budgetBytes', all.budgetBytes, 4096, 256 * 1024 * 1024);
+  for (const name of ['detailPixels', 'timeoutSeconds', 'uploadBytesPerFrame'] as const) checkOption(all[name] > 0, name, all[name], 'above 0');
+  checkOption(all.fadeFrames >>> 0 === all.fadeFrames, 'fadeFrames', all.fadeFrames, 'whole, 0 or more');
 }

@@ -23,7 +23,7 @@ export class PoolWords implements StreamedWords {
   constructor(pool: Pool, lookUps: readonly LookUpHeader[], maxSide: number, onDispose: (words: PoolWords) => void) {
     const { width, height } = pool.layout;
     if (Math.max(width, height) > maxSide) {
-      throw new ShadowFileError('TooLarge', `the budget needs a texture of ${width} × ${height}, but a side may have ${maxSide} texels; lower the budget`, {
+      throw new ShadowFileError('TooLarge', `the budget needs a texture of ${width} × ${height}, but a side may have ${maxSide} texels; lower it`, {
         width,
         height,
         maxSide,

@@ -7,7 +7,7 @@ import { bakedLight } from '../light/baked-light.js';
 import { isIn, shines } from '../light/direction.js';
 import type { SunLike } from '../light/direction.js';
 import { forEachMaterial } from '../light/materials.js';
-import type { BakedShadow, BakedShadowOptions, FileChoice } from '../light/options.js';
+import type { BakedShadow, BakedShadowOptions } from '../light/options.js';
 import { takePart } from '../light/scene.js';
 import type { Part } from '../light/scene.js';
 import { checkThree } from '../light/three.js';
@@ -30,13 +30,14 @@ type Uniforms = Record<string, IUniform>;
 /** A material that was met in none of this many drawings is released. */
 const LONG_DRAWINGS = 100;
 
-const NO_PART = 'attach shadows to the Scene that is drawn, not to a part of it';
+const NO_PART = 'attach shadows to the Scene that is drawn';
 
 /** The first revision of three with all that is needed. */
 const OLDEST = 166;
 
 /**
- * Gives all materials of a scene, also those that are added later, the shadows of a light from its files.
+ * Gives all materials of a scene, also those that are added later, the shadows of a light from its files:
+ * `attachBakedShadow(scene, light, { file })`.
  * Three's own shadow map goes on working beside them, for objects that move. For the baked shadows alone, the
  * light need not cast. Objects must have `receiveShadow`. A shadow that was attached to the light before, in
  * any scene, is disposed.
@@ -46,7 +47,7 @@ const OLDEST = 166;
  * @throws ShadowFileError of the kind `TooLarge`, if a file does not fit the GPU.
  * @throws RangeError if an option is out of its range.
  */
-export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice, options: BakedShadowOptions = {}): AttachedShadow {
+export function attachBakedShadow(scene: Scene, light: SunLike, options: BakedShadowOptions): AttachedShadow {
   const { onBeforeCompile, customProgramCacheKey } = Material.prototype;
   if (!(scene instanceof Object3D)) throw new TypeError("the scene comes from another copy of three; have 'three' resolve to one");
   if (scene.isScene !== true) throw new TypeError(NO_PART);
@@ -58,7 +59,7 @@ export function attachBakedShadow(scene: Scene, light: SunLike, file: FileChoice
     'LightShadow.intensity': !light.shadow || 'intensity' in light.shadow,
     ...shaderHooks(),
   });
-  const baked = bakedLight(light, file, options);
+  const baked = bakedLight(light, options);
   attached.get(light)?.();
   const { lookUp, prefix } = baked;
   const intensity: IUniform<number> = { value: 1 };

@@ -28,8 +28,6 @@ export type Movers = 'shadow' | ShadowBaseNode;
 
 /** Options of a {@link BakedShadowNode}. */
 export interface BakedShadowNodeOptions extends BakedShadowOptions {
-  /** The light's file, or several. */
-  file: FileChoice;
   /**
    * The casters besides the files. Without this option the light draws no shadow map. `'shadow'` is for a
    * `DirectionalLight`; a `SunLight` takes `sunShadow(light)`, from three's addons.
@@ -84,14 +82,14 @@ export class BakedShadowNode extends Base implements BakedShadow {
   constructor(light: SunLike, options: BakedShadowNodeOptions) {
     super(light);
     checkThree(OLDEST, { ...nodeHooks(), 'LightShadow.intensity': !light.shadow || 'intensity' in light.shadow });
-    const { file, movers } = options;
+    const { movers } = options;
     if (movers === 'shadow' && 'isSunLight' in light) {
       throw new RangeError(
         "movers: 'shadow' is for a DirectionalLight; pass sunShadow(light), from 'three/addons/lights/SunShadowNode.js'",
       );
     }
     this.#sun = light;
-    this.#baked = bakedLight(light, file, options);
+    this.#baked = bakedLight(light, options);
     this.#movers = movers === 'shadow' ? TSL.shadow(light) : (movers ?? null);
     this.#part = { ...this.#baked, update: (renderer) => this.#update(renderer) };
     // Drop the previous shadow, and rebuild materials.

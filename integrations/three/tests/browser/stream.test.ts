@@ -95,7 +95,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   test('a fully resident file has the pixels of the whole file', async () => {
     const settings = { filter: 5 };
     const whole = await draw({ backend, settings });
-    const streamed = await draw({ backend, settings, stream: { budget: 8 * MIB, detail: ALL } });
+    const streamed = await draw({ backend, settings, stream: { budgetBytes: 8 * MIB, detailPixels: ALL } });
     const { atFirst, atLast, levels } = streamed.places[0]!;
     console.log(`${backend}: ${atFirst.requests} requests and ${atFirst.fetchedBytes} bytes to the first picture, ${atLast.requests} and ${atLast.fetchedBytes} in all`);
     expect(atFirst.requests).toBeLessThanOrEqual(4);
@@ -110,7 +110,7 @@ describe.each(BACKENDS)('%s', (backend) => {
   // Few pixels, because with a software renderer, uploads make the page wait for pixels. A machine that is
   // busy with other work may stop the page: one run of three without a long task counts.
   test.each([true, false])('no task takes 50 ms while frames are drawn, worker %s', { retry: 2 }, async (worker) => {
-    const stream = { budget: 32 * MIB, detail: ALL, worker };
+    const stream = { budgetBytes: 32 * MIB, detailPixels: ALL, worker };
     const { places } = await draw({ backend, settings: { filter: 5 }, stream, shown: 1 });
     const { longestTask, longestUpdate, atLast } = places[0]!;
     console.log(`${backend}, worker ${worker}: longest task ${longestTask} ms (0: none above 50), longest update ${longestUpdate.toFixed(1)} ms`);
@@ -122,12 +122,12 @@ describe.each(BACKENDS)('%s', (backend) => {
     // Few pixels: a software renderer takes a second for a frame of all.
     const task = { backend, lookUp: 'soft', settings: { sunDegrees: 2 }, pixelsAcross: 96 };
     const whole = await draw(task);
-    const streamed = await draw({ ...task, stream: { budget: 8 * MIB, detail: ALL }, cpu: { filter: 1 } });
+    const streamed = await draw({ ...task, stream: { budgetBytes: 8 * MIB, detailPixels: ALL }, cpu: { filter: 1 } });
     expectSame(streamed.visibility[1]!, whole.visibility[0]!);
   });
 
   test('a partly resident file has the pixels of look-ups on the CPU', async () => {
-    const stream = { budget: MIB, detail: 0.02 };
+    const stream = { budgetBytes: MIB, detailPixels: 0.02 };
     const places = [[-60, -60], [60, 60], [-60, 60]];
     const found = await draw({ backend, settings: { filter: 5 }, stream, width: 200, places });
     found.places.forEach(({ answers, levels, atLast }, i) => {
@@ -147,7 +147,7 @@ describe.each(BACKENDS)('%s', (backend) => {
     const other = await stage.open(three, 'points.js');
     const settings = { filter: 5 };
     const whole = await draw({ backend, settings }, other.page);
-    const streamed = await draw({ backend, settings, stream: { budget: 8 * MIB, detail: ALL } }, other.page);
+    const streamed = await draw({ backend, settings, stream: { budgetBytes: 8 * MIB, detailPixels: ALL } }, other.page);
     expectSame(streamed.visibility[1]!, whole.visibility[0]!);
     expect(other.complaints).toEqual([]);
     await other.page.close();
@@ -157,7 +157,7 @@ describe.each(BACKENDS)('%s', (backend) => {
 test('the page decodes if the worker cannot be loaded', async () => {
   const other = await stage.open(VERSIONS['0.187.0'], 'points.js');
   await other.page.route('**/stream/worker.js', (route) => route.abort());
-  const { places } = await draw({ backend: 'webgl', settings: { filter: 1 }, stream: { budget: 8 * MIB, detail: ALL }, shown: 1 }, other.page);
+  const { places } = await draw({ backend: 'webgl', settings: { filter: 1 }, stream: { budgetBytes: 8 * MIB, detailPixels: ALL }, shown: 1 }, other.page);
   expect(places[0]!.atLast.levels.every(({ bundles, resident }) => bundles === resident)).toBe(true);
   await other.page.close();
 });

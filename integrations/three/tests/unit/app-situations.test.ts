@@ -5,9 +5,9 @@ import { DirectionalLight, Group, Mesh, MeshLambertMaterial, Object3D, Orthograp
 import { describe, expect, test } from 'vitest';
 
 import { placedGrid } from '../../src/index.js';
-import type { FileChoice } from '../../src/light/options.js';
+import type { FileChoice, LightSettings } from '../../src/light/options.js';
 import { attachBakedShadow } from '../../src/webgl/index.js';
-import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
+import type { BakedShadow } from '../../src/webgl/index.js';
 import { BakedShadowNode } from '../../src/webgpu/index.js';
 import { RENDERERS, drawWithWebGL, drawWithWebGPU, webglRenderer } from './shown.js';
 import type { Shown } from './shown.js';
@@ -20,8 +20,8 @@ describe.each(RENDERERS)('%s', (name, show) => {
   const isWebGL = name === 'WebGLRenderer';
   const wordsOf = (shown: Shown) => shown.headers().image.data as Uint32Array;
   const anchorX = (shown: Shown) => new Float32Array(wordsOf(shown).buffer)[4]!;
-  const attach = (scene: Scene, light: DirectionalLight, files: FileChoice, options: BakedShadowOptions = {}): BakedShadow =>
-    isWebGL ? attachBakedShadow(scene, light, files, options) : new BakedShadowNode(light, { file: files, ...options });
+  const attach = (scene: Scene, light: DirectionalLight, files: FileChoice, options: LightSettings = {}): BakedShadow =>
+    isWebGL ? attachBakedShadow(scene, light, { file: files, ...options }) : new BakedShadowNode(light, { file: files, ...options });
   const renderer = isWebGL ? webglRenderer() : { shadowMap: {}, initTexture: () => undefined };
   const drawOf = (scene: Scene, light: DirectionalLight, shadow: BakedShadow, map?: () => void): void =>
     isWebGL ? drawWithWebGL(scene, renderer, map) : drawWithWebGPU(scene, renderer, shadow as BakedShadowNode, light, map);
@@ -84,7 +84,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     scene.add(sun, sun.target, new Mesh(undefined, material));
     other.position.set(...file.grid.sun);
     preview.add(other, other.target, new Mesh(undefined, material));
-    const shadow = attachBakedShadow(scene, sun, file);
+    const shadow = attachBakedShadow(scene, sun, { file });
     const { uniforms, fragmentShader } = compiled(material);
     expect(lookUps(fragmentShader)).toBe(2);
     const intensity = Object.entries(uniforms).find(([key]) => key.endsWith('_intensity'))![1];
@@ -135,7 +135,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
     let refused: unknown;
     let shadow: BakedShadow | undefined;
     try {
-      shadow = attach(scene, light, files(scene) as FileChoice, options(scene) as BakedShadowOptions);
+      shadow = attach(scene, light, files(scene) as FileChoice, options(scene) as LightSettings);
     } catch (error) {
       refused = error;
     }

@@ -34,7 +34,7 @@ afterEach(() => {
 });
 
 function attach(scene: Scene, options = {}): AttachedShadow {
-  const shadow = attachBakedShadow(scene, new DirectionalLight(), file, options);
+  const shadow = attachBakedShadow(scene, new DirectionalLight(), { file, ...options });
   attached.push(shadow);
   return shadow;
 }
@@ -62,7 +62,7 @@ function lookUps(fragmentShader: string, prefix = 'adumbra1'): number {
 test('isActive does not change the direction that is drawn', () => {
   const { scene, material } = world();
   const light = new DirectionalLight();
-  const shadow = attachBakedShadow(scene, light, file);
+  const shadow = attachBakedShadow(scene, light, { file });
   attached.push(shadow);
   const { value } = compiled(material).uniforms['adumbra1_towards_light'] as { value: Vector3 };
   const drawn = value.clone();
@@ -82,7 +82,7 @@ test.each([
   const parent = new Group().add(light);
   parent.position.set(30, 0, -5);
   parent.rotation.set(0.4, 1.1, -0.3);
-  attached.push(attachBakedShadow(new Scene(), light, file));
+  attached.push(attachBakedShadow(new Scene(), light, { file }));
   const towards = light.getWorldPosition(new Vector3()).sub(light.target.getWorldPosition(new Vector3())).normalize();
   expect(towards.distanceTo(new Vector3(...file.grid.sun))).toBeLessThan(1e-6);
 });
@@ -201,7 +201,7 @@ test('another renderer or kind of shadow on the light does no harm', () => {
   scene.add(light);
   const node = new BakedShadowNode(light, { file });
   node.updateBefore({ renderer: null, scene } as unknown as NodeFrame);
-  attached.push(attachBakedShadow(scene, light, file));
+  attached.push(attachBakedShadow(scene, light, { file }));
   drawWithWebGL(scene, {});
   expect(warn.mock.calls.filter(([text]) => String(text).includes('is for WebGLRenderer'))).toHaveLength(1);
   node.dispose();
@@ -288,7 +288,7 @@ test('a light that is attached again has its shadow once', () => {
   const { scene, material } = world();
   const light = new DirectionalLight();
   scene.add(light);
-  const [first, second] = [0, 1].map(() => attachBakedShadow(scene, light, file));
+  const [first, second] = [0, 1].map(() => attachBakedShadow(scene, light, { file }));
   attached.push(second!);
   const { fragmentShader, uniforms } = compiled(material);
   expect(fragmentShader.match(/adumbra\d+_visibility\( adumbra\d+_p/g)).toHaveLength(2);
@@ -300,10 +300,19 @@ test('a light that is attached again has its shadow once', () => {
 
 test('refuses a part of a scene, and a scene of another three', () => {
   const light = new DirectionalLight();
-  expect(() => attachBakedShadow(new Group() as unknown as Scene, light, file)).toThrow(/to the Scene that is drawn/);
+  expect(() => attachBakedShadow(new Group() as unknown as Scene, light, { file })).toThrow(/to the Scene that is drawn/);
   const { scene } = world();
   const foreign = Object.setPrototypeOf(Object.assign({}, scene), {}) as Scene;
-  expect(() => attachBakedShadow(foreign, light, file)).toThrow(/another copy of three/);
+  expect(() => attachBakedShadow(foreign, light, { file })).toThrow(/another copy of three/);
+});
+
+test('refuses a call without { file }, and a root that is not with its file', () => {
+  const light = new DirectionalLight();
+  const attach = attachBakedShadow as (...theirs: unknown[]) => void;
+  for (const options of [{}, file, [file], { filter: 5 }]) {
+    expect(() => attach(new Scene(), light, options)).toThrow(/give file/);
+  }
+  expect(() => attach(new Scene(), light, { file, root: new Group() })).toThrow(/file: \{ file, root \}/);
 });
 
 test('hooks that a page gives a material later are called, and stay after dispose', () => {
@@ -436,7 +445,7 @@ test('a mask has no shadow of a sun that does not shine', () => {
   const { scene, material } = world();
   const light = new DirectionalLight();
   scene.add(light);
-  attached.push(attachBakedShadow(scene, light, file));
+  attached.push(attachBakedShadow(scene, light, { file }));
   const uniforms = (): Record<string, { value: unknown }> => compiled(material).uniforms;
   const intensities = (): unknown[] => {
     let drawn: unknown;

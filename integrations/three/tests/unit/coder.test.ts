@@ -9,7 +9,9 @@ import { parseDirectory } from '../../src/file/directory.js';
 import { run, runInSlices } from '../../src/file/steps.js';
 import { HEAD_WORDS, parseTable } from '../../src/file/table.js';
 import { BUNDLE_PAGES } from '../../src/quadtree/pages.js';
-import { BakedShadowFile, HEADER_BYTES, ShadowFileError, parseHeader } from '../../src/index.js';
+import { HEADER_BYTES } from '../../src/file/faults.js';
+import { parseHeader } from '../../src/file/header.js';
+import { BakedShadowFile, ShadowFileError } from '../../src/index.js';
 import { caught, scatter, validBytes, validNames } from './vectors.js';
 
 const CODED = validNames().filter((name) => parseHeader(validBytes(name)).isCoded);

@@ -16,7 +16,7 @@ test('an unchanged scene is only traversed', () => {
   const geometry = new BufferGeometry();
   for (let i = 0; i < OBJECTS; i += 1) city.add(Object.assign(new Mesh(geometry, materials[i % MATERIALS]), { castShadow: true }));
   scene.add(city, sun);
-  attachBakedShadow(scene, sun, new BakedShadowFile(validBytes('upright_depths')), { statics: city });
+  attachBakedShadow(scene, sun, { file: new BakedShadowFile(validBytes('upright_depths')), statics: city });
   const renderer = webglRenderer();
   drawWithWebGL(scene, renderer);
   const versions = materials.map(({ version }) => version);

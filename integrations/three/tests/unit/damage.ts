@@ -3,7 +3,8 @@
 import { crc32 } from '../../src/file/crc32.js';
 import { parseDirectory, partsOf } from '../../src/file/directory.js';
 import type { Section } from '../../src/file/directory.js';
-import { HEADER_BYTES, parseHeader } from '../../src/index.js';
+import { HEADER_BYTES } from '../../src/file/faults.js';
+import { parseHeader } from '../../src/file/header.js';
 
 /** Size of a directory entry, and offset of its sections' entries within it, bytes. */
 const GRID_BYTES = 256;

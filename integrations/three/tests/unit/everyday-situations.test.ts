@@ -30,9 +30,9 @@ import { RenderTarget, WebGPURenderer } from 'three/webgpu';
 import { afterEach, beforeEach, describe, expect, test, vi } from 'vitest';
 
 import { placedGrid } from '../../src/index.js';
-import type { FileChoice } from '../../src/light/options.js';
+import type { FileChoice, LightSettings } from '../../src/light/options.js';
 import { attachBakedShadow } from '../../src/webgl/index.js';
-import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
+import type { BakedShadow } from '../../src/webgl/index.js';
 import { BakedShadowNode } from '../../src/webgpu/index.js';
 import { recordingCanvas } from './recording-gl.js';
 import type { Draw, Program } from './recording-gl.js';
@@ -156,8 +156,8 @@ async function worldOf(isWebGL: boolean) {
   sun.position.set(5, 5, 0);
   camera.position.z = 5;
   scene.add(sun, sun.target, city.add(house), car, camera);
-  const attach = (files: FileChoice = file, options: BakedShadowOptions = { statics: city }): BakedShadow => {
-    if (isWebGL) return attachBakedShadow(scene, sun, files, options);
+  const attach = (files: FileChoice = file, options: LightSettings = { statics: city }): BakedShadow => {
+    if (isWebGL) return attachBakedShadow(scene, sun, { file: files, ...options });
     const node = new BakedShadowNode(sun, { file: files, movers: 'shadow', ...options });
     sun.shadow.shadowNode = node;
     return node;

@@ -2,7 +2,8 @@
 
 import { expect, it } from 'vitest';
 
-import { BakedShadowFile, HEADER_BYTES, ShadowFileError } from '../../src/index.js';
+import { HEADER_BYTES } from '../../src/file/faults.js';
+import { BakedShadowFile, ShadowFileError } from '../../src/index.js';
 import { partsOfFile, repair } from './damage.js';
 import { caught, validBytes } from './vectors.js';
 

@@ -2,7 +2,8 @@
 
 import { describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, Sampler, toWorld } from '../../src/index.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { BakedShadowFile, Sampler } from '../../src/index.js';
 import { scatter, validBytes } from './vectors.js';
 
 const file = new BakedShadowFile(validBytes('levels_depths'));

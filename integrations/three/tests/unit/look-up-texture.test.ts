@@ -5,7 +5,8 @@ import { readFileSync } from 'node:fs';
 
 import { describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, HEADER_WORDS, LookUpTexture, ShadowFileError } from '../../src/index.js';
+import { HEADER_WORDS } from '../../src/gpu/look-up-header.js';
+import { BakedShadowFile, LookUpTexture, ShadowFileError } from '../../src/index.js';
 import type { FilterWidth, GpuLookUpOptions } from '../../src/index.js';
 import { crc32 } from '../../src/file/crc32.js';
 import { textureSize } from '../../src/gpu/look-up-texture.js';

@@ -34,7 +34,7 @@ type World = ReturnType<typeof world>;
 
 async function attach({ scene }: World, file: BakedShadowFile, statics?: Group): Promise<void> {
   const { attachBakedShadow } = await import('../../src/webgl/index.js');
-  const shadow = attachBakedShadow(scene, new DirectionalLight(), file, statics && { statics });
+  const shadow = attachBakedShadow(scene, new DirectionalLight(), { file, ...(statics && { statics }) });
   for (let frame = 0; frame < 2; frame += 1) drawWithWebGL(scene, webglRenderer());
   shadow.dispose();
 }

@@ -2,7 +2,8 @@
 
 import { describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, Sampler, toWorld } from '../../src/index.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { BakedShadowFile, Sampler } from '../../src/index.js';
 import type { Vec3 } from '../../src/index.js';
 import { halvesOf } from '../../src/quadtree/bits.js';
 import { NEVER, UNIFORM } from '../../src/quadtree/leaf.js';

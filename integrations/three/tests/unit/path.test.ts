@@ -179,7 +179,7 @@ describe('loading', () => {
 
   it('refuses options that are out of their range', async () => {
     serve(BYTES);
-    await expect(SunPathFile.open('day', { timeout: 0 })).rejects.toThrow(RangeError);
+    await expect(SunPathFile.open('day', { timeoutSeconds: 0 })).rejects.toThrow(RangeError);
     await expect(SunPathFile.open('day', { seconds: NaN })).rejects.toThrow(RangeError);
     const file = await SunPathFile.open('day');
     expect(() => file.update(Infinity)).toThrow(RangeError);
@@ -237,7 +237,7 @@ describe('a light', () => {
     const file = await SunPathFile.open('day');
     const light = new DirectionalLight();
     const scene = new Scene().add(light) as Scene;
-    const attached = attachBakedShadow(scene, light, file);
+    const attached = attachBakedShadow(scene, light, { file });
     expect(attached.isActive).toBe(true);
     await settle(file, 250);
     expect(attached.isActive).toBe(false);
@@ -247,7 +247,7 @@ describe('a light', () => {
     expect(light.position.clone().normalize().distanceTo({ x: ASIDE[0], y: ASIDE[1], z: ASIDE[2] })).toBeLessThan(1e-6);
     expect(warn).not.toHaveBeenCalled();
     warn.mockRestore();
-    expect(() => attachBakedShadow(new Scene(), light, [file, WHOLE])).toThrow(/only one of its light/);
+    expect(() => attachBakedShadow(new Scene(), light, { file: [file, WHOLE] })).toThrow(/only one of its light/);
     expect(() => file.openWords({ filter: 5 }, 128)).toThrow(/but a side may have 128 texels/);
     attached.dispose();
     file.dispose();

@@ -1,7 +1,8 @@
 // Points and normals that exercise look-ups in a file: near the depths at which columns switch, all over the
 // grid and outside of it, with normals of every kind.
 
-import { Sampler, toWorld } from '../../src/index.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { Sampler } from '../../src/index.js';
 import type { BakedShadowFile, Vec3 } from '../../src/index.js';
 import { scatter } from './vectors.js';
 

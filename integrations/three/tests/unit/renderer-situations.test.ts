@@ -18,7 +18,7 @@ describe('several renderers and scenes', () => {
   test('maps that two renderers have frozen are drawn anew in both', () => {
     const [scene, light, city, house] = [new Scene(), new DirectionalLight(), new Group(), caster()];
     scene.add(light, light.target, city.add(house));
-    const shadow = attachBakedShadow(scene, light, file, { statics: city });
+    const shadow = attachBakedShadow(scene, light, { file, statics: city });
     const renderers = [webglRenderer(), webglRenderer()] as (ReturnType<typeof webglRenderer> & { shadowMap: { needsUpdate?: boolean } })[];
     const redrawn = renderers.map((renderer) => {
       drawWithWebGL(scene, renderer);
@@ -32,7 +32,7 @@ describe('several renderers and scenes', () => {
   test('a mask in a scene that the sun has left has no shadow of it', () => {
     const [scene, light, material] = [new Scene(), new DirectionalLight(), new MeshLambertMaterial()];
     scene.add(light, new Mesh(undefined, material));
-    const shadow = attachBakedShadow(scene, light, file);
+    const shadow = attachBakedShadow(scene, light, { file });
     const uniforms = compiled(material).uniforms;
     const intensity = Object.entries(uniforms).find(([key]) => key.endsWith('_intensity'))![1];
     const drawn: unknown[] = [];
@@ -47,10 +47,10 @@ describe('several renderers and scenes', () => {
     const [one, two, light, material] = [new Scene(), new Scene(), new DirectionalLight(), new MeshLambertMaterial()];
     one.add(light, new Mesh(undefined, material));
     two.add(new Mesh(undefined, material));
-    const first = attachBakedShadow(one, light, file);
+    const first = attachBakedShadow(one, light, { file });
     drawWithWebGL(one, webglRenderer());
     two.add(light);
-    const second = attachBakedShadow(two, light, file);
+    const second = attachBakedShadow(two, light, { file });
     drawWithWebGL(two, webglRenderer());
     const count = lookUps(compiled(material).fragmentShader);
     const active = [first.isActive, second.isActive];
@@ -62,7 +62,7 @@ describe('several renderers and scenes', () => {
   test('a scene within the scene that is drawn is warned of', () => {
     const [outer, inner, light] = [new Scene(), new Scene(), new DirectionalLight()];
     outer.add(inner.add(light, light.target));
-    const shadow = attachBakedShadow(inner, light, file);
+    const shadow = attachBakedShadow(inner, light, { file });
     expect(warnings()).toMatch(/the Scene that is drawn/);
     shadow.dispose();
   });
@@ -108,7 +108,7 @@ describe('materials of WebGLRenderer', () => {
   function world(material: Material) {
     const [scene, light, mesh] = [new Scene(), new DirectionalLight(), new Mesh(undefined, material)];
     scene.add(light, light.target, mesh);
-    const shadow = attachBakedShadow(scene, light, file);
+    const shadow = attachBakedShadow(scene, light, { file });
     return { scene, light, mesh, shadow };
   }
 

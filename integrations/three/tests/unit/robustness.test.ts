@@ -2,7 +2,9 @@
 
 import { expect, it } from 'vitest';
 
-import { BakedShadowFile, HEADER_BYTES, LookUpTexture, Sampler, ShadowFileError, parseHeader } from '../../src/index.js';
+import { HEADER_BYTES } from '../../src/file/faults.js';
+import { parseHeader } from '../../src/file/header.js';
+import { BakedShadowFile, LookUpTexture, Sampler, ShadowFileError } from '../../src/index.js';
 import { mutate, partsOfFile } from './damage.js';
 import { surfacesOf } from './points.js';
 import { caught, scatter, validBytes, validNames } from './vectors.js';

@@ -9,7 +9,8 @@ import { join, resolve } from 'node:path';
 
 import { afterAll, beforeAll, describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, Sampler, parseHeader } from '../../src/index.js';
+import { parseHeader } from '../../src/file/header.js';
+import { BakedShadowFile, Sampler } from '../../src/index.js';
 import type { Bias, FilterWidth } from '../../src/index.js';
 import { surfacesOf } from './points.js';
 import { VECTORS, readBytes } from './vectors.js';

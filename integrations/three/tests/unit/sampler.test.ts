@@ -3,7 +3,8 @@
 import { Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, FILTER_WIDTHS, Sampler, toWorld } from '../../src/index.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { BakedShadowFile, FILTER_WIDTHS, Sampler } from '../../src/index.js';
 import type { FilterWidth, LightGrid, LookUpOptions, Vec3 } from '../../src/index.js';
 import { layerAt, receiverAt } from '../../src/sampler/receiver.js';
 import { surfacesOf } from './points.js';
@@ -90,6 +91,16 @@ function litShare(sampler: Sampler, point: Vec3, normal: Vec3): number {
 function at(all: ArrayLike<number>, i: number): Vec3 {
   return [all[3 * i]!, all[3 * i + 1]!, all[3 * i + 2]!];
 }
+
+it('has a filter of 5 × 5 texels unless another is set', () => {
+  const file = open('slopes_depths');
+  const { points, normals } = surfacesOf(file, 300, 3);
+  const expected = new Sampler(file, { filter: 5 }).visibilities(points, normals);
+  for (const sampler of [new Sampler(file), new Sampler(file, { filter: undefined })]) {
+    expect(sampler.filter).toBe(5);
+    expect(sampler.visibilities(points, normals)).toEqual(expected);
+  }
+});
 
 it('points one by one have the answers of all at once', () => {
   const file = open('upright_turned_low_depths');

@@ -178,7 +178,7 @@ describe.each(RENDERERS)('%s', (name, show) => {
       const choice = { file, root: null as unknown as Group };
       let refused: unknown;
       try {
-        if (isWebGL) attachBakedShadow(scene, light, choice);
+        if (isWebGL) attachBakedShadow(scene, light, { file: choice });
         else new BakedShadowNode(light, { file: choice });
       } catch (error) {
         refused = error;

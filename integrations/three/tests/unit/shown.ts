@@ -7,9 +7,9 @@ import type { NodeFrame } from 'three/webgpu';
 
 import { BakedShadowFile } from '../../src/index.js';
 import { asPlaced } from '../../src/light/options.js';
-import type { FileChoice } from '../../src/light/options.js';
+import type { FileChoice, LightSettings } from '../../src/light/options.js';
 import { attachBakedShadow } from '../../src/webgl/index.js';
-import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
+import type { BakedShadow } from '../../src/webgl/index.js';
 import { BakedShadowNode } from '../../src/webgpu/index.js';
 import { validBytes } from './vectors.js';
 
@@ -66,16 +66,16 @@ export function drawWithWebGPU(scene: Scene, renderer: object, node: BakedShadow
 }
 
 /** Returns a scene as an app has it, with the light, and with roots that have no parent yet. */
-function sceneOf(light: DirectionalLight, files: FileChoice, options: BakedShadowOptions): Scene {
+function sceneOf(light: DirectionalLight, files: FileChoice, options: LightSettings): Scene {
   const roots: Object3D[] = [...asPlaced(files).flatMap(({ root }) => root ?? []), ...[options.statics ?? []].flat()];
   return new Scene().add(light, light.target, ...roots.filter(({ parent }) => parent === null)) as Scene;
 }
 
 /** A light in a scene that WebGLRenderer draws. */
-function webgl(options: BakedShadowOptions, files: FileChoice = upright, light = new DirectionalLight()): Shown {
+function webgl(options: LightSettings, files: FileChoice = upright, light = new DirectionalLight()): Shown {
   const material = new MeshLambertMaterial();
   const scene = sceneOf(light, files, options).add(new Mesh(undefined, material)) as Scene;
-  const shadow = attachBakedShadow(scene, light, files, options);
+  const shadow = attachBakedShadow(scene, light, { file: files, ...options });
   const shader = { fragmentShader: '#include <lights_fragment_begin>\n#include <normal_fragment_begin>\nvoid main() {}', vertexShader: '', uniforms: {} };
   material.onBeforeCompile(shader as unknown as WebGLProgramParametersWithUniforms, {} as WebGLRenderer);
   const uniforms = Object.entries(shader.uniforms as Record<string, { value: DataTexture }>);
@@ -86,7 +86,7 @@ function webgl(options: BakedShadowOptions, files: FileChoice = upright, light =
 }
 
 /** A light in a scene that WebGPURenderer draws. */
-function webgpu(options: BakedShadowOptions, files: FileChoice = upright, light = new DirectionalLight()): Shown {
+function webgpu(options: LightSettings, files: FileChoice = upright, light = new DirectionalLight()): Shown {
   const scene = sceneOf(light, files, options);
   const shadow = new BakedShadowNode(light, { file: files, ...options });
   let headers: Texture | null = null;

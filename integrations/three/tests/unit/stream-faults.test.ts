@@ -3,14 +3,15 @@
 
 import { afterEach, beforeEach, describe, expect, it, vi } from 'vitest';
 
-import { BakedShadowFile, Sampler, ShadowFileError, toWorld } from '../../src/index.js';
-import { StreamedShadowFile } from '../../src/stream/index.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { BakedShadowFile, Sampler, ShadowFileError } from '../../src/index.js';
+import { STREAM_DEFAULTS, StreamedShadowFile } from '../../src/stream/index.js';
 import type { StreamOptions } from '../../src/stream/index.js';
 import { cameraAt, pause, serve, settled } from './stream-server.js';
 import type { Faults } from './stream-server.js';
 import { validBytes } from './vectors.js';
 
-const OPTIONS: StreamOptions = { budget: 1024 * 1024, detail: 1e-9 };
+const OPTIONS: StreamOptions = { budgetBytes: 1024 * 1024, detailPixels: 1e-9 };
 const bytes = validBytes('levels_coded_depths');
 const whole = new BakedShadowFile(bytes);
 const [x, y, z] = toWorld(whole.grid, [300, 250, 40]);
@@ -122,7 +123,7 @@ describe('a request that fails', () => {
 
   it('fails if it is too slow', async () => {
     const served = serve(bytes, later(({ signal }) => new Promise((_, reject) => signal!.addEventListener('abort', () => reject(signal!.reason)))));
-    const file = await StreamedShadowFile.open('u', { ...OPTIONS, timeout: 0.02 });
+    const file = await StreamedShadowFile.open('u', { ...OPTIONS, timeoutSeconds: 0.02 });
     const heard = listen(file);
     await frames(file);
     await new Promise((done) => setTimeout(done, 40));
@@ -222,18 +223,27 @@ describe('opening', () => {
 
   it('refuses a budget that the coarsest level does not fit', async () => {
     serve(validBytes('many_pages_depths'));
-    const error = await failure(StreamedShadowFile.open('u', { budget: 8192 }));
+    const error = await failure(StreamedShadowFile.open('u', { budgetBytes: 8192 }));
     expect(error).toMatchObject({ kind: 'TooLarge' });
     expect(error.message).toMatch(/^u: the coarsest level needs \d+ bytes, but the budget is 8192; /);
   });
 
-  it.each([{ budget: 0 }, { budget: NaN }, { budget: 1e10 }, { ...OPTIONS, detail: 0 }, { ...OPTIONS, timeout: -1 }])('refuses %o', async (options) => {
+  it.each([{ budgetBytes: 0 }, { budgetBytes: NaN }, { budgetBytes: 1e10 }, { ...OPTIONS, detailPixels: 0 }, { ...OPTIONS, timeoutSeconds: -1 }, { uploadBytesPerFrame: 0 }, { fadeFrames: -1 }])('refuses %o', async (options) => {
     expect(await failure(StreamedShadowFile.open('u', options))).toBeInstanceOf(RangeError);
+  });
+
+  it('has defaults for all options', async () => {
+    serve(bytes);
+    const none = { budgetBytes: undefined, detailPixels: undefined } as unknown as StreamOptions;
+    for (const file of [await StreamedShadowFile.open('u'), await StreamedShadowFile.open('u', none)]) {
+      expect(file.stats.poolBytes).toBe(STREAM_DEFAULTS.budgetBytes);
+      expect(file.sampler().filter).toBe(5);
+    }
   });
 
   it('leaves levels out that take more than half of the budget with their tables', async () => {
     serve(bytes);
-    const file = await StreamedShadowFile.open('u', { budget: 4096, detail: 1e-9 });
+    const file = await StreamedShadowFile.open('u', { budgetBytes: 4096, detailPixels: 1e-9 });
     await frames(file);
     expect(file.stats.levels.map(({ level }) => level)).toEqual([1, 2]);
     expect(file.grid).toEqual(whole.level(1)!.grid);

@@ -3,7 +3,8 @@
 import { OrthographicCamera, PerspectiveCamera, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, toWorld } from '../../src/index.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { BakedShadowFile } from '../../src/index.js';
 import type { Vec3 } from '../../src/index.js';
 import { parseEntries, parseTables } from '../../src/file/front.js';
 import { parseHeader } from '../../src/file/header.js';

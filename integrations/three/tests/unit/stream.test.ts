@@ -52,7 +52,7 @@ describe.each(validNames())('%s', (name) => {
   it('answers like the file once everything is resident', async () => {
     const bytes = validBytes(name);
     const served = serve(bytes);
-    const file = await StreamedShadowFile.open('file', { budget: MIB, detail: ALL });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: MIB, detailPixels: ALL });
     await settled(file);
     expect(file.stats.missing).toBe(0);
     expect(file.stats.levels.every(({ bundles, resident }) => bundles === resident)).toBe(true);
@@ -68,7 +68,7 @@ describe('a light', () => {
     const bytes = validBytes('levels_coded_depths');
     serve(bytes);
     const whole = new BakedShadowFile(bytes);
-    const file = await StreamedShadowFile.open('file', { budget: MIB });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: MIB });
     const { lookUps, texture } = file.openWords({ filter: 9 }, 8192);
     const { width, height } = texture.image as { width: number; height: number };
     const tables = [2 * 18 * 17, 2 * 5 * 5, 2 * 2 * 2];
@@ -94,11 +94,11 @@ describe('a light', () => {
   it('takes it only alone, and only if its texture is not too large', async () => {
     const bytes = validBytes('levels_coded_depths');
     serve(bytes);
-    const file = await StreamedShadowFile.open('file', { budget: MIB });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: MIB });
     const light = new DirectionalLight();
-    expect(() => attachBakedShadow(new Scene(), light, [file, new BakedShadowFile(bytes)])).toThrow(/a streamed file must be the only one of its light/);
-    expect(() => attachBakedShadow(new Scene(), light, file, { maxTextureSize: 256 })).toThrow(/the budget needs a texture of 512 × 512, but a side may have 256 texels; lower the budget/);
-    const attached = attachBakedShadow(new Scene(), light, file);
+    expect(() => attachBakedShadow(new Scene(), light, { file: [file, new BakedShadowFile(bytes)] })).toThrow(/a streamed file must be the only one of its light/);
+    expect(() => attachBakedShadow(new Scene(), light, { file, maxTextureSize: 256 })).toThrow(/the budget needs a texture of 512 × 512, but a side may have 256 texels; lower it/);
+    const attached = attachBakedShadow(new Scene(), light, { file });
     expect(attached.isActive).toBe(true);
     attached.setOptions({ filter: 3 });
     // Another file gets its own words, not the stream's.
@@ -128,7 +128,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
 
   it('answers coarsely after two requests', async () => {
     const served = serve(bytes);
-    const file = await StreamedShadowFile.open('file', { budget: 8 * MIB });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: 8 * MIB });
     expect(served.ranges.length).toBeLessThanOrEqual(2);
     console.log(`first picture: ${served.ranges.length} requests, ${file.stats.fetchedBytes} of ${bytes.length} bytes`);
     const levels = compare(file, whole, 5);
@@ -140,7 +140,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
 
   it.each([1, 5, 17] as const)('answers like the file once everything is resident, filter %i', async (filter) => {
     serve(bytes);
-    const file = await StreamedShadowFile.open('file', { budget: 16 * MIB, detail: ALL });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: 16 * MIB, detailPixels: ALL });
     await settled(file);
     expect([...compare(file, whole, filter, 3000).keys()]).toEqual([0]);
     file.dispose();
@@ -148,7 +148,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
 
   it('with a small budget, answers like some level at each point', async () => {
     const served = serve(bytes);
-    const file = await StreamedShadowFile.open('file', { budget: 1.25 * MIB, detail: 0.05 });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: 1.25 * MIB, detailPixels: 0.05 });
     await settled(file, cameraAt(50, 20, -30));
     const levels = compare(file, whole, 5, 3000);
     console.log(`budget 1.25 MiB: answers by level ${JSON.stringify([...levels])}, ${JSON.stringify(file.stats)}`);
@@ -159,8 +159,8 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
 
   it('uploads only changes, about the requested bytes per update', async () => {
     serve(bytes);
-    const bytesPerUpdate = 64 * 1024;
-    const file = await StreamedShadowFile.open('file', { budget: 1.25 * MIB, detail: 0.02, bytesPerUpdate });
+    const uploadBytesPerFrame = 64 * 1024;
+    const file = await StreamedShadowFile.open('file', { budgetBytes: 1.25 * MIB, detailPixels: 0.02, uploadBytesPerFrame });
     const words = file.openWords({ filter: 5 }, 8192);
     const pool = words.texture.image as unknown as { data: Uint32Array; width: number; height: number };
     /** The words on the GPU, as of the first picture. */
@@ -186,8 +186,8 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     }
     console.log(`most bytes of an update: ${most}`);
     // A page more than requested, the tables of blocks, and whole rows.
-    expect(most).toBeGreaterThan(bytesPerUpdate);
-    expect(most).toBeLessThan(bytesPerUpdate + 128 * 1024);
+    expect(most).toBeGreaterThan(uploadBytesPerFrame);
+    expect(most).toBeLessThan(uploadBytesPerFrame + 128 * 1024);
     words.dispose();
     file.dispose();
   });
@@ -197,8 +197,8 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     const UPDATES = 16;
     const { points, normals } = surfacesOf(whole, 400, 5);
     /** Returns the largest change of a point's visibility from one update to the next while a camera goes and jumps. */
-    const largest = async (budget: number, fadeUpdates: number): Promise<number> => {
-      const file = await StreamedShadowFile.open('file', { budget, detail: 0.05, fadeUpdates });
+    const largest = async (budget: number, fadeFrames: number): Promise<number> => {
+      const file = await StreamedShadowFile.open('file', { budgetBytes: budget, detailPixels: 0.05, fadeFrames });
       const sampler = file.sampler({ filter: 5 });
       const visibilities = (): number[] => Array.from({ length: 400 }, (_, i) => sampler.visibility(at(points, i), at(normals, i)));
       let [before, most] = [visibilities(), 0];
@@ -220,7 +220,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
       // Two levels above the coarsest may fade together, each by a step.
       expect(faded).toBeLessThanOrEqual(2 / UPDATES + 1e-9);
     }
-    const file = await StreamedShadowFile.open('file', { budget: 16 * MIB, detail: ALL, fadeUpdates: UPDATES });
+    const file = await StreamedShadowFile.open('file', { budgetBytes: 16 * MIB, detailPixels: ALL, fadeFrames: UPDATES });
     await settled(file);
     expect(file.stats.fading).toBe(0);
     expect([...compare(file, whole, 5, 1000).keys()]).toEqual([0]);
@@ -228,7 +228,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     const { lookUps } = file.openWords({ filter: 5 }, 8192);
     expect(lookUps.map(({ words }) => words[16 + 78])).toEqual([2, 2, 1]);
     file.dispose();
-    await expect(StreamedShadowFile.open('file', { budget: MIB, fadeUpdates: 1.5 })).rejects.toThrow(/fadeUpdates is 1.5, but must be a whole number/);
+    await expect(StreamedShadowFile.open('file', { budgetBytes: MIB, fadeFrames: 1.5 })).rejects.toThrow(/fadeFrames is 1.5, but must be whole/);
   });
 
   /** A thousand jumps with `ADUMBRA_FULL`. */
@@ -239,7 +239,7 @@ describe.skipIf(PROGRAM === undefined)('a city, skipped unless ADUMBRA_BIN names
     const random = scatter(7);
     const held = watchPool();
     for (const budget of [1, 2, 4, 16, 64]) {
-      const file = await StreamedShadowFile.open('file', { budget: budget * 1e6, detail: 0.02 });
+      const file = await StreamedShadowFile.open('file', { budgetBytes: budget * 1e6, detailPixels: 0.02 });
       for (let jump = 0; jump < JUMPS; jump++) {
         const camera = cameraAt(500 * (random() - 0.5), 1 + 200 * random() ** 3, 500 * (random() - 0.5));
         for (let frame = 0; frame < 3; frame++) {

@@ -29,7 +29,7 @@ function change(name: string, parts: object): void {
 
 async function attach(light = new DirectionalLight(), scene = new Scene()): Promise<void> {
   const { attachBakedShadow } = await import('../../src/webgl/index.js');
-  attachBakedShadow(scene, light, file).dispose();
+  attachBakedShadow(scene, light, { file }).dispose();
 }
 
 async function makeNode(light = new DirectionalLight()): Promise<void> {

@@ -2,7 +2,8 @@
 
 import { describe, expect, it } from 'vitest';
 
-import { BakedShadowFile, LATEST_VERSION, Sampler, ShadowFileError } from '../../src/index.js';
+import { LATEST_VERSION } from '../../src/file/header.js';
+import { BakedShadowFile, Sampler, ShadowFileError } from '../../src/index.js';
 import { caught, expectedPoints, invalidNames, invalidVector, validBytes, validNames } from './vectors.js';
 
 const POINT_ONLY = { constantTexels: 0, slopeTexels: 0, normalOffsetTexels: 0 };

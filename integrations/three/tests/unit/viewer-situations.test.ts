@@ -25,11 +25,12 @@ import { afterEach, describe, expect, test, vi } from 'vitest';
 
 import { GLTFBakedShadow } from '../../src/gltf/index.js';
 import type { NamedShadow } from '../../src/gltf/index.js';
-import { BakedShadowFile, toWorld } from '../../src/index.js';
-import type { FileChoice } from '../../src/light/options.js';
+import { toWorld } from '../../src/grid/light-grid.js';
+import { BakedShadowFile } from '../../src/index.js';
+import type { FileChoice, LightSettings } from '../../src/light/options.js';
 import { StreamedShadowFile } from '../../src/stream/index.js';
 import { attachBakedShadow } from '../../src/webgl/index.js';
-import type { BakedShadow, BakedShadowOptions } from '../../src/webgl/index.js';
+import type { BakedShadow } from '../../src/webgl/index.js';
 import { BakedShadowNode } from '../../src/webgpu/index.js';
 import { RENDERERS, drawWithWebGL, drawWithWebGPU, webglRenderer } from './shown.js';
 import { SUN, caster, castIn, compiled, drawFrom, file, keepWarnings, lookUps, offSun } from './situations.js';
@@ -153,7 +154,7 @@ describe('WebGLRenderer alone', () => {
     expect(compiled(plain).fragmentShader).toContain('/* toon */');
     const [scene, sun] = [new Scene(), new DirectionalLight()];
     scene.add(sun, sun.target, new Mesh(undefined, early), new Mesh(undefined, late));
-    const shadow = attachBakedShadow(scene, sun, file);
+    const shadow = attachBakedShadow(scene, sun, { file });
     patch(late);
     drawWithWebGL(scene, webglRenderer());
     const texts = [early, late].map((each) => compiled(each).fragmentShader);
@@ -165,8 +166,8 @@ describe('WebGLRenderer alone', () => {
 
 describe.each(RENDERERS)('%s', (name, show) => {
   const isWebGL = name === 'WebGLRenderer';
-  const attach = (scene: Scene, light: DirectionalLight, files: FileChoice, options: BakedShadowOptions = {}): BakedShadow =>
-    isWebGL ? attachBakedShadow(scene, light, files, options) : new BakedShadowNode(light, { file: files, ...options });
+  const attach = (scene: Scene, light: DirectionalLight, files: FileChoice, options: LightSettings = {}): BakedShadow =>
+    isWebGL ? attachBakedShadow(scene, light, { file: files, ...options }) : new BakedShadowNode(light, { file: files, ...options });
   const renderer = isWebGL ? webglRenderer() : { shadowMap: {}, initTexture: () => undefined };
   const drawOf = (scene: Scene, light: DirectionalLight, shadow: BakedShadow, map?: () => void): void =>
     isWebGL ? drawWithWebGL(scene, renderer, map) : drawWithWebGPU(scene, renderer, shadow as BakedShadowNode, light, map);
@@ -294,7 +295,7 @@ describe('loading', () => {
         camera.projectionMatrix.multiplyMatrices(usual.projectionMatrix, usual.matrixWorldInverse);
         camera.projectionMatrixInverse.copy(camera.projectionMatrix).invert();
       }
-      const stream = await StreamedShadowFile.open('file', { budget: 1024 * 1024, worker: false, detail });
+      const stream = await StreamedShadowFile.open('file', { budgetBytes: 1024 * 1024, worker: false, detailPixels: detail });
       for (let i = 0; i < 30; i += 1) {
         stream.update(camera, 1080);
         await new Promise((resolve) => setTimeout(resolve));

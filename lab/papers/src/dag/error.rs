@@ -39,7 +39,7 @@ impl From<adumbra::Error> for Error {
     fn from(error: adumbra::Error) -> Self {
         match error {
             adumbra::Error::Io(error) => Self::Io(error),
-            adumbra::Error::Format { path, source } => {
+            adumbra::Error::Format { path: Some(path), source } => {
                 Self::Format { path, source: Box::new((*source).into()) }
             }
             error => Self::Reader(Box::new(error)),

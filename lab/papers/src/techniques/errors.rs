@@ -1,6 +1,5 @@
 //! The errors of trees and graphs as errors of the renderer, of a comparison and of a program.
 
-use adumbra::RangeField;
 use adumbra_program::exit::{Code, Failure};
 use adumbra_render::RenderError;
 
@@ -25,14 +24,10 @@ impl From<Error> for adumbra_compare::Error {
 impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error {
-            // A tree's largest resolution is below that of a light-aligned file.
-            Error::Range(error) if error.field == RangeField::Resolution => {
-                Self::Usage(format!("{error} (--resolution)"))
-            }
             Error::Range(error) => error.into(),
             Error::Option(error) => Self::Usage(format!("{error} ({})", option_of(error.option))),
             Error::Bake(error) => error.into(),
-            Error::Sun(error) => (*error).into(),
+            Error::Reader(error) => (*error).into(),
             Error::Io(error) => error.into(),
             Error::WordTexture { source: TextureError::TooManyPages { .. }, .. } => {
                 Self::BadInput(format!("{error} (--max-side, --resolution)"))

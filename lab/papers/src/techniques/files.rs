@@ -89,11 +89,10 @@ impl MoreFiles for PaperFiles {
 
     fn bake(&mut self, spec: &TechniqueSpec, how: &BakeOnDemand<'_>) -> Result<()> {
         if spec.reads() == Reads::Other(GRAPH_FILE) {
-            let bake = BakeOptions {
-                ignore_alpha: how.ignore_alpha,
-                max_memory_bytes: how.max_memory_bytes,
-                ..BakeOptions::new(how.sun, Size::Resolution(how.resolution))
-            };
+            let bake = BakeOptions::new(how.sun, Size::Resolution(how.resolution)).with(|o| {
+                o.ignore_alpha = how.ignore_alpha;
+                o.max_memory_bytes = how.max_memory_bytes;
+            });
             let options = DagOptions { bake, layout: DagLayout::Packed };
             self.graph = Some(bake_graph(how.scene, &options, Watch::none())?.file);
             return Ok(());

@@ -6,8 +6,9 @@ use crate::tree::options::{Detail, TreeOptions};
 use crate::tree::space::{RegionVoxels, Regions, TreeSpace};
 use crate::tree::word::MAX_DEPTH;
 use adumbra::grid::{Bounds, LightExtent, LightGrid};
-use adumbra::{MAX_SLOPE, RangeError, RangeField};
-use adumbra_bake::{Size, check_bounds};
+use adumbra::{MAX_SLOPE, RangeError};
+use adumbra_bake::structure::check_bounds;
+use adumbra_bake::{BakeField, Size};
 use adumbra_scene::Scene;
 
 /// The placement of a tree.
@@ -64,14 +65,12 @@ fn divide(scene: &Scene, options: &TreeOptions) -> Result<(TreeSpace, Regions)> 
     let depth = resolution.ilog2();
     if depth > MAX_DEPTH {
         let (field, value) = match options.size {
-            Size::Resolution(n) => (RangeField::Resolution, n.to_string()),
-            Size::VoxelSize(size) => {
-                (RangeField::VoxelSize, format!("{size} ({resolution} voxels per side)"))
-            }
+            Size::Resolution(n) => (BakeField::Resolution, n.to_string()),
+            Size::VoxelSize(size) => (BakeField::VoxelSize, format!("{size} ({resolution} voxels per side)")),
         };
         let range =
             "at most 32768 voxels per side for a world-aligned tree; for more, bake a light-aligned file";
-        return Err(RangeError::new(field, value, range).into());
+        return Err(adumbra_bake::Error::from(RangeError::new(field, value, range)).into());
     }
     let regions = match &options.detail {
         Detail::Uniform => Regions::uniform(depth),

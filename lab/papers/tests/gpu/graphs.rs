@@ -29,7 +29,7 @@ struct BakedGraph {
 impl BakedGraph {
     fn new(scene: Scene, resolution: u64, frame: FrameChoice, layout: DagLayout) -> Self {
         let sun = Sun::from_direction(kit::SUN).unwrap();
-        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+        let options = BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| o.frame = frame);
         let file = bake(&scene, &DagOptions { bake: options, layout }, Watch::none()).unwrap().file;
         Self { scene, file }
     }

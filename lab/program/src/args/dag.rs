@@ -101,23 +101,22 @@ pub struct DagBake {
 impl DagBake {
     /// Returns the options of the bake.
     pub(crate) fn options(&self, sun: Sun, max_memory_bytes: Option<u64>) -> DagOptions {
-        let bake = BakeOptions {
-            frame: match self.frame {
+        let bake = BakeOptions::new(sun, Size::Resolution(self.resolution)).with(|o| {
+            o.frame = match self.frame {
                 FrameArg::Auto => FrameChoice::Auto,
                 FrameArg::Light => FrameChoice::Light,
                 FrameArg::Oblique => FrameChoice::Oblique,
-            },
-            builder: match self.builder {
+            };
+            o.builder = match self.builder {
                 BuilderArg::Fast => ColumnBuilder::Fast,
                 BuilderArg::Plain => ColumnBuilder::Plain,
-            },
-            assume_ground: if self.no_assume_ground { AssumeGround::No } else { AssumeGround::Auto },
-            closed_regions: !self.no_closed_regions,
-            ignore_alpha: self.load.ignore_alpha,
-            bounds: self.bounds,
-            max_memory_bytes,
-            ..BakeOptions::new(sun, Size::Resolution(self.resolution))
-        };
+            };
+            o.assume_ground = if self.no_assume_ground { AssumeGround::No } else { AssumeGround::Auto };
+            o.closed_regions = !self.no_closed_regions;
+            o.ignore_alpha = self.load.ignore_alpha;
+            o.bounds = self.bounds;
+            o.max_memory_bytes = max_memory_bytes;
+        });
         let layout = match self.layout {
             LayoutArg::Packed => DagLayout::Packed,
             LayoutArg::Plain => DagLayout::Plain,

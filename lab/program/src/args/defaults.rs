@@ -13,7 +13,7 @@ use adumbra_program::args::{RunArgs, SceneArgs, SunArgs};
 use adumbra_program::output::format_bytes;
 use adumbra_program::query::Query;
 use adumbra_program::verify::Verify;
-use adumbra_testing::help::{assert_defaults, stated_defaults, verbs as verbs_of};
+use adumbra_testing::help::{assert_defaults, assert_listed, stated_defaults, verbs as verbs_of};
 use clap::{Command, CommandFactory, Parser, ValueEnum};
 
 use super::*;
@@ -304,6 +304,12 @@ fn required(verb: &str) -> &'static [&'static str] {
         "schema" => &[],
         _ => &["--scenes", "SCENES", "-o", "OUT"],
     }
+}
+
+#[test]
+fn guide_lists_every_verb() {
+    let guide = include_str!("../../../../docs/guides/the-programs.md");
+    assert_listed(guide, "adumbra-lab", &Program::command());
 }
 
 #[test]

@@ -90,9 +90,9 @@ mod tests {
     use super::*;
     use adumbra_compare::report::Report;
 
-    /// Reads a result file as its type and checks that it survives a round trip unchanged.
+    /// Reads an excerpt of a result file as its type and checks that it survives a round trip unchanged.
     fn read<T: DeserializeOwned + Serialize>(name: &str) {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/bench").join(name);
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded").join(name);
         let text = std::fs::read_to_string(path).unwrap();
         let results: T = serde_json::from_str(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
         let known: Value = serde_json::from_str(&text).unwrap();

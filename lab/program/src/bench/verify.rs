@@ -70,10 +70,8 @@ pub(super) fn run(args: &BenchVerify) -> Result<Code> {
         let tracer = Tracer::build(&scene, TraceOptions { ignore_alpha: false });
         let solids = Solids::of(&scene);
         for (sun_name, sun) in suns()? {
-            let options = BakeOptions {
-                assume_ground: if args.volume { AssumeGround::No } else { AssumeGround::Auto },
-                ..BakeOptions::new(sun, Size::Resolution(args.resolution))
-            };
+            let options = BakeOptions::new(sun, Size::Resolution(args.resolution))
+                .with(|o| o.assume_ground = if args.volume { AssumeGround::No } else { AssumeGround::Auto });
             let [packed, quadtree] = Kind::ALL.map(|kind| LightFile::bake(&scene, &options, kind));
             let files = [packed?, quadtree?];
             let sampler = if args.volume {

@@ -69,7 +69,7 @@ pub(super) fn run() -> Result<(), Box<dyn Error>> {
 fn run_steps() -> Result<(), Box<dyn Error + Send + Sync>> {
     let scene = generate(GeneratedKind::City, 1);
     let sun = Sun::from_direction([-0.45, 0.75, -0.35])?;
-    let options = BakeOptions { thickness_world: 0.1, ..BakeOptions::new(sun, Size::Resolution(RESOLUTION)) };
+    let options = BakeOptions::new(sun, Size::Resolution(RESOLUTION)).with(|o| o.thickness_world = 0.1);
     let graph = bake_graph(&scene, &options)?;
     let file = bake_depths(&scene, &options)?;
     let points = rows(&graph.grid);

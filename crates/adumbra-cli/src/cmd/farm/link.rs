@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use adumbra_bake::{BakeOptions, BakeSummary, Watch, stage_link};
+use adumbra_bake::{BakeSummary, Watch};
 use adumbra_files::{self as files, StagedFile};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
@@ -49,10 +49,10 @@ pub(crate) fn run(args: &Link) -> Outcome {
         let share = limit.share(0);
         let cache = open_or_create(&place)?;
         let output = &args.output;
-        let limits = BakeOptions { max_memory_bytes: share.bytes(), ..plan.options() };
+        let limits = plan.options().with(|o| o.max_memory_bytes = share.bytes());
         let guard = Guard::new(limit);
         let progress = |_| guard.look();
-        let linked = stage_link(&plan, &cache, &limits, Watch::new(&progress, guard.cancel()), output);
+        let linked = plan.stage_link(&cache, &limits, Watch::new(&progress, guard.cancel()), output);
         let (staged, written) = guard.end("linking", &share, linked)?;
         StagedFile::place([staged])?;
         let BakeSummary { levels, bytes: file_bytes, report, .. } = written;

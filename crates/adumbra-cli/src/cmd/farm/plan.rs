@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf, absolute};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeOptions, BakePlan};
+use adumbra_bake::BakePlan;
 use adumbra_files::{check_output, replace_file};
 use adumbra_program::bounds;
 use adumbra_program::exit::{Code, Failure, Outcome};
@@ -69,10 +69,10 @@ pub(crate) fn run(args: &Plan) -> Outcome {
         let sun = args.settings.sun.choose(&scene, &args.scene)?;
         warn_of_low_sun(&sun.sun);
         let share = limit.share(scene.memory_bytes());
-        let mut options = BakeOptions {
-            max_memory_bytes: share.bytes(),
-            ..args.settings.options(sun.sun, args.load.ignore_alpha)
-        };
+        let mut options = args
+            .settings
+            .options(sun.sun, args.load.ignore_alpha)
+            .with(|o| o.max_memory_bytes = share.bytes());
         refuse_read("--output", &output).map_err(bad_input)?;
         bounds::warn_if_empty(options.bounds.as_ref(), &scene, &args.scene);
         let ground = DecidedGround::of(&scene, &mut options);

@@ -1,6 +1,6 @@
 //! `adumbra tile`: bakes parts of a plan.
 
-use adumbra_bake::{BakeOptions, PartBaker, Watch};
+use adumbra_bake::{PartBaker, Watch};
 use adumbra_program::exit::{Code, Outcome};
 use adumbra_program::memory::Guard;
 use adumbra_program::output::print_json;
@@ -45,11 +45,10 @@ pub(crate) fn run(args: &Tile) -> Outcome {
         let scene = load_scene_within(limit, path, &load.load_options()?)?;
         let share = limit.share(scene.memory_bytes());
         let cache = open_or_create(&place)?;
-        let limits = BakeOptions {
-            max_memory_bytes: share.bytes(),
-            spill_folder: url_of(&place).is_none().then(|| place.clone()),
-            ..plan.options()
-        };
+        let limits = plan.options().with(|o| {
+            o.max_memory_bytes = share.bytes();
+            o.spill_folder = url_of(&place).is_none().then(|| place.clone());
+        });
         let guard = Guard::new(limit);
         let reporter = Reporter::new(args.progress, Units::TEXELS);
         let progress = |p| {

@@ -142,7 +142,7 @@ pub(crate) fn run(args: &Info) -> Outcome {
 fn info_of_file(args: &Info) -> Outcome {
     args.run.memory_limit().check_shadow_file(&args.file)?;
     let bytes = read_file(&args.file, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
-    let error = |source| Error::Format { path: args.file.clone(), source: Box::new(source) };
+    let error = |source| Error::Format { path: Some(args.file.clone()), source: Box::new(source) };
     let contents = Contents::parse(&bytes).map_err(error)?;
     let file = ShadowFile::from_bytes(&bytes).map_err(error)?;
     if let Some(of) = args.snippet {

@@ -19,7 +19,7 @@ sun.shadow.shadowNode = new BakedShadowNode(sun, {{ file }});
 
 // With WebGLRenderer:
 // import {{ attachBakedShadow }} from 'adumbra-three/webgl';
-// attachBakedShadow(scene, sun, file);"
+// attachBakedShadow(scene, sun, {{ file }});"
         ),
     }
 }

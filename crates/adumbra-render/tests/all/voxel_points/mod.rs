@@ -24,7 +24,7 @@ impl BakedScene {
 
     fn in_frame(scene: Scene, sun: [f64; 3], resolution: u64, frame: FrameChoice) -> Self {
         let sun = Sun::from_direction(sun).unwrap();
-        let options = BakeOptions { frame, ..BakeOptions::new(sun, Size::Resolution(resolution)) };
+        let options = BakeOptions::new(sun, Size::Resolution(resolution)).with(|o| o.frame = frame);
         let light = Bake::with_options(&scene, &options).in_memory().unwrap();
         Self { scene, light }
     }

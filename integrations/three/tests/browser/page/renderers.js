@@ -18,7 +18,7 @@ export const renderers = {
       renderer,
       target,
       attach({ scene, light, files, ...options }) {
-        return attachBakedShadow(scene, light, files, options);
+        return attachBakedShadow(scene, light, { file: files, ...options });
       },
       async read() {
         const pixels = new Float32Array(4 * side * side);

@@ -43,7 +43,7 @@ const renderers = {
       target,
       bake(scene, light, file, { movers, ...options } = {}) {
         light.castShadow = movers !== undefined;
-        return attachBakedShadow(scene, light, file, options);
+        return attachBakedShadow(scene, light, { file, ...options });
       },
       async read() {
         const pixels = new Float32Array(4 * SIDE * SIDE);

@@ -51,7 +51,7 @@ const renderers = {
     return {
       renderer,
       target,
-      bake: (scene, light, file, options) => attachBakedShadow(scene, light, file, options),
+      bake: (scene, light, file, options) => attachBakedShadow(scene, light, { file, ...options }),
       async read() {
         const pixels = new Float32Array(4 * WIDTH * HEIGHT);
         renderer.readRenderTargetPixels(target, 0, 0, WIDTH, HEIGHT, pixels);

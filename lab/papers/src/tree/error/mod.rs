@@ -32,9 +32,9 @@ pub enum Error {
     /// The bake failed.
     #[error(transparent)]
     Bake(#[from] adumbra_bake::Error),
-    /// A sun is not valid.
+    /// A sun or bytes without a path are not valid.
     #[error(transparent)]
-    Sun(Box<adumbra::Error>),
+    Reader(Box<adumbra::Error>),
     /// A file, world-aligned or light-aligned, is not valid.
     #[error("{path:?}: {source}", path = path.display())]
     Format {
@@ -85,10 +85,10 @@ impl From<adumbra::Error> for Error {
         match error {
             adumbra::Error::Io(error) => Self::Io(error),
             adumbra::Error::Range(error) => Self::Range(error),
-            adumbra::Error::Format { path, source } => {
+            adumbra::Error::Format { path: Some(path), source } => {
                 Self::Format { path, source: Box::new((*source).into()) }
             }
-            error => Self::Sun(Box::new(error)),
+            error => Self::Reader(Box::new(error)),
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::fmt::{self, Display};
 
-/// An option of a tree's bake that has a range. Like `adumbra::RangeField`, the enum is exhaustive.
+/// An option of a tree's bake that has a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TreeOption {
     /// A term of the bias of a capture.

@@ -63,7 +63,7 @@ impl Bench<'_> {
 }
 
 fn baked(on: &OnDevice<'_>, resolution: u64, frame: FrameChoice, kind: Kind) -> Result<LightFile> {
-    let options = BakeOptions { frame, ..BakeOptions::new(on.sun, Size::Resolution(resolution)) };
+    let options = BakeOptions::new(on.sun, Size::Resolution(resolution)).with(|o| o.frame = frame);
     LightFile::bake(on.scene, &options, kind)
 }
 

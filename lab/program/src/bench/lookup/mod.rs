@@ -190,7 +190,7 @@ fn measure(args: &BenchLookup, gpu: &Gpu, name: &str, document: &mut LookUpResul
     for frame in [FrameChoice::Light, FrameChoice::Oblique] {
         for kind in Kind::ALL {
             let size = Size::Resolution(args.common.resolutions.resolution);
-            let options = BakeOptions { frame, ..BakeOptions::new(sun, size) };
+            let options = BakeOptions::new(sun, size).with(|o| o.frame = frame);
             let file = LightFile::bake(&scene, &options, kind)?;
             for &filter in &args.filter {
                 let mut technique = prepare(&renderer, &file.technique(filter), file.baked())?;

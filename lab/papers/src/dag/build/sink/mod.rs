@@ -7,8 +7,8 @@
 mod switches;
 
 use crate::dag::roots::{LEAF_NODE_LEVEL, top_dims};
+use adumbra_bake::Error;
 use adumbra_bake::structure::{BlockColumns, BlockSink, Structure};
-use adumbra_bake::{Error, Result};
 
 use crate::dag::build::store::{NodeState, NodeStore};
 use crate::dag::plain::Dag;
@@ -190,7 +190,7 @@ impl Structure for GraphSink {
             + self.roots * (size_of::<NodeState>() as u64 + 4)
     }
 
-    fn check_room(&self) -> Result<()> {
+    fn check_room(&self) -> Result<(), Error> {
         if self.store.is_full() { Err(Error::TooManyWords { what: "the graph" }) } else { Ok(()) }
     }
 

@@ -153,9 +153,9 @@ pub(super) fn finer_is_better(data: &Data) -> Verdict {
 mod tests {
     use super::*;
 
-    /// Returns a model whose other values are taken from a result in the documents.
+    /// Returns a model whose other values are taken from a recorded result.
     fn model(foliage: bool, moving: Option<f64>, still: Option<f64>) -> ModelFigures {
-        let known = include_str!("../../../../../../docs/bench/hrsm.json");
+        let known = include_str!("../../../../tests/recorded/hrsm.json");
         let known: HybridResults = serde_json::from_str(known).unwrap();
         let mut model = known.models[0].clone();
         let mut group = model.group(1024, 1).unwrap().clone();
