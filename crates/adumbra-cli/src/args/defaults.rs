@@ -1,5 +1,6 @@
 //! Every default that the help of `adumbra` states is the value that its verbs use.
 
+use adumbra::stream::StreamOptions;
 use adumbra::{Bias, Bounds, Sun};
 use adumbra_bake::{FrameChoice, Size};
 use adumbra_compare::args::{CacheArgs, DeviceArgs, ResolutionArgs};
@@ -265,7 +266,7 @@ fn view(args: &View) -> Used {
         ("--move", absent(args.mover.as_ref(), "")),
         ("--time", args.time.to_string()),
         ("--resolution", args.resolution.to_string()),
-        ("--budget", args.budget.to_string()),
+        ("--budget", (StreamOptions::default().budget_bytes >> 20).to_string()),
         ("--day", absent(args.day.as_ref(), "")),
         ("--day-length", args.day_length.to_string()),
         ("--day-near", absent(args.day_near.as_ref(), "")),

@@ -87,7 +87,7 @@ pub(crate) struct View {
     #[arg(long, value_name = "N", default_value_t = 8192)]
     pub(crate) resolution: u64,
     /// Budget of shadow files: one whose words need more MiB is streamed
-    #[arg(long, value_name = "MIB", default_value_t = 64)]
+    #[arg(long, value_name = "MIB", default_value_t = 32)]
     pub(crate) budget: u64,
     /// Frames over which pages of a streamed file come and go; 0 changes them at once
     #[arg(long, value_name = "FRAMES", default_value_t = 0, value_parser = clap::value_parser!(u32).range(..=600))]

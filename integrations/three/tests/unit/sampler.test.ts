@@ -4,8 +4,9 @@ import { Matrix4, Quaternion, Vector3 } from 'three';
 import { describe, expect, it } from 'vitest';
 
 import { toWorld } from '../../src/grid/light-grid.js';
-import { BakedShadowFile, FILTER_WIDTHS, Sampler } from '../../src/index.js';
+import { BakedShadowFile, FILTER_WIDTHS, LOOK_UP_DEFAULTS, Sampler } from '../../src/index.js';
 import type { FilterWidth, LightGrid, LookUpOptions, Vec3 } from '../../src/index.js';
+import { BAKED_SHADOW_DEFAULTS } from '../../src/light/options.js';
 import { layerAt, receiverAt } from '../../src/sampler/receiver.js';
 import { surfacesOf } from './points.js';
 import { caught, validBytes } from './vectors.js';
@@ -93,6 +94,7 @@ function at(all: ArrayLike<number>, i: number): Vec3 {
 }
 
 it('has a filter of 5 × 5 texels unless another is set', () => {
+  expect(BAKED_SHADOW_DEFAULTS.filter).toBe(LOOK_UP_DEFAULTS.filter);
   const file = open('slopes_depths');
   const { points, normals } = surfacesOf(file, 300, 3);
   const expected = new Sampler(file, { filter: 5 }).visibilities(points, normals);
