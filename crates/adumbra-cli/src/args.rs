@@ -130,7 +130,6 @@ pub(crate) enum Verb {
         Example: adumbra compare city.glb --camera street --shadow csm:cascades=4 --shadow voxel:filter=9 -o compared"
     )]
     Compare(Compare),
-    #[cfg(feature = "render")]
     /// Run the whole workflow on a generated scene; leaves the file, pictures and a report
     #[command(after_help = "Example: adumbra demo --out demo")]
     Demo(Demo),
@@ -155,6 +154,7 @@ impl ValueEnum for KindArg {
             Self(GeneratedKind::Wires),
             Self(GeneratedKind::Cornell),
             Self(GeneratedKind::Forest),
+            Self(GeneratedKind::Pylons),
         ]
     }
 
@@ -176,6 +176,9 @@ impl ValueEnum for KindArg {
             }
             GeneratedKind::Forest => {
                 ("forest", "1,000 trees with a million cards of leaves, cut out by alpha")
+            }
+            GeneratedKind::Pylons => {
+                ("pylons", "2 km of a power line along a road, with lamp posts and a fence")
             }
         };
         Some(PossibleValue::new(name).help(help))
@@ -319,7 +322,6 @@ pub(crate) struct CachePrune {
     pub(crate) json: bool,
 }
 
-#[cfg(feature = "render")]
 #[derive(clap::Args)]
 pub(crate) struct Demo {
     /// Folder for the scene, the file, the pictures and the report

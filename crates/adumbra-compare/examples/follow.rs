@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 
 use adumbra::{Filter, PointVisibility, Sun};
 use adumbra_bake::{BakeOptions, Size};
-use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
 use adumbra_path::{FollowOptions, Followed, FollowedMoment, SunFollower, VisiblePoint, visible_points};
 use adumbra_scene::{LoadOptions, load};
 use adumbra_truth::trace::{TraceOptions, Tracer};

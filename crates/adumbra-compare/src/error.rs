@@ -67,22 +67,6 @@ pub enum Error {
         "no street-level camera found: no place on the ground has open sky and a clear view; give the camera's eye and target"
     )]
     NoStreet,
-    /// The bytes cannot be decoded as a picture.
-    #[error("not a picture: {what}")]
-    Picture {
-        /// Message of the decoder.
-        what: String,
-    },
-    /// A picture cannot be encoded.
-    #[error("cannot encode a picture of {width} x {height} pixels: {what}")]
-    Encode {
-        /// Width in pixels.
-        width: u32,
-        /// Height in pixels.
-        height: u32,
-        /// Message of the encoder.
-        what: String,
-    },
 }
 
 /// The crate's result type.

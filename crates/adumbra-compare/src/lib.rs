@@ -9,10 +9,9 @@
 //! | [`camera_file`] | cameras as JSON |
 //! | [`paths`], [`shimmer`] | camera paths; how shadow factors at fixed points change along them |
 //! | [`swept`], [`changes`] | a sun that moves across a day; how often pixels change between lit and dark meanwhile |
-//! | [`page`] | self-contained HTML pages |
 //! | [`report`], [`pictures`] | tables and JSON; difference pictures and sheets |
 //! | [`contenders`], [`baked`] | the techniques of a comparison, and the baked files that they need |
-//! | [`layers`], [`plot`] | layers of a frame as PNG and EXR; plots as SVG |
+//! | [`layers`] | layers of a frame as PNG and EXR |
 //! | [`verbs`] | the verbs `compare` and `render` |
 //! | [`args`] | command-line options that need the renderer |
 
@@ -28,10 +27,8 @@ pub mod contenders;
 pub mod error;
 pub mod layers;
 pub mod metrics;
-pub mod page;
 pub mod paths;
 pub mod pictures;
-pub mod plot;
 pub mod report;
 pub mod shimmer;
 pub mod swept;

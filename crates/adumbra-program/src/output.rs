@@ -35,7 +35,7 @@ impl Outputs {
     ///
     /// Returns the errors of [`Self::add`], and [`Failure::BadInput`] if the picture cannot be encoded.
     pub fn add_png(&mut self, path: &Path, picture: &Picture) -> Result<(), Failure> {
-        self.add(path, &png(path, picture)?)
+        self.add(path, &png(picture)?)
     }
 
     /// Renames all files to their final paths, unless two of the paths are one file.
@@ -83,19 +83,22 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 ///
 /// Returns the errors of [`write_whole`], and [`Failure::BadInput`] if the picture cannot be encoded.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
-    write_whole(path, &png(path, picture)?)
+    write_whole(path, &png(picture)?)
 }
 
-/// Returns a picture encoded as PNG. `path` is only for the error.
+/// Returns a picture encoded as PNG.
 ///
 /// # Errors
 ///
-/// Returns [`Failure::BadInput`] if the picture cannot be encoded.
-pub fn png(path: &Path, picture: &Picture) -> Result<Vec<u8>, Failure> {
+/// Returns [`Failure::BadInput`] if the number of its bytes does not match its size.
+pub fn png(picture: &Picture) -> Result<Vec<u8>, Failure> {
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
         .write_image(&picture.rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
-        .map_err(|e| Failure::BadInput(format!("{}: cannot encode the picture: {e}", path.display())))?;
+        .map_err(|e| {
+            let Picture { width, height, .. } = picture;
+            Failure::BadInput(format!("cannot encode a picture of {width} x {height} pixels: {e}"))
+        })?;
     Ok(bytes)
 }
 

@@ -8,7 +8,7 @@ use adumbra_scene::{AlphaMode, GeneratedKind, Instance, Mesh, Scene, generate, t
 use adumbra_testing::full;
 use adumbra_truth::trace::{Ray, TraceOptions, Tracer};
 
-const KINDS: [GeneratedKind; 9] = [
+const KINDS: [GeneratedKind; 10] = [
     GeneratedKind::Spheres,
     GeneratedKind::Primitives,
     GeneratedKind::Landscape,
@@ -18,6 +18,7 @@ const KINDS: [GeneratedKind; 9] = [
     GeneratedKind::Wires,
     GeneratedKind::Cornell,
     GeneratedKind::Forest,
+    GeneratedKind::Pylons,
 ];
 /// The kinds that rest on y = 0 and include no ground.
 const WITHOUT_GROUND: [GeneratedKind; 3] =
@@ -50,6 +51,7 @@ fn bytes_are_the_same_on_every_machine() {
         0x43EC_C479_4C0C_8FE8,
         0x82E8_F1BE_BDDA_0205,
         0xEE5C_AC29_02C8_1CDA,
+        0x7DC1_925D_C804_A963,
     ];
     let found = KINDS.map(|kind| fingerprint(&to_glb(&generate(kind, 1))));
     assert_eq!(found, expected, "{found:#018X?}");
@@ -123,6 +125,10 @@ fn scenes_have_their_documented_sizes() {
         assert!((4_000..12_000).contains(&wires.stored_triangles()), "{}", wires.stored_triangles());
         let cornell = generate(GeneratedKind::Cornell, seed);
         assert_eq!((cornell.instances.len(), cornell.stored_triangles()), (3, 28 + 2 * 12));
+        let pylons = generate(GeneratedKind::Pylons, seed);
+        let found = ["pylon", "cables", "lamp", "fence"].map(|what| count(&pylons, what));
+        assert_eq!(found, [20, 20, 50, 100], "seed {seed}");
+        assert!(pylons.bounds().max[0] - pylons.bounds().min[0] > 2000.0);
         for scene in [landscape, city] {
             let bounds = scene.bounds();
             assert!([0, 2].into_iter().all(|a| (399.0..410.0).contains(&(bounds.max[a] - bounds.min[a]))));

@@ -8,8 +8,8 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use adumbra_compare::camera_file::CameraFile;
-use adumbra_compare::pictures::png;
 use adumbra_files::{FileWatch, replace_file, same_file};
+use adumbra_program::output::png;
 use adumbra_render::{FrameTimes, Gpu, RenderError};
 use adumbra_scene::Camera;
 use adumbra_truth::movers::MoveSpec;

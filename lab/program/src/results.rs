@@ -5,7 +5,7 @@ use adumbra_render::Gpu;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize};
 
-use adumbra_compare::page::Table;
+use adumbra_html::page::Table;
 
 /// A requirement and its outcome.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

@@ -17,7 +17,7 @@ use rust::Modules;
 use typescript::add_imports;
 
 /// Crates in the order in which data flows. A crate depends only on earlier ones.
-const ORDER: [&str; 18] = [
+const ORDER: [&str; 19] = [
     "adumbra-shaders",
     "adumbra",
     "adumbra-files",
@@ -30,6 +30,7 @@ const ORDER: [&str; 18] = [
     "adumbra-path",
     "adumbra-sunlight",
     "adumbra-program",
+    "adumbra-html",
     "adumbra-compare",
     "adumbra-view",
     "adumbra-testing",

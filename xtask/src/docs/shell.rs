@@ -103,7 +103,10 @@ impl Run {
             ["cargo", "xtask", ..] => Self::Task,
             ["alias", name] => Self::Built(name.split_once('=').map_or(*name, |(_, file)| file).to_owned()),
             ["cargo", "build", "--release"] if quick => Self::Built("target/release/adumbra".to_owned()),
-            ["cargo", "run", "--release", "--", rest @ ..] if quick => {
+            ["cargo", "run", "--release", "--", rest @ ..]
+            | ["cargo", "run", "--release", "--no-default-features", "--", rest @ ..]
+                if quick =>
+            {
                 Self::Shell(format!("adumbra {}", rest.join(" ")))
             }
             ["cargo", "run", "--release", "-p", _, "--example", name, rest @ ..] if quick => {
@@ -152,7 +155,9 @@ mod tests {
             Run::Built("target/release/adumbra".to_owned())
         );
         assert_eq!(quick("cargo build --release"), Run::Built("target/release/adumbra".to_owned()));
-        assert_eq!(quick("cargo run --release -- demo"), Run::Shell("adumbra demo".to_owned()));
+        for demo in ["cargo run --release -- demo", "cargo run --release --no-default-features -- demo"] {
+            assert_eq!(quick(demo), Run::Shell("adumbra demo".to_owned()));
+        }
         assert_eq!(
             quick("cargo run --release -p adumbra-lab -- report -o a"),
             Run::Shell("adumbra-lab report -o a".to_owned())

@@ -50,7 +50,6 @@ pub(crate) struct VerifyPathArgs {
     #[arg(long, value_name = "PERCENT", default_value_t = 0.1)]
     pub(crate) max_excess: f64,
     /// Sun path: draw the errors over the day
-    #[cfg(feature = "render")]
     #[arg(long, value_name = "SVG")]
     pub(crate) plot: Option<PathBuf>,
 }

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use adumbra::{Encoding, Filter, IoError, ShadowFile, Sun};
 use adumbra_bake::Bake;
-use adumbra_compare::page::{Body, Embedded, Page, Pair, PictureEncoding, Table};
 use adumbra_files::replace_file;
+use adumbra_html::page::{Body, Embedded, Page, Pair, PictureEncoding, Table};
 use adumbra_program::exit::{Code, Failure, Outcome};
 use adumbra_program::memory::Guard;
 use adumbra_program::output::{format_bytes, make_folder, print_json, refuse_same, write_png, write_whole};
@@ -241,7 +241,7 @@ fn write_report(
         let picture = |suffix: &str| -> Result<Embedded, Failure> {
             let path = path.with_file_name(format!("{name}{suffix}.png"));
             let bytes = std::fs::read(&path).map_err(IoError::at("read", &path))?;
-            Ok(Embedded::from_png(&bytes, None, WIDEST, PictureEncoding::Lossless)?)
+            Embedded::from_png(&bytes, None, WIDEST, PictureEncoding::Lossless)
         };
         let (file, truth, difference) = (picture("")?, picture("-truth")?, picture("-difference")?);
         let names = ("the file, 5 × 5 texels", "rays");

@@ -7,7 +7,6 @@ mod bake_watch;
 mod baking;
 mod cache;
 mod convert;
-#[cfg(feature = "render")]
 mod demo;
 mod farm;
 mod generate;
@@ -53,7 +52,6 @@ pub(crate) fn run(verb: Verb) -> Outcome {
         Verb::View(a) => Ok(view::run(&a)?),
         #[cfg(feature = "render")]
         Verb::Compare(a) => Ok(compare::run(&a, Offer::PRODUCT)?),
-        #[cfg(feature = "render")]
         Verb::Demo(a) => demo::run(&a),
         Verb::Schema(a) => schema::run(&a),
     }

@@ -7,7 +7,6 @@ use adumbra_path::{Moment, measure};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, span};
 use adumbra_program::output::format_bytes;
-#[cfg(feature = "render")]
 use adumbra_program::output::{SCENE, refuse_inputs};
 use adumbra_program::query::Query;
 use adumbra_program::say;
@@ -135,7 +134,6 @@ pub(super) fn verify(
     if !(of_path.max_excess >= 0.0) {
         return Err(Failure::Usage(format!("--max-excess {}: give 0 or more percent", of_path.max_excess)));
     }
-    #[cfg(feature = "render")]
     if let Some(plot) = &of_path.plot {
         refuse_inputs("--plot", plot, [("the sun path", &*args.file), (SCENE, &*args.scene)])?;
         adumbra_files::check_output(plot)?;
@@ -163,7 +161,6 @@ pub(super) fn verify(
     let mean = |of: fn(&Moment) -> f64| measured.iter().map(of).sum::<f64>() / measured.len() as f64;
     let [wrong, own] = [mean(|m| m.wrong_percent), mean(|m| m.own_percent)];
     let max_excess = measured.iter().map(|m| m.wrong_percent - m.own_percent).fold(f64::MIN, f64::max);
-    #[cfg(feature = "render")]
     if let Some(plot) = &of_path.plot {
         write_plot(plot, &measured)?;
     }
@@ -204,9 +201,8 @@ fn verified(moment: &Moment) -> VerifiedMoment {
     VerifiedMoment { seconds, elevation_degrees, wrong_percent, own_percent }
 }
 
-#[cfg(feature = "render")]
 fn write_plot(plot: &Path, moments: &[Moment]) -> Result<(), Failure> {
-    use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+    use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
     let first = moments.first().map_or(0.0, |moment| moment.seconds);
     let series = |name: &str, of: fn(&Moment) -> f64| Series {
         name: name.to_owned(),
@@ -224,7 +220,7 @@ fn write_plot(plot: &Path, moments: &[Moment]) -> Result<(), Failure> {
         vec![series("between the keys", |m| m.wrong_percent), series("at the keys", |m| m.own_percent)];
     let sun = vec![series("sun", |m| m.elevation_degrees)];
     let panels = [panel("Wrong points", "percent", wrong), panel("Elevation", "degrees", sun)];
-    Ok(write_svg(plot, &panels)?)
+    write_svg(plot, &panels)
 }
 
 /// Returns what a path contains.

@@ -3,7 +3,6 @@
 /// Colours from the least to the most. Each is lighter than the one before it.
 pub(super) const SCALE: [[u8; 3]; 5] =
     [[49, 38, 120], [40, 104, 152], [44, 158, 118], [160, 198, 60], [250, 230, 110]];
-#[cfg(feature = "render")]
 /// Colours from much less to much more.
 const DIFFERENCE: [[u8; 3]; 5] =
     [[33, 80, 170], [130, 170, 215], [240, 240, 236], [230, 150, 110], [180, 40, 30]];
@@ -13,7 +12,6 @@ pub(super) fn color(place: f64) -> [u8; 3] {
     between(&SCALE, place)
 }
 
-#[cfg(feature = "render")]
 /// Returns the colour of a difference from -1 to 1: blue for less, red for more.
 pub(super) fn difference_color(place: f64) -> [u8; 3] {
     between(&DIFFERENCE, 0.5 + 0.5 * place)
@@ -42,7 +40,6 @@ mod tests {
         assert!((0..100).all(|i| luma(color(f64::from(i) / 100.0)) <= luma(color(f64::from(i + 1) / 100.0))));
     }
 
-    #[cfg(feature = "render")]
     #[test]
     fn difference_is_blue_below_and_red_above() {
         let [less, none, more] = [-1.0, 0.0, 1.0].map(difference_color);

@@ -10,7 +10,6 @@ use adumbra_program::exit::Outcome;
 use adumbra_program::schemas::{Described, SchemaArgs};
 use adumbra_program::{progress, query};
 
-#[cfg(feature = "render")]
 use super::demo;
 use super::{bake, bake_watch, cache, convert, farm, generate, info, inspect, sunlight, verify};
 
@@ -43,7 +42,6 @@ const DESCRIBED: &[Described] = &[
     Described::of::<render::Printed>("render", "the picture, or the list of several"),
     #[cfg(feature = "render")]
     Described::of::<Report>("compare", "the comparison; its report.json is the same"),
-    #[cfg(feature = "render")]
     Described::of::<demo::Shown>("demo", "what the demo made"),
     #[cfg(feature = "render")]
     Described::of::<CameraFile>("camera", "a camera that view saves, and that compare --camera takes"),

@@ -30,3 +30,4 @@ mod suns;
 mod sweep;
 mod up;
 mod view;
+mod view_refuses;

@@ -100,7 +100,6 @@ fn sun_hours_of_a_table_and_of_surfaces() {
     assert!(walls.iter().any(|point| point["normal"][1].as_f64().unwrap().abs() < 0.1), "no point on a wall");
 }
 
-#[cfg(feature = "render")]
 #[test]
 fn sun_hours_of_two_designs_are_compared_on_a_page() {
     let folder = Folder::new();

@@ -4,7 +4,7 @@
 use adumbra_render::{Answer, FrameTimes, Prepared, Renderer, Shot};
 
 use crate::error::Result;
-use crate::report::median;
+use crate::metrics::median;
 
 /// Draws frame k of every technique before frame k + 1 of any, and returns the times of each technique's
 /// `frames` frames.

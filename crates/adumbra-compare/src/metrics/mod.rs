@@ -75,6 +75,13 @@ pub fn factor_errors(
     }))
 }
 
+/// Returns the median, or the upper of the two middle values if their number is even. NaN if there are no
+/// values.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

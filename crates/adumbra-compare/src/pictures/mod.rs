@@ -3,7 +3,6 @@
 mod sheet;
 
 use adumbra_truth::picture::Picture;
-use image::ImageEncoder;
 pub use sheet::{Cell, sheet};
 
 use crate::error::{Error, Result};
@@ -90,18 +89,6 @@ pub fn enlarged(picture: &Picture, from: [u32; 2], size: [u32; 2], times: u32) -
     Picture { width, height, rgb: rgb.collect(), difference_share: None }
 }
 
-/// Encodes a picture as PNG.
-///
-/// # Errors
-/// Returns [`Error::Encode`] if the number of its bytes does not match its size.
-pub fn png(picture: &Picture) -> Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    image::codecs::png::PngEncoder::new(&mut bytes)
-        .write_image(&picture.rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
-        .map_err(|e| Error::Encode { width: picture.width, height: picture.height, what: e.to_string() })?;
-    Ok(bytes)
-}
-
 fn byte(c: f32) -> u8 {
     (c.clamp(0.0, 1.0) * 255.0 + 0.5) as u8
 }
@@ -144,12 +131,5 @@ mod tests {
         let grey: Vec<u8> = part.rgb.chunks(3).map(|p| p[0]).collect();
         assert_eq!(grey, [10, 10, 20, 20, 10, 10, 20, 20]);
         assert_eq!(enlarged(&picture, [3, 0], [1, 1], 2).rgb.len(), 0);
-    }
-
-    #[test]
-    fn png_round_trips_pixels() {
-        let picture = picture_of_rgba([2, 1], &[1, 2, 3, 255, 4, 5, 6, 0]);
-        let image = image::load_from_memory(&png(&picture).unwrap()).unwrap().into_rgb8();
-        assert_eq!(image.into_raw(), [1, 2, 3, 4, 5, 6]);
     }
 }

@@ -17,6 +17,7 @@ mod landscape_props;
 mod leaf_image;
 mod noise;
 mod primitives;
+mod pylons;
 mod shapes;
 mod sphere_grid;
 mod spheres;
@@ -49,6 +50,8 @@ pub enum GeneratedKind {
     Cornell,
     /// 248 m by 158 m of forest: 1,000 trees with 1,000 cards each, cut out by the alpha of a leaf texture.
     Forest,
+    /// 2 km of a power line along a road, with lamp posts and a fence: thin things as far as one can see.
+    Pylons,
 }
 
 /// Generates the scene of this kind and seed. Cost: well below a second.
@@ -63,6 +66,7 @@ pub fn generate(kind: GeneratedKind, seed: u64) -> Scene {
         GeneratedKind::Wires => wires::generate(seed),
         GeneratedKind::Cornell => cornell::generate(seed),
         GeneratedKind::Forest => forest::generate(seed),
+        GeneratedKind::Pylons => pylons::generate(seed),
     }
 }
 

@@ -95,6 +95,18 @@ impl Glb {
     }
 }
 
+/// A triangle with one textured material; `image` is the image's JSON.
+pub(crate) fn textured(material: Value, image: &Value) -> Glb {
+    let mut glb = Glb::triangle();
+    let uvs = glb.floats(&[0.0, 0.0, 1.0, 0.0, 0.0, 1.0], "VEC2");
+    glb.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] = json!(uvs);
+    glb.json["meshes"][0]["primitives"][0]["material"] = json!(0);
+    glb.json["images"] = json!([image]);
+    glb.json["textures"] = json!([{"source": 0}]);
+    glb.push("materials", material);
+    glb
+}
+
 /// A temporary folder, and a file in it.
 pub(crate) fn file(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -131,6 +143,11 @@ pub(crate) fn refused(result: Result<Scene>) -> Error {
     assert!(message.contains("scene."), "names no file: {message}");
     assert!(!message.contains('\n'), "more than one line: {message}");
     error
+}
+
+/// The error of a load that must fail; its message may name another file.
+pub(crate) fn refused_any(result: Result<Scene>) -> Error {
+    result.expect_err("the load fails")
 }
 
 /// A PNG with a single row of one colour and the given alpha values.

@@ -16,8 +16,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::args::BenchBlur;
 use adumbra_compare::Result;
-use adumbra_compare::page::Table;
-use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_html::page::Table;
+use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
 
 /// Name, and technique with its parameters; the number of samples is appended.
 const TWO_PASSES: [(&str, &str); 6] = [

@@ -27,7 +27,7 @@ use serde::Serialize;
 
 use crate::args::{BenchVerb, SuiteArg};
 use adumbra_compare::Result;
-use adumbra_compare::pictures::png;
+use adumbra_program::output::png;
 
 /// Direction towards the sun, for the tables with a single sun.
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];

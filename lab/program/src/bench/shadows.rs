@@ -18,10 +18,11 @@ use adumbra_compare::baked::{BakeOnDemand, BakedFiles};
 use adumbra_compare::compare::{Contender, Reference, camera_figures, compare, walk};
 use adumbra_compare::contenders::{contenders, parse};
 use adumbra_compare::paths::CameraPath;
-use adumbra_compare::report::{Report, percent};
+use adumbra_compare::report::Report;
 use adumbra_compare::truth::{
     Cache, Key, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera,
 };
+use adumbra_html::format::percent;
 
 /// Angular diameter of the sun's disc as seen from the earth, in degrees, and rays per pixel.
 const DISC: (f64, u32) = (0.53, 64);

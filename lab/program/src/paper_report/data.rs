@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
-use adumbra_compare::page::{Embedded, PictureEncoding};
+use adumbra_html::page::{Embedded, PictureEncoding};
 
 /// Encodings of pictures with their maximum width in pixels. Each gives a smaller page than the one before.
 const WAYS: [(PictureEncoding, u32); 3] = [

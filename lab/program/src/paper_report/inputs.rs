@@ -4,7 +4,7 @@
 use super::data::Data;
 use super::record::Record;
 use crate::results::Check;
-use adumbra_compare::page::{Body, Embedded, Pair, Table};
+use adumbra_html::page::{Body, Embedded, Pair, Table};
 
 /// The record and files that the page is made from.
 pub(super) struct PageInputs<'a> {

@@ -5,7 +5,7 @@ use super::inputs::{PageInputs, elsewhere};
 use super::papers;
 use super::record::{Outcome, Record};
 use crate::args::SECTIONS;
-use adumbra_compare::page::{Body, Page, Section, Table};
+use adumbra_html::page::{Body, Page, Section, Table};
 
 /// Markdown files that the benchmarks write, by section.
 const TABLES: [(&str, &[&str]); 9] = [

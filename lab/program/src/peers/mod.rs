@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 pub use sun::{PeerFigures, PeerRow, SCENES, engines, figures, markdown};
 
-use adumbra_compare::page::Table;
+use adumbra_html::page::Table;
 
 /// The origin of a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

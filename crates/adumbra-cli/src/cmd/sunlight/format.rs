@@ -45,10 +45,6 @@ impl Format {
         let suffix = if suffix == "tiff" { "tif".to_owned() } else { suffix };
         let found = Self::OF_GRIDS.iter().copied().find(|format| format.suffix() == suffix);
         match found {
-            Some(Self::Html) if !cfg!(feature = "render") => Err(Failure::Usage(format!(
-                "--output {}: this program was built without the feature render, which pages need",
-                path.display()
-            ))),
             Some(format) if accepted.contains(&format) => Ok(format),
             Some(format) if Self::OF_GRIDS.contains(&format) && accepted == Self::OF_POINTS => {
                 Err(Failure::Usage(format!("--output {}: .{suffix} needs --grid", path.display())))

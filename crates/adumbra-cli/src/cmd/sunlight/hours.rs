@@ -168,14 +168,13 @@ impl Run<'_> {
                 let (grid, cells) = traced.cells().ok_or_else(grid)?;
                 let legend = Legend::Hours(traced.most_hours);
                 let picture = picture::draw(&cells, grid.size, &traced.when(), legend);
-                adumbra_program::output::png(path, &picture)
+                adumbra_program::output::png(&picture)
             }
             Format::Tiff => {
                 let place = MapPlace { epsg: self.args.epsg, origin: self.args.origin };
                 let bytes = geotiff::hours(traced, place).ok_or_else(grid)?;
                 bytes.map_err(|error| cannot(error.to_string()))
             }
-            #[cfg(feature = "render")]
             Format::Html => {
                 let name = |path: &Path| {
                     path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
@@ -184,11 +183,6 @@ impl Run<'_> {
                     [name(&self.args.scene), self.args.compare.as_deref().map(name).unwrap_or_default()];
                 let page = super::page::html([&names[0], &names[1]], traced, other).ok_or_else(grid)??;
                 Ok(page.into_bytes())
-            }
-            #[cfg(not(feature = "render"))]
-            Format::Html => {
-                let _ = other;
-                Err(cannot("pages need the feature render".to_owned()))
             }
         }
     }

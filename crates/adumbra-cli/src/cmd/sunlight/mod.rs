@@ -5,7 +5,6 @@ mod format;
 mod geotiff;
 mod hours;
 mod json;
-#[cfg(feature = "render")]
 mod page;
 mod picture;
 mod ply;

@@ -1,8 +1,8 @@
 //! Hours of one design, or of two, on a page that needs no other file.
 
-use adumbra_compare::page::{Body, Embedded, Page, Pair, PictureEncoding, Section, Table};
-use adumbra_compare::pictures::png;
-use adumbra_program::exit::{Code, Failure};
+use adumbra_html::page::{Body, Embedded, Page, Pair, PictureEncoding, Section, Table};
+use adumbra_program::exit::Failure;
+use adumbra_program::output::png;
 use adumbra_sunlight::Grid;
 use adumbra_truth::picture::Picture;
 
@@ -105,9 +105,7 @@ fn share(cells: &[Option<f64>], least: f64) -> f64 {
 }
 
 fn embed(picture: &Picture) -> Result<Embedded, Failure> {
-    let encoded =
-        png(picture).and_then(|bytes| Embedded::from_png(&bytes, None, WIDEST, PictureEncoding::Lossless));
-    encoded.map_err(|error| Failure::Other { code: Code::BadInput, message: error.to_string() })
+    Embedded::from_png(&png(picture)?, None, WIDEST, PictureEncoding::Lossless)
 }
 
 #[cfg(test)]

@@ -4,7 +4,6 @@ use adumbra_program::text;
 use adumbra_truth::picture::Picture;
 
 use crate::cmd::scale::color;
-#[cfg(feature = "render")]
 use crate::cmd::scale::difference_color;
 
 /// Pixels that the longer side of a map has at least, if a cell is not larger than [`LARGEST_CELL`].
@@ -29,7 +28,6 @@ pub(super) enum Legend {
     /// Hours, from 0 to this.
     Hours(f64),
     /// More or fewer hours, up to this.
-    #[cfg(feature = "render")]
     Difference(f64),
 }
 
@@ -37,7 +35,6 @@ impl Legend {
     fn color(self, hours: f64) -> [u8; 3] {
         match self {
             Self::Hours(most) => color(hours / most.max(f64::MIN_POSITIVE)),
-            #[cfg(feature = "render")]
             Self::Difference(most) => difference_color(hours / most.max(f64::MIN_POSITIVE)),
         }
     }
@@ -46,7 +43,6 @@ impl Legend {
     fn range(self) -> [f64; 2] {
         match self {
             Self::Hours(most) => [0.0, most],
-            #[cfg(feature = "render")]
             Self::Difference(most) => [-most, most],
         }
     }

@@ -7,7 +7,7 @@ use crate::occlusion::{Claims, SCENES};
 use crate::peers::RowSource;
 use crate::peers::occlusion::{OcclusionRow, SCENES as PEER_SCENES};
 use crate::results::Check;
-use adumbra_compare::report::median;
+use adumbra_compare::metrics::median;
 
 /// Number of the eight scenes on which issao must have the lowest RMSE of the paper's four estimators.
 const LOWEST: usize = 5;

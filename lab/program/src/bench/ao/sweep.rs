@@ -12,7 +12,7 @@ use super::{AoResults, Bench, SceneFigures};
 use crate::results::or_nan;
 use adumbra_compare::Result;
 use adumbra_compare::compare::{median_ratio, median_time};
-use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
 
 pub(super) const SAMPLES: [u32; 8] = [4, 8, 12, 16, 24, 32, 48, 64];
 /// Maximum number of frames that a time is the median of.
@@ -165,7 +165,8 @@ pub(super) fn plot(path: &Path, document: &AoResults) -> Result<()> {
         ),
         panel("Error against taps", "taps", series(&|n, [_, error]| (f64::from(n).log2(), error))),
     ];
-    write_svg(path, &panels)
+    write_svg(path, &panels)?;
+    Ok(())
 }
 
 #[cfg(test)]

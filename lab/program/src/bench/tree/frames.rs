@@ -16,8 +16,9 @@ use super::results::{ClosedRow, FrameRow, FrameRows, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_compare::page::Table;
-use adumbra_compare::report::{figure, median, megabytes, percent};
+use adumbra_compare::metrics::median;
+use adumbra_html::format::{figure, megabytes, percent};
+use adumbra_html::page::Table;
 
 /// Depths at which the frames are compared.
 const DEPTHS: [u32; 3] = [9, 10, 11];

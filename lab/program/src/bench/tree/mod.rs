@@ -35,7 +35,7 @@ use serde_json::Value;
 use super::{child, say_tables, write};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_compare::report::median;
+use adumbra_compare::metrics::median;
 
 /// Seed of the generated scenes.
 const SEED: u64 = 1;

@@ -18,9 +18,10 @@ use super::results::{OptionRow, Part};
 use super::{BenchScene, SUN, scene_names, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_compare::page::Table;
-use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
-use adumbra_compare::report::{figure, median, megabytes, percent};
+use adumbra_compare::metrics::median;
+use adumbra_html::format::{figure, megabytes, percent};
+use adumbra_html::page::Table;
+use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
 
 /// Depth of the trees.
 const DEPTH: u32 = 11;
@@ -212,5 +213,6 @@ pub(super) fn plots(folder: &Path, rows: &[OptionRow]) -> Result<()> {
             panel("bytes by option", "× plain words", |r| r.times_plain),
             panel("cost of a look-up", "nanoseconds", |r| r.nanoseconds),
         ],
-    )
+    )?;
+    Ok(())
 }

@@ -8,9 +8,9 @@ use super::results::{ByReduction, Part, ReductionRow};
 use super::{BenchScene, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_compare::page::Table;
-use adumbra_compare::plot::{Along, Legend, Panel, Series, write_svg};
-use adumbra_compare::report::{figure, megabytes, percent};
+use adumbra_html::format::{figure, megabytes, percent};
+use adumbra_html::page::Table;
+use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
 
 const VARIANTS: [(&str, Reduction); 3] =
     [("sort", Reduction::Sort), ("hash", Reduction::Hash), ("tree-hash", Reduction::TreeHash)];
@@ -149,5 +149,6 @@ pub(super) fn plots(folder: &Path, rows: &[ReductionRow]) -> Result<()> {
                 r.held_bytes.hash as f64 / r.held_bytes.sort as f64
             }),
         ],
-    )
+    )?;
+    Ok(())
 }

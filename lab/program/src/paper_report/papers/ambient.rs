@@ -7,7 +7,7 @@ use super::super::inputs::{PageInputs, checks};
 use super::{Printed, Realised, Show, Verdict};
 use crate::bench::ao::{AoResults, Row, SceneFigures};
 use crate::occlusion::SCENES;
-use adumbra_compare::page::{Body, Table};
+use adumbra_html::page::{Body, Table};
 
 const SECTION: &str = "ao";
 const FILE: &str = "ao/ao.json";

@@ -4,8 +4,9 @@ use super::super::data::Data;
 use super::super::inputs::PageInputs;
 use super::{Realised, Show, Verdict};
 use crate::bench::blur::{Bleeding, BlurResults, Cost};
-use adumbra_compare::page::{Body, Table};
-use adumbra_compare::report::{Report, TechniqueRow, figure, megabytes, percent};
+use adumbra_compare::report::{Report, TechniqueRow};
+use adumbra_html::format::{figure, megabytes, percent};
+use adumbra_html::page::{Body, Table};
 
 const FILE: &str = "blur/blur.json";
 

@@ -7,8 +7,9 @@ use super::super::inputs::PageInputs;
 use super::{Realised, Show, Verdict};
 use crate::bench::tree::{FrameRow, ReductionRow, TreeResults};
 use crate::paper_report::data::Data;
-use adumbra_compare::page::{Body, Table};
-use adumbra_compare::report::{Report, figure, megabytes, percent};
+use adumbra_compare::report::Report;
+use adumbra_html::format::{figure, megabytes, percent};
+use adumbra_html::page::{Body, Table};
 use adumbra_papers::tree::morton;
 
 const SECTION: &str = "tree";

@@ -1,5 +1,6 @@
 //! Pictures embedded in a page.
 
+use adumbra_program::exit::Failure;
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use image::codecs::jpeg::JpegEncoder;
@@ -7,8 +8,6 @@ use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::codecs::webp::WebPEncoder;
 use image::imageops;
 use image::{ExtendedColorType, ImageEncoder, RgbImage};
-
-use crate::error::{Error, Result};
 
 /// The encoding of an embedded picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,15 +36,15 @@ impl Embedded {
     /// Cost: tens of milliseconds per megapixel.
     ///
     /// # Errors
-    /// Returns [`Error::Picture`] if the bytes are not a picture, and [`Error::Encode`] if it cannot be
-    /// encoded.
+    /// Returns [`Failure::BadInput`] if the bytes are not a picture, or if it cannot be encoded.
     pub fn from_png(
         bytes: &[u8],
         part: Option<[u32; 4]>,
         widest: u32,
         encoding: PictureEncoding,
-    ) -> Result<Self> {
-        let image = image::load_from_memory(bytes).map_err(|e| Error::Picture { what: e.to_string() })?;
+    ) -> Result<Self, Failure> {
+        let image =
+            image::load_from_memory(bytes).map_err(|e| Failure::BadInput(format!("not a picture: {e}")))?;
         let mut image = image.into_rgb8();
         if let Some([x, y, width, height]) = part {
             image = imageops::crop_imm(&image, x, y, width, height).to_image();
@@ -54,10 +53,9 @@ impl Embedded {
             let height = (f64::from(image.height()) * f64::from(widest) / f64::from(image.width())).round();
             image = imageops::resize(&image, widest, (height as u32).max(1), imageops::FilterType::Triangle);
         }
-        let (kind, bytes) = encode(&image, encoding).map_err(|e| Error::Encode {
-            width: image.width(),
-            height: image.height(),
-            what: e.to_string(),
+        let (kind, bytes) = encode(&image, encoding).map_err(|e| {
+            let [width, height] = [image.width(), image.height()];
+            Failure::BadInput(format!("cannot encode a picture of {width} x {height} pixels: {e}"))
         })?;
         Ok(Self {
             uri: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)),
@@ -93,14 +91,13 @@ fn encode(image: &RgbImage, encoding: PictureEncoding) -> image::ImageResult<(&'
 
 #[cfg(test)]
 mod tests {
-    use adumbra_truth::picture::Picture;
-
     use super::*;
-    use crate::pictures::png;
 
     fn gradient() -> Vec<u8> {
-        let rgb = (0..100 * 50_u32).flat_map(|i| [(i % 100) as u8, (i / 100) as u8, 7]).collect();
-        png(&Picture { width: 100, height: 50, rgb, difference_share: None }).unwrap()
+        let rgb: Vec<u8> = (0..100 * 50_u32).flat_map(|i| [(i % 100) as u8, (i / 100) as u8, 7]).collect();
+        let mut png = Vec::new();
+        PngEncoder::new(&mut png).write_image(&rgb, 100, 50, ExtendedColorType::Rgb8).unwrap();
+        png
     }
 
     #[test]
@@ -122,7 +119,7 @@ mod tests {
     fn embedded_picture_rejects_non_pictures() {
         assert!(matches!(
             Embedded::from_png(b"not a png", None, 9, PictureEncoding::Lossless),
-            Err(Error::Picture { .. })
+            Err(Failure::BadInput(what)) if what.starts_with("not a picture")
         ));
     }
 }

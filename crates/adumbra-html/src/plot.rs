@@ -9,8 +9,6 @@ use plotters::coord::ranged1d::{AsRangedCoord, ValueFormatter};
 use plotters::coord::types::RangedCoordf64;
 use plotters::prelude::*;
 
-use crate::Result;
-
 /// One line, or the bars of one colour.
 pub struct Series {
     /// Name in the legend.
@@ -72,8 +70,8 @@ const COLORS: [RGBColor; 6] = [
 /// # Errors
 ///
 /// Returns an error if the panels cannot be drawn or the file cannot be written.
-pub fn write_svg(path: &Path, panels: &[Panel]) -> Result<()> {
-    Ok(write_whole(path, draw_svg(path, panels)?.as_bytes())?)
+pub fn write_svg(path: &Path, panels: &[Panel]) -> Result<(), Failure> {
+    write_whole(path, draw_svg(path, panels)?.as_bytes())
 }
 
 /// Returns the text of an SVG of panels, two per row. `path` is for error messages only.
@@ -81,7 +79,7 @@ pub fn write_svg(path: &Path, panels: &[Panel]) -> Result<()> {
 /// # Errors
 ///
 /// Returns an error if the panels cannot be drawn.
-pub fn draw_svg(path: &Path, panels: &[Panel]) -> Result<String> {
+pub fn draw_svg(path: &Path, panels: &[Panel]) -> Result<String, Failure> {
     let columns = panels.len().clamp(1, 2);
     let rows = panels.len().div_ceil(columns).max(1);
     let size = (PANEL_PIXELS.0 * columns as u32, PANEL_PIXELS.1 * rows as u32);
