@@ -11,7 +11,7 @@ use adumbra::Sun;
 use adumbra_bake::{Bake, BakeOptions, Size};
 use adumbra_compare::compare::{Contender, Reference, compare, truth_for};
 use adumbra_compare::truth::{Cache, TruthTracer, scene_key};
-use adumbra_html::format::{figure, percent};
+use adumbra_program::format::{figure, percent};
 use adumbra_render::{Gpu, GpuOptions, Renderer, SceneOptions, TechniqueFiles, TechniqueSpec, build};
 use adumbra_scene::{Camera, GeneratedKind, Projection, generate};
 

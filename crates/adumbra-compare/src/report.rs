@@ -6,8 +6,8 @@ mod sweep;
 
 use std::fmt::Write as _;
 
-use adumbra_html::format::{escaped, figure, megabytes, percent};
 use adumbra_html::page::Table;
+use adumbra_program::format::{escaped, figure, megabytes, percent};
 use adumbra_program::sun::SunOrigin;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

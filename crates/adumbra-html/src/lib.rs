@@ -4,6 +4,5 @@
 // These macros panic if the output cannot be written.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-pub mod format;
 pub mod page;
 pub mod plot;

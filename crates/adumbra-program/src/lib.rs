@@ -12,7 +12,7 @@
 //! | [`query`], [`verify`] | verbs that several programs offer for their own kinds of files |
 //! | [`console`] | stdout and stderr |
 //! | [`output`] | files that are written completely or not at all, and never over an input |
-//! | [`text`] | captions in pictures |
+//! | [`mod@format`], [`text`] | names and numbers as text; captions in pictures |
 //! | [`schemas`], [`mirrors`] | the verb `schema`; schemas of the reader's types |
 //! | [`progress`], [`signals`], [`memory`], [`threads`] | progress, interruption, memory use and threads of long runs |
 
@@ -27,6 +27,7 @@ pub mod console;
 mod environment;
 pub mod exit;
 mod files;
+pub mod format;
 pub mod glance;
 pub mod lookup;
 pub mod memory;

@@ -35,7 +35,7 @@ impl Outputs {
     ///
     /// Returns the errors of [`Self::add`], and [`Failure::BadInput`] if the picture cannot be encoded.
     pub fn add_png(&mut self, path: &Path, picture: &Picture) -> Result<(), Failure> {
-        self.add(path, &png(picture)?)
+        self.add(path, &png(path, picture)?)
     }
 
     /// Renames all files to their final paths, unless two of the paths are one file.
@@ -83,22 +83,27 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
 ///
 /// Returns the errors of [`write_whole`], and [`Failure::BadInput`] if the picture cannot be encoded.
 pub fn write_png(path: &Path, picture: &Picture) -> Result<(), Failure> {
-    write_whole(path, &png(picture)?)
+    write_whole(path, &png(path, picture)?)
 }
 
-/// Returns a picture encoded as PNG.
+/// Returns a picture encoded as PNG. `path` is only for the error.
 ///
 /// # Errors
 ///
-/// Returns [`Failure::BadInput`] if the number of its bytes does not match its size.
-pub fn png(picture: &Picture) -> Result<Vec<u8>, Failure> {
+/// Returns [`Failure::BadInput`] if the number of the picture's bytes does not match its size.
+pub fn png(path: &Path, picture: &Picture) -> Result<Vec<u8>, Failure> {
+    let Picture { width, height, ref rgb, .. } = *picture;
+    let cannot = |what: String| {
+        let path = path.display();
+        Failure::BadInput(format!("{path}: cannot encode a picture of {width} x {height} pixels: {what}"))
+    };
+    if rgb.len() as u64 != 3 * u64::from(width) * u64::from(height) {
+        return Err(cannot(format!("it has {} bytes", rgb.len())));
+    }
     let mut bytes = Vec::new();
     image::codecs::png::PngEncoder::new(&mut bytes)
-        .write_image(&picture.rgb, picture.width, picture.height, image::ExtendedColorType::Rgb8)
-        .map_err(|e| {
-            let Picture { width, height, .. } = picture;
-            Failure::BadInput(format!("cannot encode a picture of {width} x {height} pixels: {e}"))
-        })?;
+        .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
+        .map_err(|e| cannot(e.to_string()))?;
     Ok(bytes)
 }
 
@@ -228,4 +233,20 @@ pub fn print_json(document: &impl Serialize) -> Result<(), Failure> {
     let value = serde_json::to_value(document).map_err(|e| Failure::BadInput(e.to_string()))?;
     crate::say!("{value:#}");
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn png_round_trips_pixels_and_names_a_file_that_it_cannot_be() {
+        let mut picture =
+            Picture { width: 2, height: 1, rgb: vec![1, 2, 3, 4, 5, 6], difference_share: None };
+        let bytes = png(Path::new("a.png"), &picture).unwrap();
+        assert_eq!(image::load_from_memory(&bytes).unwrap().into_rgb8().into_raw(), picture.rgb);
+        picture.rgb.pop();
+        let fault = png(Path::new("a.png"), &picture).unwrap_err().to_string();
+        assert_eq!(fault, "a.png: cannot encode a picture of 2 x 1 pixels: it has 5 bytes");
+    }
 }

@@ -324,7 +324,7 @@ impl App {
     /// Writes a picture of what is shown, and reports it as a message.
     pub(crate) fn write_picture(&mut self, path: &Path, picture: &Picture) -> Result<(), String> {
         self.refuse_inputs(path)?;
-        let bytes = png(picture).map_err(|e| e.to_string())?;
+        let bytes = png(path, picture).map_err(|e| e.to_string())?;
         replace_file(path, |file| {
             use std::io::Write as _;
             file.write_all(&bytes).map(|()| bytes.len() as u64)

@@ -75,13 +75,23 @@ fn check_version(path: &Path) -> Result<()> {
     let said = String::from_utf8_lossy(&output.stdout);
     let version = said.trim().strip_prefix("adumbra ").unwrap_or_default();
     if committed(version) == committed(VERSION) {
-        return Ok(());
+        return check_features(path);
     }
     Err(Failure::BadInput(format!(
         "{}: its version is {version}, but adumbra-lab is {VERSION}; {HOW_TO_BUILD}",
         path.display()
     ))
     .into())
+}
+
+/// Checks that `adumbra` draws. The lean program has the same name and the same version.
+fn check_features(path: &Path) -> Result<()> {
+    let output = Command::new(path).args(["render", "--help"]).output().map_err(IoError::at("run", path))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let what = "was built without the feature render, whose verbs adumbra-lab runs";
+    Err(Failure::BadInput(format!("{}: it {what}; {HOW_TO_BUILD}", path.display())).into())
 }
 
 /// Removes `-dirty` from a version: uncommitted changes may be in sources that only one of the programs has.

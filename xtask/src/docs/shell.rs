@@ -119,12 +119,13 @@ impl Run {
             // Build in the checkout, whose programs are linked here. Building the sources of the copy would
             // repeat the work and leave the results behind.
             ["cargo", verb @ ("build" | "run"), rest @ ..] => {
-                let manifest = root.join("Cargo.toml");
-                Self::Shell(format!(
-                    "cargo {verb} --manifest-path '{}' {}",
-                    manifest.display(),
-                    rest.join(" ")
-                ))
+                let manifest = root.join("Cargo.toml").display().to_string();
+                // The whole program, which later commands need, stays where it is.
+                let target = match rest.contains(&"--no-default-features") {
+                    true => format!(" --target-dir '{}'", root.join("target/lean").display()),
+                    false => String::new(),
+                };
+                Self::Shell(format!("cargo {verb} --manifest-path '{manifest}'{target} {}", rest.join(" ")))
             }
             _ => Self::Shell(command.to_owned()),
         }
@@ -166,6 +167,9 @@ mod tests {
         assert_eq!(quick(example), Run::Shell("target/release/examples/bake_and_query a b".to_owned()));
         let of_checkout = "cargo run --manifest-path '/a checkout/Cargo.toml' --release -p adumbra-truth --example bake_and_query -- a b";
         assert_eq!(Run::of(example, root, false), Run::Shell(of_checkout.to_owned()));
+        let lean = "cargo run --manifest-path '/a checkout/Cargo.toml' --target-dir '/a checkout/target/lean' --release --no-default-features -- demo";
+        let demo = "cargo run --release --no-default-features -- demo";
+        assert_eq!(Run::of(demo, root, false), Run::Shell(lean.to_owned()));
         assert_eq!(quick("adumbra demo # why"), Run::Shell("adumbra demo # why".to_owned()));
     }
 }

@@ -3,11 +3,11 @@
 use std::path::Path;
 
 use adumbra::{FileSettings, Filter, PathSampler, SunPath};
+use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
 use adumbra_path::{Moment, measure};
 use adumbra_program::exit::{Failure, Outcome};
 use adumbra_program::moment::{PathMoment, TimeArg, moment, path_moment, shown, span};
-use adumbra_program::output::format_bytes;
-use adumbra_program::output::{SCENE, refuse_inputs};
+use adumbra_program::output::{SCENE, format_bytes, refuse_inputs};
 use adumbra_program::query::Query;
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
@@ -202,7 +202,6 @@ fn verified(moment: &Moment) -> VerifiedMoment {
 }
 
 fn write_plot(plot: &Path, moments: &[Moment]) -> Result<(), Failure> {
-    use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
     let first = moments.first().map_or(0.0, |moment| moment.seconds);
     let series = |name: &str, of: fn(&Moment) -> f64| Series {
         name: name.to_owned(),

@@ -10,8 +10,7 @@ use adumbra_program::exit::Outcome;
 use adumbra_program::schemas::{Described, SchemaArgs};
 use adumbra_program::{progress, query};
 
-use super::demo;
-use super::{bake, bake_watch, cache, convert, farm, generate, info, inspect, sunlight, verify};
+use super::{bake, bake_watch, cache, convert, demo, farm, generate, info, inspect, sunlight, verify};
 
 const DESCRIBED: &[Described] = &[
     Described::of::<generate::Generated>("generate", "the scene that was written"),

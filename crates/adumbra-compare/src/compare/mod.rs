@@ -22,8 +22,7 @@ pub use timing::{interleaved, median_ratio, median_time, ratio_range, take_turns
 pub use walk::walk;
 
 use crate::error::Result;
-use crate::metrics::median;
-use crate::metrics::{bands, factor_errors, flip, ssim};
+use crate::metrics::{bands, factor_errors, flip, median, ssim};
 use crate::pictures::{difference_picture, picture_of_rgba};
 use crate::report::{CameraFigures, PixelCounts, TechniqueRow, TruthKind};
 use crate::truth::{Cache, EdgeProbe, Key, SunShape, Surfaces, TruthTracer};

@@ -4,8 +4,8 @@ use adumbra_program::moment::clock;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use adumbra_html::format::{figure, grouped, percent};
 use adumbra_html::page::Table;
+use adumbra_program::format::{figure, grouped, percent};
 
 /// Results while the sun moves across a day and the camera stands still. Shares are 0 to 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]

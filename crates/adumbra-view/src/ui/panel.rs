@@ -1,6 +1,6 @@
 //! The panel: controls for what is shown, and how.
 
-use adumbra_html::format::grouped;
+use adumbra_program::format::grouped;
 use adumbra_render::SpecText;
 use adumbra_render::layers::Layer;
 use adumbra_render::occlusion::{self, OCCLUSIONS};

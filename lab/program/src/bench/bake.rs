@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize};
 use super::{DEFAULT_SUN, child, say_tables, write};
 use crate::args::BenchBake;
 use adumbra_compare::Result;
-use adumbra_html::format::{figure, megabytes};
 use adumbra_html::page::Table;
+use adumbra_program::format::{figure, megabytes};
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

@@ -20,14 +20,13 @@ pub(crate) mod verify;
 use std::path::Path;
 
 use adumbra_program::exit::{Code, Failure};
-use adumbra_program::output::write_whole;
+use adumbra_program::output::{write_png, write_whole};
 use adumbra_program::say;
 use adumbra_truth::picture::Picture;
 use serde::Serialize;
 
 use crate::args::{BenchVerb, SuiteArg};
 use adumbra_compare::Result;
-use adumbra_program::output::png;
 
 /// Direction towards the sun, for the tables with a single sun.
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
@@ -72,7 +71,7 @@ fn keep_sheet(
     sheet: &Picture,
 ) -> Result<()> {
     let file = format!("{name}.png");
-    write_whole(&folder.join(&file), &png(sheet)?)?;
+    write_png(&folder.join(&file), sheet)?;
     sheets.push([file, caption]);
     Ok(())
 }

@@ -22,7 +22,7 @@ use adumbra_compare::report::Report;
 use adumbra_compare::truth::{
     Cache, Key, StreetOptions, TruthTracer, scene_key, street_camera, truth_camera,
 };
-use adumbra_html::format::percent;
+use adumbra_program::format::percent;
 
 /// Angular diameter of the sun's disc as seen from the earth, in degrees, and rays per pixel.
 const DISC: (f64, u32) = (0.53, 64);

@@ -17,8 +17,8 @@ use super::{DEFAULT_SUN, say_tables, write};
 use crate::args::BenchVerify;
 use crate::light_file::{Kind, LightFile};
 use adumbra_compare::Result;
-use adumbra_html::format::percent;
 use adumbra_html::page::Table;
+use adumbra_program::format::percent;
 
 /// All results.
 #[derive(Clone, Debug, Serialize, Deserialize, JsonSchema)]

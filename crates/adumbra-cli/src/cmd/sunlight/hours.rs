@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use adumbra_program::exit::{Code, Failure, Outcome};
-use adumbra_program::output::{Outputs, print_json};
+use adumbra_program::output::{Outputs, png, print_json};
 use adumbra_program::say;
 use adumbra_program::threads::with_threads;
 use adumbra_scene::Scene;
@@ -19,7 +19,7 @@ use super::geotiff::MapPlace;
 use super::json::HoursFile;
 use super::picture::Legend;
 use super::traced::{HOUR_SECONDS, Traced};
-use super::{csv, geotiff, picture, ply, study};
+use super::{csv, geotiff, page, picture, ply, study};
 use crate::args::SunHours;
 
 /// The result of `sun-hours`.
@@ -168,7 +168,7 @@ impl Run<'_> {
                 let (grid, cells) = traced.cells().ok_or_else(grid)?;
                 let legend = Legend::Hours(traced.most_hours);
                 let picture = picture::draw(&cells, grid.size, &traced.when(), legend);
-                adumbra_program::output::png(&picture)
+                png(path, &picture)
             }
             Format::Tiff => {
                 let place = MapPlace { epsg: self.args.epsg, origin: self.args.origin };
@@ -181,8 +181,8 @@ impl Run<'_> {
                 };
                 let names =
                     [name(&self.args.scene), self.args.compare.as_deref().map(name).unwrap_or_default()];
-                let page = super::page::html([&names[0], &names[1]], traced, other).ok_or_else(grid)??;
-                Ok(page.into_bytes())
+                let text = page::html(path, [&names[0], &names[1]], traced, other).ok_or_else(grid)??;
+                Ok(text.into_bytes())
             }
         }
     }

@@ -1,5 +1,7 @@
 //! Hours of one design, or of two, on a page that needs no other file.
 
+use std::path::Path;
+
 use adumbra_html::page::{Body, Embedded, Page, Pair, PictureEncoding, Section, Table};
 use adumbra_program::exit::Failure;
 use adumbra_program::output::png;
@@ -14,8 +16,9 @@ const WIDEST: u32 = 2048;
 /// Hours of the table's first column.
 const THRESHOLDS: [f64; 7] = [0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0];
 
-/// Returns the page, or `None` without a grid. Both designs have the same grid.
+/// Returns the page, or `None` without a grid. Both designs have the same grid. `path` is only for errors.
 pub(super) fn html(
+    path: &Path,
     names: [&str; 2],
     design: &Traced,
     other: Option<&Traced>,
@@ -25,16 +28,18 @@ pub(super) fn html(
         Some(other) => Some((other.cells()?.1, other)),
         None => None,
     };
-    Some(page(names, (grid, &cells, design), other.as_ref()))
+    Some(page(path, names, (grid, &cells, design), other.as_ref()))
 }
 
 fn page(
+    path: &Path,
     [name, other_name]: [&str; 2],
     (grid, cells, design): (&Grid, &[Option<f64>], &Traced),
     other: Option<&(Vec<Option<f64>>, &Traced)>,
 ) -> Result<String, Failure> {
     let most = other.map_or(design.most_hours, |(_, o)| o.most_hours.max(design.most_hours));
-    let map = |cells: &[Option<f64>], title: &str, legend| embed(&draw(cells, grid.size, title, legend));
+    let map =
+        |cells: &[Option<f64>], title: &str, legend| embed(path, &draw(cells, grid.size, title, legend));
     let own = map(cells, name, Legend::Hours(most))?;
     let when = design.when();
     let place = design.day.location;
@@ -104,8 +109,8 @@ fn share(cells: &[Option<f64>], least: f64) -> f64 {
     100.0 * there.iter().filter(counts).count() as f64 / there.len().max(1) as f64
 }
 
-fn embed(picture: &Picture) -> Result<Embedded, Failure> {
-    Embedded::from_png(&png(picture)?, None, WIDEST, PictureEncoding::Lossless)
+fn embed(path: &Path, picture: &Picture) -> Result<Embedded, Failure> {
+    Embedded::from_png(&png(path, picture)?, None, WIDEST, PictureEncoding::Lossless)
 }
 
 #[cfg(test)]

@@ -3,8 +3,7 @@
 use adumbra_program::text;
 use adumbra_truth::picture::Picture;
 
-use crate::cmd::scale::color;
-use crate::cmd::scale::difference_color;
+use crate::cmd::scale::{color, difference_color};
 
 /// Pixels that the longer side of a map has at least, if a cell is not larger than [`LARGEST_CELL`].
 const LONGEST_SIDE: u32 = 1024;

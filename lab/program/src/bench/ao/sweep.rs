@@ -165,8 +165,7 @@ pub(super) fn plot(path: &Path, document: &AoResults) -> Result<()> {
         ),
         panel("Error against taps", "taps", series(&|n, [_, error]| (f64::from(n).log2(), error))),
     ];
-    write_svg(path, &panels)?;
-    Ok(())
+    Ok(write_svg(path, &panels)?)
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ use super::{AoResults, FLOOR_FRAMES, SceneFigures, claims};
 use crate::occlusion::{Flicker, OcclusionErrors};
 use crate::peers::occlusion;
 use crate::results::Check;
-use adumbra_html::format::{figure, percent};
 use adumbra_html::page::Table;
+use adumbra_program::format::{figure, percent};
 
 // Writing to a `String` never fails, so the results of `write!` are discarded throughout.
 

@@ -3,8 +3,8 @@
 use super::checks::Check;
 use super::speed::Scan;
 use super::{FastResults, Figures};
-use adumbra_html::format::{figure, percent};
 use adumbra_html::page::Table;
+use adumbra_program::format::{figure, percent};
 
 /// Returns the whole page.
 pub(super) fn markdown(document: &FastResults) -> String {

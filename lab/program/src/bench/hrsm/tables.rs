@@ -8,8 +8,8 @@ use super::models::PAPER_STARTS;
 use super::{FILTERS, HybridResults, ModelFigures, why};
 use crate::results::Check;
 use adumbra_compare::compare::CLEAR_TEXELS;
-use adumbra_html::format::{figure, megabytes, percent};
 use adumbra_html::page::Table;
+use adumbra_program::format::{figure, megabytes, percent};
 
 const LOADS: [(&str, &str); 2] = [("", "unfiltered"), ("PCF 5 × 5, ", "PCF 5 × 5")];
 

@@ -10,9 +10,9 @@ use super::{
 };
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_html::format::{figure, megabytes};
 use adumbra_html::page::Table;
 use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_program::format::{figure, megabytes};
 
 const NAMES: [&str; 3] = ["recursive", "iterative", "pooled"];
 
@@ -135,6 +135,5 @@ pub(super) fn plots(folder: &Path, rows: &[BuilderRow]) -> Result<()> {
             series: scenes.iter().map(share).collect(),
         },
     ];
-    write_svg(&folder.join("tree-builders.svg"), &panels)?;
-    Ok(())
+    Ok(write_svg(&folder.join("tree-builders.svg"), &panels)?)
 }

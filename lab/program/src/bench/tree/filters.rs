@@ -15,8 +15,8 @@ use super::results::{FilterRow, Part};
 use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_html::format::percent;
 use adumbra_html::page::Table;
+use adumbra_program::format::percent;
 
 const NO_BIAS: Bias = Bias { constant_texels: 0.0, slope_texels: 0.0, normal_offset_texels: 0.0 };
 /// Depth of the counts.

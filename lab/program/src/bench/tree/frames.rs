@@ -17,8 +17,8 @@ use super::{BenchScene, Check, SUN, bake_quietly, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
 use adumbra_compare::metrics::median;
-use adumbra_html::format::{figure, megabytes, percent};
 use adumbra_html::page::Table;
+use adumbra_program::format::{figure, megabytes, percent};
 
 /// Depths at which the frames are compared.
 const DEPTHS: [u32; 3] = [9, 10, 11];

@@ -19,9 +19,9 @@ use super::{BenchScene, SUN, scene_names, tree_options, unfiltered};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
 use adumbra_compare::metrics::median;
-use adumbra_html::format::{figure, megabytes, percent};
 use adumbra_html::page::Table;
 use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_program::format::{figure, megabytes, percent};
 
 /// Depth of the trees.
 const DEPTH: u32 = 11;

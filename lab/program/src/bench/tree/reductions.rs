@@ -8,9 +8,9 @@ use super::results::{ByReduction, Part, ReductionRow};
 use super::{BenchScene, InTurn, build_in_turn, peak_bytes, scene_names, tree_options, yes_or_no};
 use crate::args::BenchTree;
 use adumbra_compare::Result;
-use adumbra_html::format::{figure, megabytes, percent};
 use adumbra_html::page::Table;
 use adumbra_html::plot::{Along, Legend, Panel, Series, write_svg};
+use adumbra_program::format::{figure, megabytes, percent};
 
 const VARIANTS: [(&str, Reduction); 3] =
     [("sort", Reduction::Sort), ("hash", Reduction::Hash), ("tree-hash", Reduction::TreeHash)];

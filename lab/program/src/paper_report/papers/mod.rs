@@ -11,8 +11,8 @@ use serde_json::Value;
 
 use super::data::Data;
 use super::inputs::{PageInputs, pages};
-use adumbra_html::format::grouped;
 use adumbra_html::page::{Body, Section, Table};
+use adumbra_program::format::grouped;
 
 /// Transcription of the papers.
 const PAPERS: &str = include_str!("../../../data/papers.json");

@@ -5,8 +5,8 @@ use super::super::inputs::PageInputs;
 use super::{Realised, Show, Verdict};
 use crate::bench::blur::{Bleeding, BlurResults, Cost};
 use adumbra_compare::report::{Report, TechniqueRow};
-use adumbra_html::format::{figure, megabytes, percent};
 use adumbra_html::page::{Body, Table};
+use adumbra_program::format::{figure, megabytes, percent};
 
 const FILE: &str = "blur/blur.json";
 

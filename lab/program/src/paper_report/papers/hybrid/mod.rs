@@ -8,8 +8,8 @@ use super::super::inputs::{PageInputs, checks};
 use super::{Printed, Realised, Show, Verdict, cell};
 use crate::bench::hrsm::{HybridResults, ModelFigures, Row};
 use adumbra_compare::report::Report;
-use adumbra_html::format::percent;
 use adumbra_html::page::{Body, Table};
+use adumbra_program::format::percent;
 
 const SECTION: &str = "hrsm";
 const FILE: &str = "hrsm/hrsm.json";

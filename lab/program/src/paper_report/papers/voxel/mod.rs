@@ -8,9 +8,9 @@ use super::{Realised, Show, Verdict};
 use crate::bench::tree::{FrameRow, ReductionRow, TreeResults};
 use crate::paper_report::data::Data;
 use adumbra_compare::report::Report;
-use adumbra_html::format::{figure, megabytes, percent};
 use adumbra_html::page::{Body, Table};
 use adumbra_papers::tree::morton;
+use adumbra_program::format::{figure, megabytes, percent};
 
 const SECTION: &str = "tree";
 const FILE: &str = "tree/tree.json";
