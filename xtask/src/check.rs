@@ -5,8 +5,8 @@ use std::path::Path;
 
 use crate::steps::{self, Cargo, PROFILE, Steps};
 
-/// Checks formatting, lints, documentation, the crates that the lean program links, each crate alone, the
-/// fuzz targets, and the dependencies of all packages.
+/// Checks formatting, lints, documentation, the crates that the lean program links, each crate with each of
+/// its features, the reader for the web, the fuzz targets, and the dependencies of all packages.
 pub(crate) fn run(root: &Path, steps: &mut Steps) {
     steps.run("format", || format(root));
     let clippy = ["clippy", "--quiet", "--profile", PROFILE];
@@ -20,7 +20,8 @@ pub(crate) fn run(root: &Path, steps: &mut Steps) {
         lint(&LEAN_PROGRAM)?;
         lean_program(root)
     });
-    steps.run("crates alone", || crates_alone(root));
+    steps.run("features", || features(root));
+    steps.run("web", || web(root));
     steps.run("fuzz targets", || {
         Cargo::new(&root.join("fuzz")).with("RUSTFLAGS", "-D warnings").run(&["check", "--quiet", "--locked"])
     });
@@ -40,42 +41,52 @@ const LOCKED: [&str; 5] =
 fn dependencies(root: &Path) -> Result<(), String> {
     let config = root.join("deny.toml").display().to_string();
     let check = ["deny", "--log-level", "error", "--config", &config, "check", "bans", "licenses", "sources"];
-    if steps::output(root, "cargo", &["deny", "--version"]).is_err() {
-        return Err("cargo-deny is missing; install it with: cargo install --locked cargo-deny".to_owned());
-    }
+    require(root, "deny")?;
     LOCKED.iter().try_for_each(|folder| Cargo::new(&root.join(folder)).run(&check))
 }
 
 /// The program without its features.
 const LEAN_PROGRAM: [&str; 3] = ["-p", "adumbra-cli", "--no-default-features"];
 
-/// Checks each crate with only the features that it requests itself. In a build of the whole workspace, cargo
-/// also enables the features that other crates request.
-fn crates_alone(root: &Path) -> Result<(), String> {
-    let names = Cargo::new(root).output(&[
-        "tree",
-        "--workspace",
-        "--depth",
-        "0",
-        "--prefix",
-        "none",
-        "--format",
-        "{p}",
-    ])?;
-    let names: BTreeSet<&str> =
-        names.lines().filter_map(|line| line.split(' ').next()).filter(|name| !name.is_empty()).collect();
-    if !names.contains("adumbra-program") {
-        return Err("cargo tree does not list the crates of the workspace".to_owned());
-    }
-    names
-        .into_iter()
-        .try_for_each(|name| Cargo::new(root).run(&["check", "--quiet", "--profile", PROFILE, "-p", name]))
+/// Checks each crate alone without features, with its default ones, with each one, and with all. In a build
+/// of the whole workspace, cargo also enables the features that other crates request.
+fn features(root: &Path) -> Result<(), String> {
+    each_feature(root, &["--workspace"])
 }
 
-/// Crates that the program must not link without its features.
-const DRAWING: [&str; 6] = ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "wgpu", "winit"];
+const WEBASSEMBLY: &str = "wasm32-unknown-unknown";
 
-/// Checks that the program without its features links no crate that draws.
+/// Checks what an app on a web page links, the reader and its shaders, for WebAssembly.
+fn web(root: &Path) -> Result<(), String> {
+    let installed = steps::output(root, "rustup", &["target", "list", "--installed"])?;
+    if !installed.lines().any(|target| target == WEBASSEMBLY) {
+        return Err(format!("{WEBASSEMBLY} is missing; install it with: rustup target add {WEBASSEMBLY}"));
+    }
+    each_feature(root, &["-p", "adumbra", "-p", "adumbra-shaders", "--target", WEBASSEMBLY])
+}
+
+fn each_feature(root: &Path, of: &[&str]) -> Result<(), String> {
+    require(root, "hack")?;
+    Cargo::new(root)
+        .with("RUSTFLAGS", "-D warnings")
+        .run(&[&["hack", "check", "--quiet", "--profile", PROFILE, "--each-feature"], of].concat())
+}
+
+/// Returns an error if cargo lacks a command that is installed separately.
+fn require(root: &Path, command: &str) -> Result<(), String> {
+    match steps::output(root, "cargo", &[command, "--version"]) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(format!(
+            "cargo-{command} is missing; install it with: cargo install --locked cargo-{command}"
+        )),
+    }
+}
+
+/// Crates that the program must not link without its features: those that draw, and remote stores.
+const NOT_LEAN: [&str; 7] =
+    ["adumbra-compare", "adumbra-render", "adumbra-view", "egui", "object_store", "wgpu", "winit"];
+
+/// Checks what the program links without its features.
 pub(crate) fn lean_program(root: &Path) -> Result<(), String> {
     let tree = [&["tree", "-e", "normal", "--prefix", "none"], &LEAN_PROGRAM[..]].concat();
     let tree = Cargo::new(root).output(&tree)?;
@@ -83,7 +94,7 @@ pub(crate) fn lean_program(root: &Path) -> Result<(), String> {
     if !linked.contains("adumbra") {
         return Err("cargo tree does not list what adumbra-cli links".to_owned());
     }
-    match DRAWING.iter().find(|name| linked.contains(*name)) {
+    match NOT_LEAN.iter().find(|name| linked.contains(*name)) {
         Some(name) => Err(format!("adumbra-cli links {name} without its features")),
         None => Ok(()),
     }

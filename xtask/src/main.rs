@@ -19,7 +19,7 @@ use std::process::ExitCode;
 use steps::{Cargo, PROFILE, Steps};
 
 const USAGE: &str = "usage:
-  cargo xtask check           formatting, lints, documentation, what the lean program links, fuzz targets, licences of dependencies
+  cargo xtask check           formatting, lints, documentation, what the lean program links, each feature alone, the reader for WebAssembly, fuzz targets, licences of dependencies
   cargo xtask test            what each push must pass: formatting, lints, every test that is not marked slow, documentation, the documents
   cargo xtask test --long     what is checked, all tests, instruction counts, and the documents' commands
   cargo xtask test-bevy       formatting, lints and tests of integrations/bevy_adumbra, which builds Bevy; --long: its documentation and examples too

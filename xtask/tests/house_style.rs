@@ -15,7 +15,7 @@ const RETIRED: [(&str, &str); 61] = [
     ("FolderContents", "CacheReport"),
     ("FolderReport", "CacheReport"),
     ("ObjectKey", "CacheKey"),
-    ("PageObject", "CachedPage"),
+    ("PageObject", "OwnedPage"),
     ("Keeper", "PartCache"),
     ("bake_with_objects", "Bake::cache"),
     ("bake_with_cache", "Bake::cache"),

@@ -14,7 +14,6 @@ use crate::plan::{Extents, Placement, Plan, caster_options};
 use crate::progress::NEVER;
 use crate::region_grids::placements;
 use crate::sink::depths::DepthsSink;
-use crate::sink::limit::LimitSink;
 use crate::sink::{BlockSink, Structure};
 use crate::triangles::casters::{CasterOptions, SceneClusters, sorting_bytes};
 use crate::yaw::dominant_yaw_radians;
@@ -52,7 +51,7 @@ impl Choice {
 
     /// Plans the bake of a level.
     pub(crate) fn plan<'s>(&self, scene: &'s Scene, level: usize) -> Result<Plan<'s>> {
-        Plan::placed(scene, &self.options, self.levels[level], &self.clusters)
+        Plan::placed(scene, &self.options, self.levels[level], &self.clusters, None)
     }
 
     /// Plans the bake of the coarsest level.
@@ -170,7 +169,8 @@ fn forecast_bytes(
     extents: &Extents<'_>,
     cancel: &AtomicBool,
 ) -> Result<f64> {
-    let plan = Plan::placed(scene, options, Placement::new(extents, options, frame, 0)?, clusters)?;
+    let placement = Placement::new(extents, options, frame, 0)?;
+    let plan = Plan::placed(scene, options, placement, clusters, None)?;
     let blocks = plan.root_blocks.count();
     let corners = plan.root_blocks.corners_over(&extents.corners);
     let all = corners.iter().sum::<u64>().max(1);
@@ -179,7 +179,6 @@ fn forecast_bytes(
     let level = plan.root_blocks.root_level;
     let row = [(samples as u32) << level, 1 << level, plan.root_blocks.grid.size[2]];
     let depths = DepthsSink::new(row, level, true, &plan.spill);
-    let sink = LimitSink { limit: plan.switch_limit(), sink: &depths };
     let sampled: Vec<usize> = plan.root_blocks.sampled(samples, |block| corners[block]).collect();
     let held_bytes = || Ok::<_, Error>(plan.baking_bytes() + depths.memory_bytes() + plan.paged_bytes()?);
     let next = AtomicUsize::new(0);
@@ -188,7 +187,7 @@ fn forecast_bytes(
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
             let Some(&block) = sampled.get(number) else { break };
-            let built = build_root(&plan.root_blocks, block, &sink, &mut buffers, cancel)?;
+            let built = build_root(&plan.root_blocks, block, &depths, &mut buffers, cancel)?;
             depths.taken(number, built);
             plan.check_memory("the forecast of the frame", held_bytes()?)?;
         }

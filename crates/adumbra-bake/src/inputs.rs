@@ -5,7 +5,7 @@ use adumbra_scene::{AlphaMode, Material, Mesh, Pixels, Scene, Texture, Wrap};
 use blake3::{Hash, Hasher};
 use rayon::prelude::*;
 
-use crate::cache::{CacheKey, PartGrid};
+use crate::cache::CacheKey;
 use crate::options::ColumnBuilder;
 use crate::plan::Plan;
 
@@ -29,37 +29,13 @@ impl SceneHashes {
     /// Returns a hash of the whole scene.
     pub(crate) fn all(&self) -> Hash {
         let mut hasher = Hasher::new();
-        self.instances.iter().for_each(|instance| {
-            hasher.update(instance.as_bytes());
-        });
+        hash_each(&mut hasher, self.instances.iter().map(|instance| *instance.as_bytes()));
         hasher.finalize()
     }
 
-    /// Returns the keys of some parts of a plan's grid. Cost: one pass over the clusters in reach of their
-    /// root blocks.
-    pub(crate) fn keys(
-        &self,
-        plan: &Plan<'_>,
-        builder: ColumnBuilder,
-        parts: &PartGrid,
-        numbers: &[usize],
-    ) -> Vec<CacheKey> {
-        self.keys_of(plan, builder, numbers, |part| parts.root_blocks(part))
-    }
-
-    /// Returns the keys of some root blocks of a plan's grid. Cost: one pass over the clusters in their
-    /// reach.
-    pub(crate) fn root_block_keys(
-        &self,
-        plan: &Plan<'_>,
-        builder: ColumnBuilder,
-        root_blocks: &[usize],
-    ) -> Vec<CacheKey> {
-        self.keys_of(plan, builder, root_blocks, std::iter::once)
-    }
-
-    /// Returns the key of each item, which consists of some root blocks.
-    fn keys_of<I: Iterator<Item = usize>>(
+    /// Returns the key of each item, which consists of some root blocks of a plan's grid. Cost: one pass over
+    /// the clusters in reach of the root blocks.
+    pub(crate) fn keys<I: Iterator<Item = usize>>(
         &self,
         plan: &Plan<'_>,
         builder: ColumnBuilder,
@@ -73,9 +49,8 @@ impl SceneHashes {
             for root_block in root_blocks_of(item) {
                 let rect = plan.root_blocks.rect(root_block);
                 let placed = plan.root_blocks.casters.in_bin(root_block);
-                for number in [rect.x, rect.y, rect.width, rect.height, placed.len() as u32] {
-                    hasher.update(&number.to_le_bytes());
-                }
+                let numbers = [rect.x, rect.y, rect.width, rect.height, placed.len() as u32];
+                hash_each(&mut hasher, numbers.map(u32::to_le_bytes));
                 for placed in placed {
                     hasher.update(self.instances[placed.instance as usize].as_bytes());
                     hasher.update(&placed.cluster.to_le_bytes());
@@ -105,15 +80,21 @@ fn common(plan: &Plan<'_>, builder: ColumnBuilder) -> Hash {
         | u32::from(settings.closed_regions) << 1
         | u32::from(settings.ignore_alpha) << 2;
     let level = plan.root_blocks.root_level;
-    for number in [RULES, level, size[2], builder, receivers, flags, settings.switch_within_voxels] {
-        hasher.update(&number.to_le_bytes());
-    }
+    let numbers = [RULES, level, size[2], builder, receivers, flags, settings.switch_within_voxels];
+    hash_each(&mut hasher, numbers.map(u32::to_le_bytes));
     let lengths = [voxel_size, settings.thickness_world, 0.0];
     let bias = [constant_texels, slope_texels, normal_offset_texels];
-    for number in axes.iter().chain(&edges).chain([&corner, &sun.towards(), &lengths, &bias]).flatten() {
-        hasher.update(&number.to_bits().to_le_bytes());
-    }
+    let towards = sun.towards();
+    let reals = axes.iter().chain(&edges).chain([&corner, &towards, &lengths, &bias]).flatten();
+    hash_each(&mut hasher, reals.map(|number| number.to_le_bytes()));
     hasher.finalize()
+}
+
+/// Hashes each item's bytes.
+pub(crate) fn hash_each<const N: usize>(hasher: &mut Hasher, items: impl IntoIterator<Item = [u8; N]>) {
+    for bytes in items {
+        hasher.update(&bytes);
+    }
 }
 
 fn texture(texture: &Texture) -> Hash {
@@ -129,9 +110,7 @@ fn texture(texture: &Texture) -> Hash {
     };
     let mut hasher = Hasher::new();
     let [u, v] = wrap.each_ref().map(number_of);
-    for number in [*width, *height, channels, u, v, u32::from(*nearest)] {
-        hasher.update(&number.to_le_bytes());
-    }
+    hash_each(&mut hasher, [*width, *height, channels, u, v, u32::from(*nearest)].map(u32::to_le_bytes));
     hasher.update(bytes);
     hasher.finalize()
 }
@@ -185,9 +164,7 @@ fn instances(scene: &Scene, meshes: &[Hash]) -> Vec<Hash> {
         let adumbra_scene::Instance { name: _, mesh, world_from_mesh, casts } = instance;
         let mut hasher = Hasher::new();
         hasher.update(meshes[*mesh as usize].as_bytes());
-        for number in world_from_mesh.as_flattened() {
-            hasher.update(&number.to_bits().to_le_bytes());
-        }
+        hash_each(&mut hasher, world_from_mesh.as_flattened().iter().map(|number| number.to_le_bytes()));
         hasher.update(&[u8::from(*casts)]);
         hasher.finalize()
     };

@@ -1,20 +1,19 @@
-//! First surfaces, and the insides of solids, for every texel of a light-aligned grid, tile by tile: the
+//! First surfaces, and the crossings of solids, for every texel of a light-aligned grid, tile by tile: the
 //! input for structures that voxelize depth themselves.
 
 use adumbra::{Bias, LightGrid, MAX_SLOPE, Receivers};
 use adumbra_scene::Scene;
 
-use crate::columns::capture::{self, CaptureBuffers, TexelRect, capture_layers};
-use crate::columns::crossings::for_each_inside;
+use crate::columns::capture::{CaptureBuffers, TexelRect, capture_layers};
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::triangles::casters::{self, CasterOptions, Casters, SceneClusters};
-pub use crate::triangles::depth::FixedDepth;
+use crate::triangles::depth::FixedDepth;
 use crate::triangles::surface::BinSurfaces;
 
 /// How a scene is interpreted.
 #[derive(Clone, Copy, Debug)]
 pub struct LayerOptions {
-    /// Whether the insides of closed components are found.
+    /// Whether the crossings of closed components are found.
     pub closed_regions: bool,
     /// Whether masked materials count as opaque.
     pub ignore_alpha: bool,
@@ -30,24 +29,6 @@ pub struct LayerCapture<'s> {
     tile_side: u32,
 }
 
-/// Buffers that a worker reuses from tile to tile.
-#[derive(Default)]
-pub struct LayerBuffers(CaptureBuffers);
-
-/// One texel's surfaces.
-pub struct Layers<'a> {
-    /// Depth of the first surface, bias included; `None` if the texel has no surface.
-    pub first: Option<FixedDepth>,
-    crossings: &'a [u32],
-}
-
-impl Layers<'_> {
-    /// Calls `visit(from, to)` for each interval inside solids, nearest first.
-    pub fn for_each_inside(&self, visit: impl FnMut(FixedDepth, FixedDepth)) {
-        for_each_inside(self.crossings, visit);
-    }
-}
-
 impl<'s> LayerCapture<'s> {
     /// Sorts `scene` into tiles of `tile_side` texels a side. Cost: one visit per cluster of triangles.
     pub fn new(scene: &'s Scene, grid: &LightGrid, options: LayerOptions, tile_side: u32) -> Self {
@@ -55,14 +36,13 @@ impl<'s> LayerCapture<'s> {
         let tiles = [grid.size[0].div_ceil(tile_side), grid.size[1].div_ceil(tile_side)];
         let casters =
             Casters::new(scene, SceneClusters::new(scene, caster_options), grid, tile_side, tiles, 1.0);
-        let bias = Bias { normal_offset_texels: 0.0, ..options.bias };
         let rules = ColumnRules {
-            bias,
+            bias: options.bias,
             thickness: 0,
             level_lift: None,
             receivers: Receivers::All,
             depth_voxels: 0,
-            normal_offset: NormalOffset::new(&bias, grid),
+            normal_offset: NormalOffset::new(&options.bias, grid),
         };
         Self { casters, rules, grid: *grid, tile_side }
     }
@@ -82,18 +62,25 @@ impl<'s> LayerCapture<'s> {
         self.rules.surface_info(MAX_SLOPE, true) as FixedDepth + 1
     }
 
-    /// Calls `visit([column, row], layers)` once for each texel of a tile, in no particular order. Columns
-    /// and rows are counted from the tile's corner; tiles are numbered row by row.
-    pub fn tile(&self, tile: usize, buffers: &mut LayerBuffers, mut visit: impl FnMut([u32; 2], Layers<'_>)) {
+    /// Calls `visit([column, row], first, crossings)` once for each texel of a tile, in no particular order:
+    /// with the depth of its first surface, bias included, or `None` if it has none, and with each
+    /// [`crossing`](crate::columns::crossings::crossing) of a solid, sorted by depth, then entry before exit.
+    /// Columns and rows are counted from the tile's corner; tiles are numbered row by row.
+    pub fn tile(
+        &self,
+        tile: usize,
+        buffers: &mut CaptureBuffers,
+        mut visit: impl FnMut([u32; 2], Option<FixedDepth>, &[u32]),
+    ) {
         let tiles_x = self.grid.size[0].div_ceil(self.tile_side);
         let [x, y] = [tile as u32 % tiles_x, tile as u32 / tiles_x].map(|t| t * self.tile_side);
         let width = self.tile_side.min(self.grid.size[0] - x);
         let height = self.tile_side.min(self.grid.size[1] - y);
         let rect = TexelRect { x, y, width, height };
         let surfaces = BinSurfaces { casters: &self.casters, bin: tile, grid: &self.grid };
-        capture_layers(&surfaces, &self.rules, rect, &mut buffers.0, |texel, first, crossings| {
+        capture_layers(&surfaces, &self.rules, rect, buffers, |texel, first, crossings| {
             let first = (!first.is_none()).then(|| first.depth().saturating_add(first.bias()));
-            visit([texel as u32 % width, texel as u32 / width], Layers { first, crossings });
+            visit([texel as u32 % width, texel as u32 / width], first, crossings);
         });
     }
 }
@@ -105,9 +92,4 @@ fn caster_options(closed_regions: bool, ignore_alpha: bool) -> CasterOptions {
 /// Bytes that [`LayerCapture::new`] holds at most besides the scene, with these options.
 pub fn sorting_bytes(scene: &Scene, closed_regions: bool, ignore_alpha: bool) -> u64 {
     casters::sorting_bytes(scene, caster_options(closed_regions, ignore_alpha))
-}
-
-/// Bytes that a worker holds for a tile of this many texels.
-pub fn working_bytes(texels: u64) -> u64 {
-    capture::working_bytes(texels)
 }

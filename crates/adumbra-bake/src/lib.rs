@@ -30,11 +30,11 @@
 //!    edges that are a *contour* under this sun are marked. A component without a contour in a block covers
 //!    either all of its texels or none, and one sample decides which. This bounds the block's largest `e` and
 //!    smallest `x`; if `x >= e`, the block is *resolved*. A quadtree descent stops at resolved blocks. Blocks
-//!    of 8 × 8 texels that are still not resolved are drawn, front to back, in bit masks.
+//!    of 8 × 8 texels that are still not resolved are drawn, front to back, in bit masks. The switch limit
+//!    then cuts the columns' freedom, for filters beside a wall's foot.
 //! 5. `sink/`: the interface between the descent and what it fills. A sink takes resolved blocks and leaves,
 //!    and joins four into one. The quadtree's sink intersects intervals on the way up, and chooses depths
-//!    from each root down. Before that the switch limit cuts the columns' freedom, for filters beside a
-//!    wall's foot.
+//!    from each root down.
 //! 6. `pack/`: leaves are encoded as few depths or planes, whichever suffice.
 //! 7. `pages/`: a finished root becomes a page at once, in which equal shapes are stored once. With a memory
 //!    limit, pages go to an unnamed temporary file. At the end they are linked: shapes are hashed to 128
@@ -56,7 +56,7 @@
 //!
 //! Dependencies go one way: triangles → columns → root_blocks → pack → pages → cache → sink → fast and plain
 //! → plan → region_grids → ground → choose → regions → inputs → bake → farm → baker. `layers` provides
-//! first surfaces and insides of solids to structures that voxelize depth themselves.
+//! first surfaces and crossings of solids to structures that voxelize depth themselves.
 //!
 //! # Design decisions, and departures from the specification
 //!
@@ -135,10 +135,11 @@ pub mod structure {
     pub use crate::sink::depths::{DepthsBlock, DepthsSink};
     pub use crate::sink::{BlockSink, Structure};
 
-    /// First surfaces, and the insides of solids, tile by tile.
+    /// First surfaces, and the crossings of solids, tile by tile.
     pub mod layers {
-        pub use crate::layers::{
-            FixedDepth, LayerBuffers, LayerCapture, LayerOptions, Layers, sorting_bytes, working_bytes,
-        };
+        pub use crate::columns::capture::{CaptureBuffers, working_bytes};
+        pub use crate::columns::crossings::crossing;
+        pub use crate::layers::{LayerCapture, LayerOptions, sorting_bytes};
+        pub use crate::triangles::depth::FixedDepth;
     }
 }

@@ -2,14 +2,15 @@
 
 use std::sync::{Arc, Mutex};
 
+use crate::cache::PartGrid;
 use crate::columns::capture;
+use crate::columns::limit::SwitchLimit;
 use crate::columns::rules::{ColumnRules, NormalOffset};
 use crate::error::{BakeField, Error, Result};
 use crate::options::{AssumeGround, BakeOptions, ColumnBuilder};
 use crate::pages::Spill;
 use crate::root_blocks::RootBlocks;
 use crate::sink::depths::top_bytes;
-use crate::sink::limit::SwitchLimit;
 use crate::triangles::casters::{Bins, CasterOptions, Casters, SceneClusters};
 use crate::triangles::corners::Corners;
 use crate::triangles::depth::DEPTH_MAX_VOXELS;
@@ -36,7 +37,7 @@ pub(crate) struct Plan<'s> {
 }
 
 /// Where the grid of one level is, and how it is cut into root blocks.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Placement {
     pub(crate) grid: LightGrid,
     /// Texels on the longest side of the scene, at this level.
@@ -100,6 +101,16 @@ impl Placement {
     pub(crate) fn blocks(&self) -> [u32; 3] {
         self.grid.size.map(|s| s.div_ceil(1 << self.root_level))
     }
+
+    /// Returns the number of root blocks in the light's plane.
+    pub(crate) fn root_block_count(&self) -> usize {
+        self.blocks()[..2].iter().map(|&n| n as usize).product()
+    }
+
+    /// Returns how the grid is cut into parts.
+    pub(crate) fn parts(&self) -> PartGrid {
+        PartGrid::new(self.grid.size, self.root_level)
+    }
 }
 
 /// Smallest level of the root blocks.
@@ -140,18 +151,9 @@ pub(crate) fn caster_options(options: &BakeOptions) -> CasterOptions {
 }
 
 impl<'s> Plan<'s> {
-    /// Plans a bake of the grid that was placed. `clusters` are those for [`caster_options`].
+    /// Plans a bake of the grid that was placed. `clusters` are those for [`caster_options`], and `bins` are
+    /// those of an earlier plan of the same bake, if there was one.
     pub(crate) fn placed(
-        scene: &'s Scene,
-        options: &BakeOptions,
-        placement: Placement,
-        clusters: &Arc<SceneClusters>,
-    ) -> Result<Self> {
-        Self::binned(scene, options, placement, clusters, None)
-    }
-
-    /// Plans a bake as [`Plan::placed`] does, with the bins of an earlier plan of the same bake.
-    pub(crate) fn binned(
         scene: &'s Scene,
         options: &BakeOptions,
         placement: Placement,
@@ -175,7 +177,7 @@ impl<'s> Plan<'s> {
         let root_blocks = [top_dims[0], top_dims[1]];
         let clusters = Arc::clone(clusters);
         let casters = match bins {
-            Some(bins) => Casters::binned(scene, clusters, Arc::clone(bins)),
+            Some(bins) => Casters { scene, clusters, bins: Arc::clone(bins) },
             None => Casters::new(scene, clusters, &grid, 1 << root_level, root_blocks, reach),
         };
         let settings = FileSettings {
@@ -201,8 +203,9 @@ impl<'s> Plan<'s> {
             ColumnBuilder::Plain => capture::working_bytes(1 << (2 * root_level)),
         };
         let worker_bytes = working_bytes + crate::sink::building_bytes(root_level);
+        let limit = SwitchLimit { within_voxels: options.switch_within_voxels, depth_voxels: grid.size[2] };
         let mut plan = Self {
-            root_blocks: RootBlocks { grid, rules, casters, root_level, top_dims },
+            root_blocks: RootBlocks { grid, rules, limit, casters, root_level, top_dims },
             settings,
             workers: rayon::current_num_threads(),
             scene_bytes,
@@ -222,14 +225,6 @@ impl<'s> Plan<'s> {
             plan.spill = Arc::new(Spill::new(room, folder));
         }
         Ok(plan)
-    }
-
-    /// Returns the limit on how far behind its first surface a column may switch.
-    pub(crate) fn switch_limit(&self) -> SwitchLimit {
-        SwitchLimit {
-            within_voxels: self.settings.switch_within_voxels,
-            depth_voxels: self.root_blocks.grid.size[2],
-        }
     }
 
     /// Bytes of everything but the structure that is built.

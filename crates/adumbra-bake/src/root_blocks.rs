@@ -5,6 +5,7 @@ use adumbra_scene::Instance;
 use rayon::prelude::*;
 
 use crate::columns::capture::TexelRect;
+use crate::columns::limit::SwitchLimit;
 use crate::columns::rules::ColumnRules;
 use crate::triangles::casters::Casters;
 use crate::triangles::corners::{Corner, Corners};
@@ -13,6 +14,7 @@ use crate::triangles::corners::{Corner, Corners};
 pub(crate) struct RootBlocks<'s> {
     pub(crate) grid: LightGrid,
     pub(crate) rules: ColumnRules,
+    pub(crate) limit: SwitchLimit,
     pub(crate) casters: Casters<'s>,
     /// A root block is 2^root_level texels a side. In depth, it is divided into cubes of that side.
     pub(crate) root_level: u32,

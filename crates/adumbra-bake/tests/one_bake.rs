@@ -79,7 +79,7 @@ fn save_to_a_missing_folder_names_the_folder() {
     assert!(matches!(&error, Error::Io(_)) && error.to_string().contains("none"), "{error}");
 }
 
-/// A limit wraps the sink of the blocks, and must not hide from the bake what the sink already has.
+/// With or without a limit, a bake builds nothing that the cache has.
 #[test]
 fn cached_bake_builds_nothing_with_and_without_a_switch_limit() {
     let scene = scene();

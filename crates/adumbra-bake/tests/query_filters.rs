@@ -2,7 +2,7 @@
 
 use adumbra::grid::vec3::{dot, normalize};
 use adumbra::layout::depths::DepthTree;
-use adumbra::query::{Cursor, FixedReceiver, Receiver, receiver};
+use adumbra::query::{FixedReceiver, Receiver, receiver};
 use adumbra::{Bias, Filter, ShadowFile, Sun};
 use adumbra_bake::{Bake, BakeOptions, FrameChoice, Size};
 use adumbra_scene::random::Random;
@@ -54,7 +54,7 @@ fn sampler_counts_taps_as_the_definition_does() {
             let sampler = file.sampler(filter);
             let lit = sampler.lit_taps(&fixed);
             assert_eq!(lit, by_definition(&file.tree, &fixed, filter), "{fixed:?} {filter:?}");
-            assert_eq!(Cursor::new(&sampler).lit_taps(&fixed), lit);
+            assert_eq!(sampler.successive_lit_taps()(&fixed), lit);
             let answer = sampler.receiver_visibility(&Receiver { p_grid, gradient });
             assert_eq!(answer, lit as f32 / filter.width().pow(2) as f32);
             partly_lit += usize::from(answer > 0.0 && answer < 1.0);
@@ -88,7 +88,7 @@ fn sampler_counts_taps_of_any_leaves_as_the_definition_does() {
         let size = file.tree.size().map(f64::from);
         let mut partly_lit = 0;
         let samplers = Filter::ALL.map(|filter| file.sampler(filter));
-        let mut cursors = samplers.each_ref().map(Cursor::new);
+        let mut successive = samplers.each_ref().map(|sampler| sampler.successive_lit_taps());
         let mut p_grid = [0.0; 3];
         for step in 0..4000 {
             for a in 0..3 {
@@ -100,11 +100,11 @@ fn sampler_counts_taps_of_any_leaves_as_the_definition_does() {
             let steep = [0.0, 0.5, 6.0, 240.0][(random.unit() * 4.0) as usize];
             let gradient = [0, 1].map(|_| steep * (random.unit() - 0.5));
             let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size());
-            for (sampler, cursor) in samplers.iter().zip(&mut cursors) {
+            for (sampler, lit_taps) in samplers.iter().zip(&mut successive) {
                 let filter = sampler.filter();
                 let expected = by_definition(&file.tree, &fixed, filter);
                 assert_eq!(sampler.lit_taps(&fixed), expected, "{fixed:?} {filter:?}");
-                assert_eq!(cursor.lit_taps(&fixed), expected, "cursor, {fixed:?} {filter:?}");
+                assert_eq!(lit_taps(&fixed), expected, "successive, {fixed:?} {filter:?}");
                 partly_lit += u32::from(expected > 0 && expected < filter.width().pow(2));
             }
         }
@@ -113,12 +113,12 @@ fn sampler_counts_taps_of_any_leaves_as_the_definition_does() {
 }
 
 #[test]
-fn cursor_gives_the_samplers_answers_in_any_order() {
+fn successive_look_ups_give_the_samplers_answers_in_any_order() {
     let file = baked();
     let size = file.tree.size().map(f64::from);
     for filter in Filter::ALL {
         let sampler = file.sampler(filter);
-        let mut cursor = Cursor::new(&sampler);
+        let mut lit_taps = sampler.successive_lit_taps();
         let mut random = Random::for_batch(12, u64::from(filter.width()));
         let mut p_grid = size.map(|n| n / 2.0);
         let mut partly_lit = 0;
@@ -132,7 +132,7 @@ fn cursor_gives_the_samplers_answers_in_any_order() {
             }
             let gradient = [random.unit() * 2.0 - 1.0, random.unit() * 2.0 - 1.0];
             let fixed = FixedReceiver::new(&Receiver { p_grid, gradient }, file.tree.size());
-            let lit = cursor.lit_taps(&fixed);
+            let lit = lit_taps(&fixed);
             assert_eq!(lit, sampler.lit_taps(&fixed), "{fixed:?} {filter:?}");
             partly_lit += u32::from(lit > 0 && lit < filter.width().pow(2));
         }

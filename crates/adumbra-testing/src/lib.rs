@@ -5,6 +5,7 @@
 mod by_hand;
 mod described;
 mod earlier;
+mod end_level;
 mod fuzz;
 mod glb;
 pub mod help;
@@ -24,6 +25,7 @@ mod vectors;
 pub use by_hand::{overhead_grid, settings_for};
 pub use described::{assert_described, undescribed_fields};
 pub use earlier::EarlierFile;
+pub use end_level::end_level;
 pub use fuzz::fuzz_time;
 pub use glb::glb;
 pub use leaves::{Leaf, every_gradient, from_leaves};

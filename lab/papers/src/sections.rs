@@ -7,6 +7,8 @@ use adumbra::file::sections::{Section, bounds};
 
 /// Sections begin at multiples of this many bytes.
 const ALIGNMENT: u64 = 16;
+/// Number of bytes encoded at a time.
+pub(crate) const CHUNK_BYTES: usize = 1 << 16;
 
 /// A fault of the sections.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -111,6 +113,11 @@ pub(crate) fn split<'a, const N: usize>(
         }
     }
     Ok(parts)
+}
+
+/// Encodes `words` in little-endian, in pieces of 64 KiB.
+pub(crate) fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
+    words.chunks(CHUNK_BYTES / 4).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
 }
 
 /// Returns the CRC-32 of successive pieces of bytes.

@@ -10,6 +10,7 @@ use adumbra_papers::tree::query::{TreeQuery, Weights};
 use adumbra_papers::tree::{Detail, TreeOptions, bake_tree};
 use adumbra_scene::random::Random;
 use adumbra_scene::{GeneratedKind, Scene, generate};
+use adumbra_testing::end_level;
 
 fn sun() -> Sun {
     Sun::from_direction([0.5, 0.8, 0.35]).unwrap()
@@ -89,8 +90,8 @@ fn graph_look_ups_end_in_largest_uniform_block() {
 fn depth_look_ups_end_in_columns_with_equal_depth() {
     let columns = &*quadtree().tree;
     let mut seen = [0; 14];
-    for voxel @ [i, j, _] in voxels(columns, 2000) {
-        let level = columns.end_level(i, j);
+    for voxel @ [i, j, k] in voxels(columns, 2000) {
+        let level = columns.end_level(i, j, k);
         seen[level as usize] += 1;
         let block = |level: u32| {
             let range = |c: u32, n: u32| (c >> level << level)..((c >> level << level) + (1 << level)).min(n);
@@ -108,11 +109,10 @@ fn depth_look_ups_end_in_columns_with_equal_depth() {
 fn look_ups_outside_the_grid_have_no_end_level() {
     let (graph, quadtree) = (graph(DagLayout::Packed), quadtree());
     let query = DagQuery::new(&graph.grid, graph.body.leaf_masks(), graph.settings.bias, Filter::Box5);
-    let sampler = quadtree.sampler(Filter::Box5);
     let [nx, ny, nz] = graph.grid.size.map(f64::from);
     let levels = |p_grid| {
         let r = FixedReceiver::new(&Receiver { p_grid, gradient: [0.0; 2] }, graph.grid.size);
-        [query.end_level(&r), sampler.end_level(&r)]
+        [query.end_level(&r), end_level(&quadtree.tree, &r)]
     };
     for p in [[-0.5, 4.0, 4.0], [4.0, ny + 0.5, 4.0], [4.0, 4.0, -0.5], [nx + 1e9, 0.0, 0.0]] {
         assert_eq!(levels(p), [None; 2], "{p:?}");

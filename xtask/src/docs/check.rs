@@ -8,7 +8,7 @@
 //! | `exists PATH [MIN..[MAX]]` | the file exists, with a length in bytes in this range, or of at least 1 |
 //! | `picture PATH [WxH]` | the picture has this size and more than one colour |
 //! | `equal PATH PATH` | the files have the same bytes |
-//! | `alike PATH PATH` | the pictures have the same size, and a mean difference of at most [`ALIKE`] |
+//! | `alike PATH PATH` | the pictures have the same size, and differ by at most [`ALIKE`] |
 //! | `stdout "TEXT"`, `stderr "TEXT"` | the block's commands print this text |
 //! | `quick "A" => "B"` | no check: a quick run replaces A with B |
 //! | `long` | no check: a quick run only has the commands' arguments parsed |
@@ -18,9 +18,38 @@ use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::Path;
 
-/// Largest mean difference, of 255, of two pictures that are alike. It allows for another adapter, or another
-/// number of milliseconds on a sheet.
-const ALIKE: f64 = 3.0;
+/// How much two pictures may differ and still be alike. It allows for another adapter, or another number of
+/// milliseconds on a sheet.
+const ALIKE: Difference = Difference { mean: 3.0, percent: 0.5 };
+
+/// Channels differ visibly if they differ by more than this, of 255.
+const VISIBLE: u8 = 24;
+
+/// The difference of two pictures of the same size.
+#[derive(Clone, Copy)]
+struct Difference {
+    /// Mean of all channels' differences, of 255.
+    mean: f64,
+    /// Percentage of the pixels that differ visibly. The mean alone would not notice that a thin shadow is
+    /// missing.
+    percent: f64,
+}
+
+impl Difference {
+    fn is_within(self, most: Self) -> bool {
+        self.mean <= most.mean && self.percent <= most.percent
+    }
+
+    /// The pictures must have the same size and channels.
+    fn of(a: &Picture, b: &Picture) -> Self {
+        let differences: Vec<u8> = a.bytes.iter().zip(&b.bytes).map(|(l, r)| l.abs_diff(*r)).collect();
+        let sum: u64 = differences.iter().copied().map(u64::from).sum();
+        let pixels = differences.chunks_exact(a.channels);
+        let count = pixels.len();
+        let visible = pixels.filter(|pixel| pixel.iter().any(|channel| *channel > VISIBLE)).count();
+        Self { mean: sum as f64 / differences.len() as f64, percent: 100.0 * visible as f64 / count as f64 }
+    }
+}
 
 /// The checks of a block.
 #[derive(Debug, Default, PartialEq)]
@@ -129,13 +158,14 @@ impl Expected {
                         "{a} and {b} have different sizes and channels: {of_left:?} and {of_right:?}"
                     ));
                 }
-                let both = left.bytes.iter().zip(&right.bytes);
-                let sum: u64 = both.map(|(l, r)| u64::from(l.abs_diff(*r))).sum();
-                let mean = sum as f64 / left.bytes.len() as f64;
-                if mean <= ALIKE {
+                let found = Difference::of(&left, &right);
+                if found.is_within(ALIKE) {
                     Ok(())
                 } else {
-                    Err(format!("{a} and {b} differ by {mean:.1} of 255 on average"))
+                    let Difference { mean, percent } = found;
+                    Err(format!(
+                        "{a} and {b} differ by {mean:.2} of 255 on average, and visibly in {percent:.2} % of the pixels"
+                    ))
                 }
             }
             Self::Stdout(text) => contains("stdout", &printed.stdout, text),
@@ -289,6 +319,28 @@ mod tests {
         ] {
             assert_eq!(faults(wrong), 1, "{wrong}");
         }
+    }
+
+    #[test]
+    fn alike_pictures_differ_little_and_in_few_pixels() {
+        let folder = tempfile::tempdir().unwrap();
+        let faults = |name: &str, pixels: usize, by: u8| {
+            let mut rgb = vec![200; 3 * 100 * 100];
+            rgb[..3 * pixels].fill(200 - by);
+            write_picture(&folder.path().join(name), [100, 100], &rgb);
+            Check::parse(&format!("alike plain.png {name}"))
+                .unwrap()
+                .faults(folder.path(), &Printed::default())
+        };
+        assert!(faults("plain.png", 0, 0).is_empty());
+        for (pixels, by) in [(50, 200), (51, VISIBLE), (10_000, 3)] {
+            assert!(faults("alike.png", pixels, by).is_empty(), "{pixels} by {by}");
+        }
+        assert_eq!(
+            faults("line.png", 51, VISIBLE + 1),
+            ["plain.png and line.png differ by 0.13 of 255 on average, and visibly in 0.51 % of the pixels"]
+        );
+        assert_eq!(faults("darker.png", 10_000, 4).len(), 1);
     }
 
     #[test]

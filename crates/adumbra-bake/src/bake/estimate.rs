@@ -15,7 +15,6 @@ use crate::fast::descent::{DescentBuffers, build_root};
 use crate::options::BakeOptions;
 use crate::plan::Plan;
 use crate::sink::depths::DepthsSink;
-use crate::sink::limit::LimitSink;
 use crate::sink::{BlockSink, Structure};
 
 /// A forecast of a bake. Ranges are `[likely low, likely high]`.
@@ -85,8 +84,7 @@ fn forecast_level(plan: &Plan<'_>, encoding: Encoding, cancel: &AtomicBool) -> R
     let sampled = root_blocks.min(SAMPLES);
     let mut buffers = DescentBuffers::default();
     let mut build = |root_block: usize, sink: &DepthsSink| {
-        let sink = LimitSink { limit: plan.switch_limit(), sink };
-        build_root(&plan.root_blocks, root_block, &sink, &mut buffers, cancel)
+        build_root(&plan.root_blocks, root_block, sink, &mut buffers, cancel)
     };
     // The blocks side by side, as if they were a row of a grid without regions.
     let row = |blocks: usize| [(blocks as u32) << level, 1 << level, depth];

@@ -27,7 +27,7 @@ use adumbra::{FileSettings, LightGrid, ShadowFile, Sun};
 use adumbra_files::StagedFile;
 use adumbra_scene::Scene;
 
-use crate::cache::{BakeCache, PartCache, PartGrid};
+use crate::cache::{BakeCache, PartCache};
 use crate::choose::Choice;
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
@@ -271,16 +271,15 @@ impl<'a> Bake<'a> {
         level: usize,
         cache: Option<(&Arc<dyn BakeCache>, &SceneHashes)>,
     ) -> Result<BuiltStructure<Pages>> {
-        let blocks = |level: &Placement| level.blocks()[..2].iter().map(|&n| n as usize).product::<usize>();
-        let before: usize = choice.levels[level + 1..].iter().map(blocks).sum();
-        let total: usize = choice.levels.iter().map(blocks).sum();
+        let before: usize = choice.levels[level + 1..].iter().map(Placement::root_block_count).sum();
+        let total: usize = choice.levels.iter().map(Placement::root_block_count).sum();
         let progress = |p: Progress| (self.progress)(Progress { done: before + p.done, total, ..p });
         let (size, root_level) = (plan.root_blocks.grid.size, plan.root_blocks.root_level);
         let mut sink = DepthsSink::new(size, root_level, true, &plan.spill);
         if let Some((cache, hashes)) = cache {
-            let parts = PartGrid::new(size, root_level);
+            let parts = choice.levels[level].parts();
             let numbers: Vec<usize> = (0..parts.count()).collect();
-            let keys = hashes.keys(plan, options.builder, &parts, &numbers);
+            let keys = hashes.keys(plan, options.builder, &numbers, |part| parts.root_blocks(part));
             let part_cache = PartCache::new(cache, parts, numbers.into_iter().zip(keys));
             sink = sink.with_cache(part_cache.within(plan.room_for_entries()));
         }

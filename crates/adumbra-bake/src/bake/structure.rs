@@ -54,18 +54,7 @@ pub(crate) fn build_planned<S: Structure>(
     let root_blocks: Vec<usize> = (0..plan.root_blocks.count()).collect();
     let tally = Tally::new(plan, root_blocks.len(), start, watch.progress);
     let sink = sink(plan);
-    let finished_root_block = || {
-        sink.check_room()?;
-        plan.limit_pages_while_building(sink.memory_bytes(), sink.finish_bytes());
-        sink.make_room();
-        tally.finished_root_block(S::SO_FAR, sink.memory_bytes(), sink.result_bytes())
-    };
-    let run = Run {
-        plan,
-        root_blocks: &root_blocks,
-        cancel: watch.cancel,
-        finished_root_block: &finished_root_block,
-    };
+    let run = Run { plan, root_blocks: &root_blocks, cancel: watch.cancel, keeps_room_to_finish: true };
     let blocks = run.each_block(options.builder, &sink, &tally)?;
     let held_bytes = sink.memory_bytes() + sink.finish_bytes();
     plan.limit_pages(plan.scene_bytes + held_bytes);

@@ -11,11 +11,12 @@
 //! 0xffffffff, if it has no shapes. The entry of one uniform page with the base 7 ends in `ffffffff 07000000
 //! 00000000`.
 
-use adumbra::layout::depths::page::{BUNDLE_PAGES, BUNDLE_SIDE, IN_PAGE, PAGE_LEVEL, Page};
+use adumbra::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page, bundles, pages_of};
 use adumbra::layout::depths::{TreeBuilder, UNIFORM};
 use blake3::Hasher;
 
 use super::CacheKey;
+use crate::pages::OwnedPage;
 
 /// The first bytes of an entry.
 pub const ENTRY_MAGIC: &[u8; 8] = b"ADUMENT1";
@@ -24,15 +25,6 @@ const PAGE_HEAD: usize = 12;
 /// The most half-words of a page: 64 × 64 leaves, each with a head, a gradient, 63 differences of 32 bits and
 /// six planes of 64 bits, and 16 × 16 + 4 × 4 + 1 nodes, each with three half-words and 16 fields of two.
 const MOST_PAGE_HALVES: u64 = 4096 * (2 + 126 + 24) + 273 * (3 + 32);
-
-/// A page of an entry, before it is linked.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct CachedPage {
-    /// Address of the root, or [`UNIFORM`].
-    pub(crate) root: u32,
-    pub(crate) base: u32,
-    pub(crate) words: Vec<u32>,
-}
 
 /// Returns the bytes of an entry.
 pub(super) fn to_bytes<'p>(
@@ -58,7 +50,7 @@ pub(super) fn most_bytes(dims: [u32; 2]) -> u64 {
 
 /// Returns the pages of an entry with `dims` pages along x and y. `None` if no bake has written these bytes
 /// under this key.
-pub(super) fn from_bytes(key: &CacheKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<CachedPage>> {
+pub(super) fn from_bytes(key: &CacheKey, bytes: &[u8], dims: [u32; 2]) -> Option<Vec<OwnedPage>> {
     let found = bytes.get(8..HEAD)?;
     if &bytes[..8] != ENTRY_MAGIC || checksum(key, bytes) != *found {
         return None;
@@ -67,19 +59,19 @@ pub(super) fn from_bytes(key: &CacheKey, bytes: &[u8], dims: [u32; 2]) -> Option
 }
 
 /// Returns the pages of an entry that this process has made.
-pub(super) fn from_own_bytes(bytes: &[u8], dims: [u32; 2]) -> Option<Vec<CachedPage>> {
+pub(super) fn from_own_bytes(bytes: &[u8], dims: [u32; 2]) -> Option<Vec<OwnedPage>> {
     let count = (dims[0] * dims[1]) as usize;
     let heads = bytes.get(HEAD..HEAD + PAGE_HEAD * count)?;
     let (words, []) = bytes[HEAD + PAGE_HEAD * count..].as_chunks::<4>() else { return None };
     let mut words = words.iter().map(|&b| u32::from_le_bytes(b));
-    let pages: Vec<CachedPage> = heads
+    let pages: Vec<OwnedPage> = heads
         .as_chunks::<PAGE_HEAD>()
         .0
         .iter()
         .map(|head| {
             let number = |i: usize| u32::from_le_bytes([head[i], head[i + 1], head[i + 2], head[i + 3]]);
             let words = words.by_ref().take(number(8) as usize).collect();
-            CachedPage { root: number(0), base: number(4), words }
+            OwnedPage { root: number(0), base: number(4), words }
         })
         .collect();
     words.next().is_none().then_some(pages)
@@ -90,25 +82,23 @@ fn checksum(key: &CacheKey, bytes: &[u8]) -> [u8; 32] {
 }
 
 /// Whether the pages are valid. A correct checksum does not prove it, because anyone can compute one.
-fn is_valid(pages: &[CachedPage], dims: [u32; 2]) -> bool {
+fn is_valid(pages: &[OwnedPage], dims: [u32; 2]) -> bool {
+    // Below, a uniform root has the bit too, so an address must not become one.
+    let has_its_root = |page: &OwnedPage| match page.root {
+        UNIFORM => page.words.is_empty(),
+        root => (root as usize) < 2 * page.words.len(),
+    };
+    if !pages.iter().all(has_its_root) {
+        return false;
+    }
     let size = dims.map(|n| n << PAGE_LEVEL);
     let mut tree = TreeBuilder::new([size[0], size[1], 1], Vec::new());
-    for y in 0..dims[1].div_ceil(BUNDLE_SIDE) {
-        for x in 0..dims[0].div_ceil(BUNDLE_SIDE) {
-            let mut bundle = [Page::OUTSIDE; BUNDLE_PAGES];
-            for (slot, page) in (0_u32..).zip(&mut bundle) {
-                let at = [x * BUNDLE_SIDE + slot % BUNDLE_SIDE, y * BUNDLE_SIDE + slot / BUNDLE_SIDE];
-                if at[0] < dims[0] && at[1] < dims[1] {
-                    let CachedPage { root, base, words } = &pages[(at[1] * dims[0] + at[0]) as usize];
-                    if (*root == UNIFORM) != words.is_empty() || (*root != UNIFORM && root & IN_PAGE != 0) {
-                        return false;
-                    }
-                    let root = if *root == UNIFORM { UNIFORM } else { root | IN_PAGE };
-                    *page = Page { root, base: *base, words };
-                }
-            }
-            tree.add([x, y], &bundle);
-        }
-    }
+    let page = |place: Option<[u32; 2]>| {
+        place.map_or(Page::OUTSIDE, |[x, y]| {
+            let OwnedPage { root, base, words } = &pages[(y * dims[0] + x) as usize];
+            Page { root: root | IN_PAGE, base: *base, words }
+        })
+    };
+    bundles(dims).into_iter().for_each(|at| tree.add(at, &pages_of(at, dims).map(page)));
     tree.finish().is_ok()
 }

@@ -3,6 +3,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use blake3::Hash;
+
 /// Names an entry: a BLAKE3 hash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct CacheKey([u8; 32]);
@@ -24,17 +26,9 @@ impl FromStr for CacheKey {
 
     /// Reads 64 lower-case hexadecimal digits.
     fn from_str(text: &str) -> Result<Self, ()> {
-        let digit = |c: u8| match c {
-            b'0'..=b'9' => Ok(c - b'0'),
-            b'a'..=b'f' => Ok(c - b'a' + 10),
-            _ => Err(()),
-        };
-        let (pairs, []) = text.as_bytes().as_chunks::<2>() else { return Err(()) };
-        let bytes: Vec<u8> = pairs
-            .iter()
-            .map(|&[high, low]| Ok(digit(high)? << 4 | digit(low)?))
-            .collect::<Result<_, ()>>()?;
-        bytes.try_into().map(Self).map_err(drop)
+        let hash = Hash::from_hex(text).map_err(drop)?;
+        // `from_hex` reads upper-case digits too.
+        if *hash.to_hex() == *text { Ok(Self(hash.into())) } else { Err(()) }
     }
 }
 

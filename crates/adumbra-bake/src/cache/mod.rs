@@ -34,7 +34,6 @@ use adumbra::IoError;
 
 pub use best_effort::BestEffortCache;
 pub use disk::{CacheReport, DiskCache};
-pub(crate) use entry::CachedPage;
 pub use entry::ENTRY_MAGIC;
 pub use key::CacheKey;
 pub use memory::MemoryCache;

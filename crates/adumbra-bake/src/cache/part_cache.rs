@@ -5,9 +5,10 @@ use std::sync::{Arc, Mutex};
 
 use rayon::prelude::*;
 
-use super::entry::{self, CachedPage};
+use super::entry;
 use super::{BakeCache, CacheKey, Fetched, PartGrid};
 use crate::error::{Error, Result};
+use crate::pages::OwnedPage;
 
 /// Copies of an entry in memory while it is read: its bytes, the words of its pages, and the words that are
 /// checked and that are kept.
@@ -62,7 +63,7 @@ impl PartCache {
 
     /// Reads all entries that the cache has, on all threads, and passes the pages of each to `take`, x
     /// fastest.
-    pub(crate) fn find(&self, take: impl Fn(usize, Vec<CachedPage>) + Sync) {
+    pub(crate) fn find(&self, take: impl Fn(usize, Vec<OwnedPage>) + Sync) {
         (0..self.keys.len()).into_par_iter().for_each(|part| {
             let Some(key) = &self.keys[part] else { return };
             let (dims, take) = (self.parts.page_dims(part), |pages| take(part, pages));
@@ -103,7 +104,7 @@ impl PartCache {
         part: usize,
         key: &CacheKey,
         most_bytes: u64,
-        take: impl FnOnce(Vec<CachedPage>),
+        take: impl FnOnce(Vec<OwnedPage>),
     ) -> Option<u64> {
         let bytes = match self.cache.get(key, most_bytes) {
             Ok(Fetched::Whole(bytes)) => bytes,
@@ -127,11 +128,6 @@ impl PartCache {
         None
     }
 
-    /// Whether the entry of a root block's part was found.
-    pub(crate) fn has_root_block(&self, root_block: usize) -> bool {
-        self.has(self.parts.of_root_block(root_block))
-    }
-
     /// Whether the entry of a part was found.
     pub(crate) fn has(&self, part: usize) -> bool {
         self.found[part].load(Ordering::Relaxed)
@@ -141,11 +137,6 @@ impl PartCache {
     pub(crate) fn found_root_blocks(&self) -> usize {
         let found = (0..self.parts.count()).filter(|&part| self.has(part));
         found.map(|part| self.parts.root_blocks(part).count()).sum()
-    }
-
-    /// Returns the part at a page.
-    pub(crate) fn part_at(&self, page: [u32; 2]) -> usize {
-        self.parts.at_page(page)
     }
 
     /// Writes the pages of a part: root, base and words of each, x fastest.

@@ -41,13 +41,13 @@ impl PartGrid {
     }
 
     /// Returns the part at a page.
-    pub(super) fn at_page(&self, page: [u32; 2]) -> usize {
+    pub(crate) fn at_page(&self, page: [u32; 2]) -> usize {
         let [x, y] = page.map(|n| n >> (self.level() - PAGE_LEVEL));
         (y * self.dims()[0] + x) as usize
     }
 
     /// Returns the part that has a root block, by the block's number, x fastest.
-    pub(super) fn of_root_block(&self, root_block: usize) -> usize {
+    pub(crate) fn of_root_block(&self, root_block: usize) -> usize {
         let across = self.size[0].div_ceil(1 << self.root_level);
         let at = [root_block as u32 % across, root_block as u32 / across];
         let [x, y] = at.map(|n| n >> (self.level() - self.root_level));

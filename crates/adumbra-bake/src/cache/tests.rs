@@ -1,22 +1,24 @@
 //! Entries as bytes.
 
 use adumbra::layout::depths::UNIFORM;
+use adumbra::layout::depths::page::IN_PAGE;
 use adumbra_scene::random::Random;
 use blake3::Hasher;
 
-use super::entry::{CachedPage, from_bytes, to_bytes};
+use super::entry::{from_bytes, to_bytes};
 use super::{CacheKey, PartGrid};
+use crate::pages::OwnedPage;
 
 fn key(byte: u8) -> CacheKey {
     CacheKey::new([byte; 32])
 }
 
-fn bytes_of(key: &CacheKey, pages: &[CachedPage]) -> Vec<u8> {
+fn bytes_of(key: &CacheKey, pages: &[OwnedPage]) -> Vec<u8> {
     to_bytes(key, pages.iter().map(|page| (page.root, page.base, &*page.words)))
 }
 
 /// A page with a leaf of two depths in its corner, and a uniform page.
-fn pages() -> Vec<CachedPage> {
+fn pages() -> Vec<OwnedPage> {
     use adumbra::layout::depths::child::Child;
     use adumbra::layout::depths::shapes::ShapeSet;
     let mut draft = ShapeSet::new(true);
@@ -28,7 +30,7 @@ fn pages() -> Vec<CachedPage> {
         index = draft.node(level, &children);
     }
     let (words, root) = crate::pages::page(draft.list()).expect("a small page");
-    vec![CachedPage { root, base: 9, words }, CachedPage { root: UNIFORM, base: 7, words: Vec::new() }]
+    vec![OwnedPage { root, base: 9, words }, OwnedPage { root: UNIFORM, base: 7, words: Vec::new() }]
 }
 
 /// A leaf whose columns have one of two depths: a head, a difference, and a bit for each column.
@@ -36,7 +38,7 @@ const LEAF: [u16; 6] = [1, 4, 0x00ff, 0x00ff, 0x00ff, 0x00ff];
 
 #[test]
 fn uniform_page_is_three_words() {
-    let page = CachedPage { root: UNIFORM, base: 7, words: Vec::new() };
+    let page = OwnedPage { root: UNIFORM, base: 7, words: Vec::new() };
     let bytes = bytes_of(&key(1), std::slice::from_ref(&page));
     assert_eq!(&bytes[..8], b"ADUMENT1");
     assert_eq!(bytes[40..], [0xff, 0xff, 0xff, 0xff, 7, 0, 0, 0, 0, 0, 0, 0]);
@@ -75,9 +77,7 @@ fn forged_entries_are_rejected_or_readable() {
             let at = 40 + (random.unit() * (bytes.len() - 40) as f64) as usize;
             forged[at] = (random.unit() * 256.0) as u8;
         }
-        let sum = Hasher::new().update(key(1).as_bytes()).update(&forged[40..]).finalize();
-        forged[8..40].copy_from_slice(sum.as_bytes());
-        match from_bytes(&key(1), &forged, [2, 1]) {
+        match from_bytes(&key(1), &signed(forged), [2, 1]) {
             None => refused += 1,
             Some(pages) => {
                 let mut reader = crate::pages::Reader::default();
@@ -88,6 +88,34 @@ fn forged_entries_are_rejected_or_readable() {
         }
     }
     assert!(refused > 10_000, "{refused}");
+}
+
+/// The root of a page is the address of a half-word in it, without the bit that a file adds to it.
+#[test]
+fn forged_roots_outside_their_page_are_rejected() {
+    let pages = pages();
+    let end = 2 * pages[0].words.len() as u32;
+    for root in [end, UNIFORM & !IN_PAGE, IN_PAGE, pages[0].root | IN_PAGE, UNIFORM] {
+        let mut forged = bytes_of(&key(1), &pages);
+        forged[40..44].copy_from_slice(&root.to_le_bytes());
+        assert_eq!(from_bytes(&key(1), &signed(forged), [2, 1]), None, "{root:#x}");
+    }
+}
+
+/// Returns the bytes of an entry with a correct checksum.
+fn signed(mut entry: Vec<u8>) -> Vec<u8> {
+    let sum = Hasher::new().update(key(1).as_bytes()).update(&entry[40..]).finalize();
+    entry[8..40].copy_from_slice(sum.as_bytes());
+    entry
+}
+
+#[test]
+fn key_has_one_text() {
+    let text = key(0xab).to_string();
+    assert_eq!(text.parse::<CacheKey>(), Ok(key(0xab)));
+    for other in [text.to_uppercase(), text[2..].to_owned(), format!("{text}ab"), text.replace('b', "g")] {
+        assert_eq!(other.parse::<CacheKey>(), Err(()), "{other}");
+    }
 }
 
 #[test]

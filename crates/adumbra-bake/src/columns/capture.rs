@@ -30,7 +30,7 @@ pub(crate) struct TexelRect {
 
 /// Buffers that a worker reuses from one rectangle to the next.
 #[derive(Default)]
-pub(crate) struct CaptureBuffers {
+pub struct CaptureBuffers {
     first: Vec<FirstSurface>,
     next: Vec<FixedDepth>,
     base: Vec<FixedDepth>,
@@ -48,7 +48,7 @@ struct Crossing {
 }
 
 /// Returns the bytes that a worker needs for a rectangle of this many texels, columns included.
-pub(crate) fn working_bytes(texels: u64) -> u64 {
+pub fn working_bytes(texels: u64) -> u64 {
     let texel = size_of::<FirstSurface>() + 2 * size_of::<FixedDepth>() + 4;
     // Vectors grow by doubling.
     let crossings = 2 * MAX_CROSSINGS * (size_of::<Crossing>() + 4);
@@ -65,9 +65,10 @@ pub(crate) fn capture(
 ) {
     out.reset(rect.width, rect.height);
     for_each_band(rect, |band, start| {
-        if !capture_surfaces(surfaces, rules, band, buffers) {
+        if !sample_band(surfaces, rules, band, buffers) {
             return false;
         }
+        resolve_solids(buffers);
         find_receivers(surfaces, rules, &[ReceiverKind::Footprint], band, buffers);
         for i in 0..buffers.first.len() {
             out.set(start + i, rules.column(buffers.first[i], buffers.base[i], buffers.next[i]));
@@ -98,8 +99,7 @@ pub(crate) fn capture_layers(
         if !sample_band(surfaces, rules, band, buffers) {
             return false;
         }
-        let texels = buffers.first.len();
-        sort_crossings(buffers, texels, |_| true);
+        sort_crossings(buffers, |_| true);
         let mut start = 0;
         for (i, &end) in buffers.list_ends.iter().enumerate() {
             visit(offset + i, buffers.first[i], &buffers.sorted[start..end as usize]);
@@ -123,23 +123,8 @@ fn for_each_band(rect: TexelRect, mut capture: impl FnMut(TexelRect, usize) -> b
     }
 }
 
-/// First pass: fills `first` and `base` of a band of rows. Returns false if there are too many crossings to
-/// hold and the band has more than one row.
-fn capture_surfaces(
-    surfaces: &impl Surfaces,
-    rules: &ColumnRules,
-    rect: TexelRect,
-    b: &mut CaptureBuffers,
-) -> bool {
-    let fits = sample_band(surfaces, rules, rect, b);
-    if fits {
-        let texels = b.first.len();
-        resolve_solids(b, texels);
-    }
-    fits
-}
-
-/// Fills `first` and `crossings` of a band of rows.
+/// First pass: fills `first` and `crossings` of a band of rows. Returns false if there are too many crossings
+/// to hold and the band has more than one row.
 fn sample_band(
     surfaces: &impl Surfaces,
     rules: &ColumnRules,
@@ -246,12 +231,12 @@ fn sample_centers(
 
 /// Walks the sorted crossings of every texel whose first surface bounds a solid. Writes to `base` the depth
 /// behind which other receivers matter: the solid's end, or the first surface itself.
-fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
+fn resolve_solids(b: &mut CaptureBuffers) {
     b.base.clear();
     b.base.extend(b.first.iter().map(|f| f.depth()));
-    sort_crossings(b, texels, |first| first.is_solid());
+    sort_crossings(b, |first| first.is_solid());
     let mut start = 0;
-    for texel in 0..texels {
+    for texel in 0..b.first.len() {
         let end = b.list_ends[texel] as usize;
         if end > start {
             match solid_end(&b.sorted[start..end]) {
@@ -265,9 +250,9 @@ fn resolve_solids(b: &mut CaptureBuffers, texels: usize) {
 
 /// Sorts the crossings of each texel whose first surface is `wanted`. Those of texel i are in `sorted` from
 /// `list_ends[i - 1]` (or 0) to `list_ends[i]`.
-fn sort_crossings(b: &mut CaptureBuffers, texels: usize, wanted: impl Fn(FirstSurface) -> bool) {
+fn sort_crossings(b: &mut CaptureBuffers, wanted: impl Fn(FirstSurface) -> bool) {
     b.list_ends.clear();
-    b.list_ends.resize(texels, 0);
+    b.list_ends.resize(b.first.len(), 0);
     let wanted = |first: &[FirstSurface], c: &Crossing| wanted(first[c.texel as usize]);
     for c in b.crossings.iter().filter(|c| wanted(&b.first, c)) {
         b.list_ends[c.texel as usize] += 1;

@@ -5,9 +5,8 @@
 //! over the texel's area would be less noisy where holes are finer than a texel. But it would make mostly
 //! covered surfaces opaque, and sparsely covered surfaces clear.
 
-use crate::triangles::depth::Plane;
+use crate::triangles::depth::{Plane, plane_through};
 use crate::triangles::opacity::{OpacityTable, OpacityTables};
-use crate::triangles::project::Projected;
 use crate::triangles::surface::Surface;
 use adumbra::grid::LightGrid;
 use adumbra_scene::Scene;
@@ -39,7 +38,7 @@ impl TriangleMask {
     }
 
     fn on(corners_grid: &[[f64; 3]; 3], uv: [[f32; 2]; 3], alphas: [f32; 3], material: u32) -> Option<Self> {
-        let plane = |values: [f32; 3]| Projected::attribute_plane(corners_grid, values.map(f64::from));
+        let plane = |values: [f32; 3]| plane_through(corners_grid, values.map(f64::from));
         let [us, vs] = [0, 1].map(|axis| uv.map(|corner| corner[axis]));
         let vertex_alpha = if alphas == [1.0; 3] { None } else { Some(plane(alphas)?) };
         Some(Self {

@@ -3,6 +3,7 @@
 mod block;
 pub(crate) mod capture;
 pub(crate) mod crossings;
+pub(crate) mod limit;
 pub(crate) mod masked;
 pub(crate) mod rules;
 pub(crate) mod seams;

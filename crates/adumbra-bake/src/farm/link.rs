@@ -9,12 +9,13 @@ use adumbra::layout::depths::DepthTree;
 use adumbra::{LightGrid, ShadowFile};
 use adumbra_files::StagedFile;
 
-use super::plan::{BakePlan, PlannedLevel, PlannedPart};
+use super::plan::{BakePlan, PlannedPart};
 use crate::bake::{BakeSummary, file_writer, stage, stored_grid, write_level};
 use crate::cache::{BakeCache, PartCache};
 use crate::error::{Error, Result};
 use crate::options::BakeOptions;
 use crate::pages::Spill;
+use crate::plan::Placement;
 use crate::progress::{Progress, Report, Watch};
 use crate::sink::Structure;
 use crate::sink::depths::DepthsSink;
@@ -38,7 +39,7 @@ impl BakePlan {
         let grids = self.grids();
         let mut writer = file_writer(out, self.settings, &grids, self.encoding)?;
         let mut report = Report { threads: rayon::current_num_threads(), ..Report::default() };
-        let total = (0..grids.len()).map(|level| root_blocks_of(self, level)).sum();
+        let total = self.levels.iter().map(Placement::root_block_count).sum();
         for level in (0..grids.len()).rev() {
             if watch.cancel.load(std::sync::atomic::Ordering::Relaxed) {
                 return Err(Error::Interrupted);
@@ -46,7 +47,7 @@ impl BakePlan {
             let spill = Arc::new(spill(limits));
             let (sink, held_bytes) = found(self, level, cache, limits, &spill)?;
             report.accounted_bytes = report.accounted_bytes.max(held_bytes + spill.resident_bytes());
-            report.root_blocks += root_blocks_of(self, level);
+            report.root_blocks += self.levels[level].root_block_count();
             report.reused_root_blocks = report.root_blocks;
             let result_bytes = sink.result_bytes();
             write_level(&mut writer, sink.into_pages(), grids[level].size, self.encoding, watch.cancel)?;
@@ -101,7 +102,7 @@ fn found(
     limits: &BakeOptions,
     spill: &Arc<Spill>,
 ) -> Result<(DepthsSink, u64)> {
-    let PlannedLevel { grid, root_level } = plan.levels[level];
+    let Placement { grid, root_level, .. } = plan.levels[level];
     // Pages have the other half.
     let part_cache = part_cache(plan, level, cache).within(limits.max_memory_bytes.map(|bytes| bytes / 2));
     let sink = DepthsSink::new(grid.size, root_level, true, spill).with_cache(part_cache);
@@ -132,10 +133,6 @@ fn found(
         sink.make_room();
     }
     Ok((sink, held_bytes))
-}
-
-fn root_blocks_of(plan: &BakePlan, level: usize) -> usize {
-    plan.placement(level).blocks()[..2].iter().map(|&n| n as usize).product()
 }
 
 fn spill(limits: &BakeOptions) -> Spill {

@@ -137,7 +137,7 @@ impl<'s> PartBaker<'s> {
         let plan = self.level(level)?;
         let parts = self.plan.levels[level].parts();
         let numbers: Vec<usize> = planned.iter().map(|(number, _)| *number).collect();
-        let keys = self.hashes.keys(&plan, ColumnBuilder::Fast, &parts, &numbers);
+        let keys = self.hashes.keys(&plan, ColumnBuilder::Fast, &numbers, |part| parts.root_blocks(part));
         if planned.iter().zip(&keys).any(|((_, planned), key)| planned != key) {
             return Err(Error::SceneChanged("the plan was made by another version of this program"));
         }
@@ -150,7 +150,7 @@ impl<'s> PartBaker<'s> {
         let missing: Vec<usize> = numbers.iter().copied().filter(|&part| !sink.has_part(part)).collect();
         let root_blocks: Vec<usize> = missing.iter().flat_map(|&part| parts.root_blocks(part)).collect();
         if let Some(recent) = self.recent.as_ref().filter(|_| plan.root_blocks.root_level < PAGE_LEVEL) {
-            let keys = self.hashes.root_block_keys(&plan, ColumnBuilder::Fast, &root_blocks);
+            let keys = self.hashes.keys(&plan, ColumnBuilder::Fast, &root_blocks, std::iter::once);
             let keys = root_blocks.iter().copied().zip(keys).collect();
             sink = sink.with_recent(RecentOfLevel { all: Arc::clone(recent), level, keys });
         }
@@ -160,18 +160,8 @@ impl<'s> PartBaker<'s> {
             (watch.progress)(Progress { done: reused_root_blocks + p.done, ..p });
         };
         let tally = Tally::new(&plan, root_blocks.len(), Instant::now(), &progress);
-        let finished_root_block = || {
-            sink.check_room()?;
-            plan.limit_pages(plan.baking_bytes() + sink.memory_bytes());
-            sink.make_room();
-            tally.finished_root_block(DepthsSink::SO_FAR, sink.memory_bytes(), sink.result_bytes())
-        };
-        let run = Run {
-            plan: &plan,
-            root_blocks: &root_blocks,
-            cancel: watch.cancel,
-            finished_root_block: &finished_root_block,
-        };
+        let run =
+            Run { plan: &plan, root_blocks: &root_blocks, cancel: watch.cancel, keeps_room_to_finish: false };
         run.each_block(self.options.builder, &sink, &tally)?;
         sink.check_room()?;
         let Report { drawn_texels, accounted_bytes, .. } = tally.report();
@@ -189,8 +179,8 @@ impl<'s> PartBaker<'s> {
         if let Some(plan) = &*slot {
             return Ok(Arc::clone(plan));
         }
-        let (placement, bins) = (self.plan.placement(level), self.bins.get(level));
-        let plan = Plan::binned(self.scene, &self.options, placement, &self.clusters, bins)?;
+        let (placement, bins) = (self.plan.levels[level], self.bins.get(level));
+        let plan = Plan::placed(self.scene, &self.options, placement, &self.clusters, bins)?;
         Ok(Arc::clone(slot.insert(Arc::new(plan))))
     }
 }

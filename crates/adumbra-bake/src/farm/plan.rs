@@ -7,7 +7,7 @@ use adumbra::file::LEVEL_STEP;
 use adumbra::{Encoding, FileSettings, LightGrid, Region};
 use adumbra_scene::Scene;
 
-use crate::cache::{CacheKey, PartGrid};
+use crate::cache::CacheKey;
 use crate::choose::Choice;
 use crate::error::{Error, Result};
 use crate::inputs::SceneHashes;
@@ -25,7 +25,7 @@ pub struct BakePlan {
     pub(super) settings: FileSettings,
     pub(super) encoding: Encoding,
     /// The finest first.
-    pub(super) levels: Vec<PlannedLevel>,
+    pub(super) levels: Vec<Placement>,
     /// The most costly first.
     pub(super) parts: Vec<PlannedPart>,
 }
@@ -37,13 +37,6 @@ pub(crate) struct Prepared {
     pub(super) hashes: Arc<SceneHashes>,
     /// Of each level, the finest first.
     pub(super) bins: Vec<Arc<Bins>>,
-}
-
-/// A level of detail.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct PlannedLevel {
-    pub(super) grid: LightGrid,
-    pub(super) root_level: u32,
 }
 
 /// A part of a plan. Its id is its place among [`BakePlan::parts`].
@@ -78,12 +71,6 @@ impl PlannedPart {
     }
 }
 
-impl PlannedLevel {
-    pub(super) fn parts(&self) -> PartGrid {
-        PartGrid::new(self.grid.size, self.root_level)
-    }
-}
-
 impl BakePlan {
     /// Plans the bake of `scene`. Cost: that of finding the triangles in reach of each root block, and,
     /// unless the options have a frame, a forecast.
@@ -107,9 +94,9 @@ impl BakePlan {
             let plan = choice.plan(scene, level)?;
             settings = plan.settings;
             bins.insert(0, Arc::clone(&plan.root_blocks.casters.bins));
-            let own = PartGrid::new(plan.root_blocks.grid.size, plan.root_blocks.root_level);
+            let own = choice.levels[level].parts();
             let numbers: Vec<usize> = (0..own.count()).collect();
-            let keys = hashes.keys(&plan, options.builder, &own, &numbers);
+            let keys = hashes.keys(&plan, options.builder, &numbers, |part| own.root_blocks(part));
             parts.extend(numbers.into_iter().zip(keys).map(|(number, key)| PlannedPart {
                 level: level as u32,
                 number: number as u32,
@@ -118,12 +105,9 @@ impl BakePlan {
             }));
         }
         parts.sort_by_key(|part| (Reverse(part.cost), part.level, part.number));
-        let level =
-            |&Placement { grid, resolution: _, root_level }: &Placement| PlannedLevel { grid, root_level };
-        let levels = choice.levels.iter().map(level).collect();
         let scene = CacheKey::new(*hashes.all().as_bytes());
         let prepared = Prepared { clusters: choice.clusters, hashes: Arc::new(hashes), bins };
-        let plan = Self { scene, settings, encoding: options.encoding, levels, parts };
+        let plan = Self { scene, settings, encoding: options.encoding, levels: choice.levels, parts };
         Ok((plan, prepared))
     }
 
@@ -177,7 +161,7 @@ impl BakePlan {
         // The region has the same columns. Count them in texels of the next level.
         let region = self.settings.region;
         let region = region.map(|region| Region { texels: region.texels / LEVEL_STEP, ..region });
-        let settings = FileSettings { resolution: self.placement(1).resolution, region, ..self.settings };
+        let settings = FileSettings { resolution: levels[0].resolution, region, ..self.settings };
         let coarser = self.parts.iter().filter(|part| part.level > 0);
         let parts = coarser.map(|part| PlannedPart { level: part.level - 1, ..*part }).collect();
         Some(Self { settings, levels, parts, ..self.clone() })
@@ -201,13 +185,6 @@ impl BakePlan {
         let texels = beside(0).hypot(beside(1));
         // Beyond any grid all parts are equally far.
         texels as u64 * u64::from(LEVEL_STEP.pow(part.level))
-    }
-
-    /// Returns where the grid of a level is.
-    pub(super) fn placement(&self, level: usize) -> Placement {
-        let PlannedLevel { grid, root_level } = self.levels[level];
-        let resolution = self.settings.resolution.div_ceil(LEVEL_STEP.pow(level as u32));
-        Placement { grid, resolution, root_level }
     }
 
     /// Returns the part with an id.

@@ -3,15 +3,17 @@
 
 use std::collections::HashSet;
 
-use adumbra::file::MAX_LEVELS;
 use adumbra::file::placement::{check_grid, check_settings};
+use adumbra::file::{LEVEL_STEP, MAX_LEVELS};
 use adumbra::query::MAX_FIXED_SIDE;
 use adumbra::{Encoding, FileSettings, Frame, LightGrid, Region, Sun};
 use blake3::Hasher;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::plan::{BakePlan, PlannedLevel, PlannedPart};
+use super::plan::{BakePlan, PlannedPart};
 use crate::error::Error;
+use crate::inputs::hash_each;
+use crate::plan::Placement;
 
 const FORMAT: &str = "adumbra plan 2";
 /// Levels that root blocks may have.
@@ -52,7 +54,7 @@ struct StoredPart {
 impl Serialize for BakePlan {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let grid = self.levels[0].grid;
-        let level = |PlannedLevel { grid, root_level }: &PlannedLevel| StoredLevel {
+        let level = |Placement { grid, root_level, .. }: &Placement| StoredLevel {
             voxel_size: grid.voxel_size,
             corner: grid.corner,
             size: grid.size,
@@ -105,7 +107,7 @@ impl TryFrom<StoredPlan> for BakePlan {
             Region::check_texels(region.texels)?;
         }
         let mut planned = Vec::with_capacity(levels.len());
-        for StoredLevel { voxel_size, corner, size, root_level } in levels {
+        for (level, StoredLevel { voxel_size, corner, size, root_level }) in (0..).zip(levels) {
             let grid = LightGrid::new(sun, frame, voxel_size, corner, size);
             check_grid(&grid).map_err(invalid)?;
             if size[0].max(size[1]) > MAX_FIXED_SIDE {
@@ -114,7 +116,8 @@ impl TryFrom<StoredPlan> for BakePlan {
             if !ROOT_LEVELS.contains(&root_level) {
                 return refuse(format!("a root block has 2^{root_level} texels a side"));
             }
-            planned.push(PlannedLevel { grid, root_level });
+            let resolution = settings.resolution.div_ceil(LEVEL_STEP.pow(level));
+            planned.push(Placement { grid, resolution, root_level });
         }
         let key = |text: &str| text.parse().map_err(|()| Error::Plan(format!("\"{text}\" is not a hash")));
         let part = |StoredPart { level, number, cost, key: text }: StoredPart| {
@@ -131,7 +134,7 @@ impl TryFrom<StoredPlan> for BakePlan {
 }
 
 /// Checks that each part of each level is there once.
-fn check_parts(levels: &[PlannedLevel], parts: &[PlannedPart]) -> Result<(), Error> {
+fn check_parts(levels: &[Placement], parts: &[PlannedPart]) -> Result<(), Error> {
     let counts: Vec<usize> = levels.iter().map(|level| level.parts().count()).collect();
     let is_there = |part: &PlannedPart| {
         counts.get(part.level as usize).is_some_and(|&count| (part.number as usize) < count)
@@ -156,14 +159,10 @@ fn digest(plan: &BakePlan) -> String {
         Encoding::Raw => 0,
         Encoding::Coded => 1,
     };
-    for number in [settings.resolution, flags, settings.switch_within_voxels, encoding] {
-        hasher.update(&number.to_le_bytes());
-    }
-    let mut reals = |numbers: &[f64]| {
-        numbers.iter().for_each(|number| {
-            hasher.update(&number.to_bits().to_le_bytes());
-        });
-    };
+    let numbers = [settings.resolution, flags, settings.switch_within_voxels, encoding];
+    hash_each(&mut hasher, numbers.map(u32::to_le_bytes));
+    let mut reals =
+        |numbers: &[f64]| hash_each(&mut hasher, numbers.iter().map(|number| number.to_le_bytes()));
     reals(&[settings.thickness_world, bias.constant_texels, bias.slope_texels, bias.normal_offset_texels]);
     if let Some(Region { x, y, texels }) = settings.region {
         reals(&[f64::from(x), f64::from(y), f64::from(texels)]);
@@ -172,24 +171,22 @@ fn digest(plan: &BakePlan) -> String {
         reals(&bounds.min);
         reals(&bounds.max);
     }
-    for PlannedLevel { grid, .. } in levels {
+    for Placement { grid, .. } in levels {
         reals(&grid.sun.towards());
         let (frame, yaw) = adumbra::file::placement::frame_fields(grid.frame);
         reals(&[f64::from(frame), yaw, grid.voxel_size]);
         reals(&grid.corner);
     }
-    for PlannedLevel { grid, root_level } in levels {
-        for number in [grid.size[0], grid.size[1], grid.size[2], *root_level] {
-            hasher.update(&number.to_le_bytes());
-        }
+    for Placement { grid, root_level, .. } in levels {
+        let [nx, ny, nz] = grid.size;
+        hash_each(&mut hasher, [nx, ny, nz, *root_level].map(u32::to_le_bytes));
     }
-    for number in [settings.triangles, settings.instances, parts.len() as u64] {
-        hasher.update(&number.to_le_bytes());
-    }
+    hash_each(
+        &mut hasher,
+        [settings.triangles, settings.instances, parts.len() as u64].map(u64::to_le_bytes),
+    );
     for PlannedPart { level, number, cost, key } in parts {
-        hasher.update(&u64::from(*level).to_le_bytes());
-        hasher.update(&u64::from(*number).to_le_bytes());
-        hasher.update(&cost.to_le_bytes());
+        hash_each(&mut hasher, [u64::from(*level), u64::from(*number), *cost].map(u64::to_le_bytes));
         hasher.update(key.as_bytes());
     }
     hasher.finalize().to_string()

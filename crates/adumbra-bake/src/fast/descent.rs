@@ -10,6 +10,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::columns::Columns;
 use crate::columns::capture::{CaptureBuffers, TexelRect, capture};
+use crate::columns::limit::SwitchLimit;
 use crate::columns::masked::TriangleMask;
 use crate::columns::rules::{BESIDE_GRID, FREE_TO_END};
 use crate::columns::{BLOCK_SIDE, BlockColumns};
@@ -125,6 +126,7 @@ pub(crate) fn build_root<S: BlockSink>(
         },
         reach,
         contact_reach,
+        limit: root_blocks.limit,
         sink,
         cancel,
     };
@@ -156,6 +158,7 @@ struct Descent<'a, S> {
     /// How far outside a block a surface may matter, and how far its filters may read, 1/256 texel.
     reach: i64,
     contact_reach: i64,
+    limit: SwitchLimit,
     sink: &'a S,
     cancel: &'a AtomicBool,
 }
@@ -185,7 +188,9 @@ impl<S: BlockSink> Descent<'_, S> {
         let (list, beside) = (&buffers.lists[from..], &buffers.beside[from_beside..]);
         let found = classify(&block, surfaces, list, beside, known_behind, rules, &mut buffers.classify);
         let resolved = match found {
-            Classification::Resolved(interval) => return Ok(self.sink.uniform(block.level, interval)),
+            Classification::Resolved(interval) => {
+                return Ok(self.sink.uniform(block.level, self.limit.interval(interval)));
+            }
             // Keep all surfaces: the requirements of static receivers depend on all of them.
             Classification::Unresolved { .. } if rules.receivers == Receivers::Static => FixedDepth::MAX,
             Classification::Unresolved { resolved } => resolved,
@@ -239,17 +244,19 @@ impl<S: BlockSink> Descent<'_, S> {
         let height = side.min(self.setting.grid.size[1] - block.y);
         buffers.drawn_texels += u64::from(width * height);
         let (list, beside) = (&buffers.lists[from..], &buffers.beside[from_beside..]);
-        if self.setting.rules.receivers == Receivers::All {
+        let mut columns = if self.setting.rules.receivers == Receivers::All {
             let row = 0xff >> (side - width);
             let inside = (0..height).fold(0_u64, |mask, y| mask | row << (8 * y));
             let near = NearSurfaces { list, ranges: &buffers.classify.ranges, beside };
-            let columns = leaf_columns(&block, inside, near, known_behind, self.setting, &mut buffers.leaf);
-            return self.sink.leaf(&columns);
-        }
-        let rect = TexelRect { x: block.x, y: block.y, width, height };
-        let near = Near { descent: self, list, beside };
-        capture(&near, self.setting.rules, rect, &mut buffers.capture, &mut buffers.columns);
-        self.sink.leaf(&BlockColumns::padded(&buffers.columns))
+            leaf_columns(&block, inside, near, known_behind, self.setting, &mut buffers.leaf)
+        } else {
+            let rect = TexelRect { x: block.x, y: block.y, width, height };
+            let near = Near { descent: self, list, beside };
+            capture(&near, self.setting.rules, rect, &mut buffers.capture, &mut buffers.columns);
+            BlockColumns::padded(&buffers.columns)
+        };
+        self.limit.cut(&columns.e, &mut columns.x);
+        self.sink.leaf(&columns)
     }
 }
 

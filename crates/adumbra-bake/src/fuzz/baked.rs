@@ -89,21 +89,16 @@ impl BakedPair {
             if switch < e || (x < depth && switch > x) {
                 return Err(format!("the depths of the {name} switch at {switch}: {column:?}"));
             }
-            let near_ends = [e.wrapping_sub(1), e, x.wrapping_sub(1), x, switch.wrapping_sub(1), switch];
-            for k in near_ends.into_iter().filter(|&k| k < depth) {
-                if leaf_says_lit(&file.tree, [i, j, k]).is_some_and(|lit| lit != (k < switch)) {
-                    return Err(format!(
-                        "the leaf mask at {k} of the {name} is not its value {switch}: {column:?}"
-                    ));
-                }
+            if in_leaf(&file.tree, [i, j]).is_some_and(|of_leaf| of_leaf.min(depth) != switch) {
+                return Err(format!("the leaf of the {name} does not have its value {switch}: {column:?}"));
             }
         }
         Ok(())
     }
 }
 
-/// Whether the leaf mask that contains a voxel has it lit; `None` if the column is in no leaf.
-fn leaf_says_lit(depths: &DepthTree, [i, j, k]: [u32; 3]) -> Option<bool> {
+/// Returns the depth of a column, read with all others of its leaf; `None` if the column is in no leaf.
+fn in_leaf(depths: &DepthTree, [i, j]: [u32; 2]) -> Option<u32> {
     let ColumnNode::Leaf { at, base } = depths.place(i, j).0 else { return None };
-    Some(depths.shapes().leaf(at, base).leaf_mask(k) >> ((j & 7) * 8 + (i & 7)) & 1 == 1)
+    Some(depths.shapes().leaf(at, base).values()[((j & 7) * 8 + (i & 7)) as usize])
 }

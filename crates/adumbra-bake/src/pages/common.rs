@@ -128,13 +128,6 @@ struct Candidate {
     shape: u32,
 }
 
-impl Candidate {
-    /// Creates a candidate without content.
-    fn new(hash: [u64; 2]) -> Self {
-        Self { hash, pages: 0, pointers: 0, shape: 0 }
-    }
-}
-
 fn split(hash: u128) -> [u64; 2] {
     [hash as u64, (hash >> 64) as u64]
 }
@@ -209,7 +202,7 @@ impl Candidates {
         let hash_of = |&index: &u32| candidates[index as usize].hash[0];
         let index = *table.entry(hash[0], is_same, hash_of).or_insert(next).get();
         if index == next {
-            candidates.push(Candidate::new(hash));
+            candidates.push(Candidate { hash, pages: 0, pointers: 0, shape: 0 });
         }
         candidates[index as usize].pages += 1;
         Noted { id: index << SHARD_BITS | shard_number as u32, is_new: index == next }

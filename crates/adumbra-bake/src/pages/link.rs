@@ -71,14 +71,15 @@ pub(crate) struct Linked {
     common: Common,
 }
 
-/// A page with pointers into the common section.
-pub(crate) struct LinkedPage {
-    root: u32,
-    base: u32,
-    words: Vec<u32>,
+/// A [`Page`] and its words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct OwnedPage {
+    pub(crate) root: u32,
+    pub(crate) base: u32,
+    pub(crate) words: Vec<u32>,
 }
 
-impl LinkedPage {
+impl OwnedPage {
     fn as_page(&self) -> Page<'_> {
         Page { root: self.root, base: self.base, words: &self.words }
     }
@@ -121,10 +122,10 @@ impl Linked {
         Ok(())
     }
 
-    fn page(&self, scratch: &mut Scratch, dims: [u32; 2], place: Option<[u32; 2]>) -> Result<LinkedPage> {
+    fn page(&self, scratch: &mut Scratch, dims: [u32; 2], place: Option<[u32; 2]>) -> Result<OwnedPage> {
         let at = |[x, y]: [u32; 2]| self.pages.places[(y * dims[0] + x) as usize];
         let [number, base] = place.map_or([UNIFORM, NEVER], at);
-        let uniform = |base| LinkedPage { root: UNIFORM, base, words: Vec::new() };
+        let uniform = |base| OwnedPage { root: UNIFORM, base, words: Vec::new() };
         if number == UNIFORM {
             return Ok(uniform(base));
         }
@@ -136,7 +137,7 @@ impl Linked {
         let address = |index: usize| self.common.address(reader.hashes[index]);
         let words = write(&reader.list, address, places)?;
         let Some(root) = places.last().map(|place| place.root()) else { unreachable!("a page has a root") };
-        Ok(LinkedPage { root, base, words })
+        Ok(OwnedPage { root, base, words })
     }
 
     /// Makes a tree in memory.
@@ -144,11 +145,11 @@ impl Linked {
         let mut builder = TreeBuilder::new(self.pages.size, self.take_common().0);
         let dims = page_dims(self.pages.size);
         let owned = |_, pages: &[Page<'_>; BUNDLE_PAGES]| {
-            pages.map(|page| LinkedPage { root: page.root, base: page.base, words: page.words.to_vec() })
+            pages.map(|page| OwnedPage { root: page.root, base: page.base, words: page.words.to_vec() })
         };
         debug_assert_eq!(self.pages.places.len(), (dims[0] * dims[1]) as usize);
         self.for_each_bundle(owned, |at, pages| {
-            builder.add(at, &pages.each_ref().map(LinkedPage::as_page));
+            builder.add(at, &pages.each_ref().map(OwnedPage::as_page));
             Ok(())
         })?;
         builder.finish().map_err(|_| Error::TooManyWords { what: "the quadtree of depths" })

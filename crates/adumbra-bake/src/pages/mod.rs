@@ -15,6 +15,7 @@ mod store_tests;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use link::OwnedPage;
 pub use link::Pages;
 #[cfg(test)]
 pub(crate) use shapes::Reader;

@@ -87,8 +87,15 @@ impl Spill {
         }
     }
 
-    fn fail(&self, action: &'static str, error: io::Error) {
-        lock(&self.failure).get_or_insert((action, error));
+    /// Returns the value. Records an error, unless there is one already.
+    fn or_record<T>(&self, action: &'static str, result: io::Result<T>) -> Option<T> {
+        match result {
+            Ok(value) => Some(value),
+            Err(error) => {
+                lock(&self.failure).get_or_insert((action, error));
+                None
+            }
+        }
     }
 
     /// Appends words to the file, and returns their offset. `None` after a failure.
@@ -96,26 +103,16 @@ impl Spill {
         let mut slot = lock(&self.file);
         let file = match slot.as_mut() {
             Some(file) => file,
-            None => match tempfile::tempfile_in(&self.folder) {
-                Ok(file) => slot.insert(file),
-                Err(error) => {
-                    self.fail("create a temporary file in", error);
-                    return None;
-                }
-            },
+            None => {
+                let made = tempfile::tempfile_in(&self.folder);
+                slot.insert(self.or_record("create a temporary file in", made)?)
+            }
         };
         let bytes: Vec<u8> = words.iter().flat_map(|word| word.to_le_bytes()).collect();
         let offset = file.seek(SeekFrom::End(0)).and_then(|at| file.write_all(&bytes).map(|()| at));
-        match offset {
-            Ok(offset) => {
-                self.spilled_bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-                Some(offset)
-            }
-            Err(error) => {
-                self.fail("write a temporary file in", error);
-                None
-            }
-        }
+        let offset = self.or_record("write a temporary file in", offset)?;
+        self.spilled_bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        Some(offset)
     }
 
     /// Reads words back. `None` after a failure.
@@ -125,13 +122,8 @@ impl Spill {
             Some(file) => file.seek(SeekFrom::Start(offset)).and_then(|_| file.read_exact(&mut bytes)),
             None => Err(io::ErrorKind::NotFound.into()),
         };
-        match found {
-            Ok(()) => Some(bytes.as_chunks().0.iter().map(|&b| u32::from_le_bytes(b)).collect()),
-            Err(error) => {
-                self.fail("read a temporary file in", error);
-                None
-            }
-        }
+        self.or_record("read a temporary file in", found)?;
+        Some(bytes.as_chunks().0.iter().map(|&b| u32::from_le_bytes(b)).collect())
     }
 }
 

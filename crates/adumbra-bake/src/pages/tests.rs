@@ -254,7 +254,7 @@ fn page_above_the_reach_of_near_pointers_has_far_ones() {
     let Page { root, words, .. } = tree.page([0, 0]);
     assert!(tree.common().is_empty() && 2 * words.len() > 8 * NEAR as usize && root & IN_PAGE != 0);
     alone.check(&tree);
-    let pointers = Meanings::of(&tree).pointers;
+    let Meanings { pointers, shapes, .. } = Meanings::of(&tree);
     assert!(pointers.iter().all(|pointer| pointer.back.is_some()));
     // All but the last children of the root are far.
     let root = root & !IN_PAGE;
@@ -266,7 +266,11 @@ fn page_above_the_reach_of_near_pointers_has_far_ones() {
     // Those of level 5 are short.
     let short = pointers.iter().filter(|pointer| pointer.back < Some(256) && pointer.delta.abs() < 100);
     assert!(short.count() > 10);
-    assert_eq!(pointers.iter().filter(|pointer| pointer.is_far()).count() as u64, tree.census().children[6]);
+    // A node's head says which children have far pointers. They are exactly these.
+    let nodes = shapes.iter().filter(|shape| shape.level > LEAF_LEVEL).flat_map(|shape| shape.halves.keys());
+    let half = |at| Code { words }.half(at);
+    let far: u32 = nodes.map(|&(_, at)| (half(at) & half(at + 1) & !half(at + 2)).count_ones()).sum();
+    assert_eq!(pointers.iter().filter(|pointer| pointer.is_far()).count() as u32, far);
 }
 
 #[test]

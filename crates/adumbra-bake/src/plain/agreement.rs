@@ -87,7 +87,7 @@ fn for_each_found(
     *next = pieces.next();
 }
 
-/// A column as found by both builders, before a switch limit cuts it.
+/// A column as found by both builders.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
     /// Texel of the grid.
@@ -117,13 +117,14 @@ pub(crate) struct BothBuffers {
     columns: Columns,
 }
 
-/// Calls `visit` with every column of a root block.
+/// Calls `visit` with every column of a root block. The plan must have no switch limit.
 pub(crate) fn for_each_column(
     plan: &Plan<'_>,
     root_block: usize,
     buffers: &mut BothBuffers,
     mut visit: impl FnMut(Column),
 ) {
+    assert_eq!(plan.root_blocks.limit.within_voxels, 0, "the columns would be cut");
     let BothBuffers { descent, capture: captured, columns } = buffers;
     let pieces = build_root(&plan.root_blocks, root_block, &Found, descent, &AtomicBool::new(false))
         .expect("nothing interrupts");

@@ -12,7 +12,6 @@ use crate::columns::rules::BESIDE_GRID;
 use crate::root_blocks::RootBlocks;
 use crate::sink::BlockSink;
 use crate::sink::from_columns::block_of;
-use crate::sink::limit::SwitchLimit;
 use crate::triangles::surface::BinSurfaces;
 
 /// Buffers that a worker reuses from one root block to the next.
@@ -26,7 +25,6 @@ pub(crate) struct PlainBuffers {
 /// cuts each column by itself.
 pub(crate) fn build_root<S: BlockSink>(
     root_blocks: &RootBlocks<'_>,
-    limit: SwitchLimit,
     root_block: usize,
     sink: &S,
     worker: &mut PlainBuffers,
@@ -34,7 +32,7 @@ pub(crate) fn build_root<S: BlockSink>(
     let surfaces = BinSurfaces { casters: &root_blocks.casters, bin: root_block, grid: &root_blocks.grid };
     let columns = &mut worker.columns;
     capture(&surfaces, &root_blocks.rules, root_blocks.rect(root_block), &mut worker.buffers, columns);
-    limit.cut(columns);
+    root_blocks.limit.cut(&columns.e, &mut columns.x);
     let column = |x: u32, y: u32| {
         if x >= columns.width || y >= columns.height {
             return [0, BESIDE_GRID];

@@ -390,7 +390,7 @@ fn columns_do_not_depend_on_where_root_blocks_begin() {
     let [four, one] = [5, 6].map(|root_level| {
         let placement = Placement { root_level, ..levels[0] };
         let root_blocks =
-            Plan::placed(&scene, &options, placement, &clusters).expect("a small plan").root_blocks;
+            Plan::placed(&scene, &options, placement, &clusters, None).expect("a small plan").root_blocks;
         let mut columns = BTreeMap::new();
         for_each_column_of(&root_blocks, |i, j, column| _ = columns.insert([i, j], column));
         (root_blocks.count(), columns)

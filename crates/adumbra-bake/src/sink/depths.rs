@@ -8,9 +8,9 @@ use std::collections::HashMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 
-use crate::cache::{CachedPage, PartCache};
+use crate::cache::PartCache;
 use crate::columns::BlockColumns;
-use crate::pages::{self, PageStore, Pages, Spill};
+use crate::pages::{self, OwnedPage, PageStore, Pages, Spill};
 use crate::sink::recent::RecentOfLevel;
 use crate::sink::undecided::Undecided;
 use crate::sink::{BlockSink, HELD_LEAF_BYTES, Structure};
@@ -140,7 +140,7 @@ impl DepthsSink {
     /// are done.
     pub(crate) fn with_cache(mut self, cache: PartCache) -> Self {
         cache.find(|part, pages| {
-            for (place, CachedPage { root, base, words }) in cache.parts.pages(part).zip(pages) {
+            for (place, OwnedPage { root, base, words }) in cache.parts.pages(part).zip(pages) {
                 let number = if root == UNIFORM { UNIFORM } else { self.store.add(root, words) };
                 self.put(place, [number, base]);
             }
@@ -182,7 +182,7 @@ impl DepthsSink {
     /// Writes the entry of the part at a page, which is done.
     fn write_entry(&self, page: [u32; 2]) {
         let Some(cache) = &self.cache else { return };
-        let part = cache.part_at(page);
+        let part = cache.parts.at_page(page);
         let across = page_dims(self.size)[0];
         let pages: Vec<[u32; 2]> = {
             let places = lock(&self.places);
@@ -372,7 +372,7 @@ impl BlockSink for DepthsSink {
     }
 
     fn known(&self, number: usize) -> Option<DepthsBlock> {
-        if self.cache.as_ref().is_some_and(|cache| cache.has_root_block(number)) {
+        if self.cache.as_ref().is_some_and(|cache| cache.has(cache.parts.of_root_block(number))) {
             return Some(DepthsBlock(BlockContent::Taken));
         }
         let block = self.recent.as_ref()?.get(number)?;

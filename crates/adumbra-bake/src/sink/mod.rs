@@ -10,7 +10,6 @@ pub(crate) mod depths;
 #[cfg(test)]
 mod depths_tests;
 pub(crate) mod from_columns;
-pub(crate) mod limit;
 pub(crate) mod recent;
 mod undecided;
 

@@ -2,21 +2,12 @@
 //! triangles of the scene in reach, but an edit touches few of its root blocks.
 
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard};
+use std::sync::{Arc, Mutex};
 
 use crate::cache::CacheKey;
 
-/// The root blocks that were built last, one at each place.
-pub(crate) struct RecentBlocks<B>(Mutex<Blocks<B>>);
-
-/// By level of detail and number.
-type Blocks<B> = HashMap<(usize, usize), (CacheKey, Arc<B>)>;
-
-impl<B> Default for RecentBlocks<B> {
-    fn default() -> Self {
-        Self(Mutex::default())
-    }
-}
+/// The root blocks that were built last, one at each place, by level of detail and number.
+pub(crate) type RecentBlocks<B> = Mutex<HashMap<(usize, usize), (CacheKey, Arc<B>)>>;
 
 /// The recent root blocks of one level, and the keys of those that are to be built.
 pub(crate) struct RecentOfLevel<B> {
@@ -25,25 +16,25 @@ pub(crate) struct RecentOfLevel<B> {
     pub(crate) keys: HashMap<usize, CacheKey>,
 }
 
-impl<B> RecentBlocks<B> {
-    fn lock(&self) -> MutexGuard<'_, Blocks<B>> {
-        self.0.lock().unwrap_or_else(|e| e.into_inner())
-    }
-}
-
 impl<B: Clone> RecentOfLevel<B> {
     /// Returns a root block if it was built from the same inputs.
     pub(crate) fn get(&self, number: usize) -> Option<B> {
         let key = self.keys.get(&number)?;
-        let found = self.all.lock().get(&(self.level, number)).filter(|(known, _)| known == key)?.1.clone();
-        Some(B::clone(&found))
+        let block = {
+            let all = self.all.lock().unwrap_or_else(|e| e.into_inner());
+            let (known, block) = all.get(&(self.level, number))?;
+            (known == key).then(|| Arc::clone(block))?
+        };
+        // The block is copied after the lock is released.
+        Some(B::clone(&block))
     }
 
     /// Stores a root block, and drops the earlier one at its place.
     pub(crate) fn put(&self, number: usize, block: &B) {
         if let Some(key) = self.keys.get(&number) {
             let block = Arc::new(block.clone());
-            self.all.lock().insert((self.level, number), (*key, block));
+            let mut all = self.all.lock().unwrap_or_else(|e| e.into_inner());
+            all.insert((self.level, number), (*key, block));
         }
     }
 }

@@ -198,12 +198,7 @@ impl<'s> Casters<'s> {
         bins: [u32; 2],
         reach_texels: f64,
     ) -> Self {
-        let bins = Bins::new(scene, &clusters, grid, bin_side, bins, reach_texels);
-        Self::binned(scene, clusters, Arc::new(bins))
-    }
-
-    /// Creates casters from bins that were made before.
-    pub(crate) fn binned(scene: &'s Scene, clusters: Arc<SceneClusters>, bins: Arc<Bins>) -> Self {
+        let bins = Arc::new(Bins::new(scene, &clusters, grid, bin_side, bins, reach_texels));
         Self { scene, clusters, bins }
     }
 

@@ -110,7 +110,9 @@ pub(super) fn depth_plane(c: &[[f64; 3]; 3]) -> Option<Plane> {
     plane_through(c, c.map(|corner| corner[2])).filter(holds)
 }
 
-pub(super) fn plane_through(c: &[[f64; 3]; 3], z: [f64; 3]) -> Option<Plane> {
+/// Returns the plane over (x, y) of an attribute with these values at the corners. Returns `None` for corners
+/// on a line.
+pub(crate) fn plane_through(c: &[[f64; 3]; 3], z: [f64; 3]) -> Option<Plane> {
     let (x1, y1, z1) = (c[1][0] - c[0][0], c[1][1] - c[0][1], z[1] - z[0]);
     let (x2, y2, z2) = (c[2][0] - c[0][0], c[2][1] - c[0][1], z[2] - z[0]);
     let area = x1 * y2 - x2 * y1;

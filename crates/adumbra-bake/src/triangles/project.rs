@@ -7,7 +7,7 @@
 
 use crate::texel_mask::{not_negative, rectangle, texels_of};
 use crate::triangles::depth::{
-    DEPTH_MAX_VOXELS, DEPTH_MIN_VOXELS, FixedDepth, Plane, SUBTEXEL, depth_plane, fixed_depth, plane_through,
+    DEPTH_MAX_VOXELS, DEPTH_MIN_VOXELS, FixedDepth, Plane, SUBTEXEL, depth_plane, fixed_depth,
 };
 use adumbra::MAX_SLOPE;
 
@@ -268,11 +268,6 @@ impl Projected {
             high = high.min((z + rise + slack).max(low));
         }
         [low, high]
-    }
-
-    /// Returns the plane over (x, y) of an attribute whose corner values are in the caller's order.
-    pub(crate) fn attribute_plane(corners_grid: &[[f64; 3]; 3], values: [f64; 3]) -> Option<Plane> {
-        plane_through(corners_grid, values)
     }
 
     /// Returns the deepest point, in voxels, on `plane` of the part within the square of half side `half`

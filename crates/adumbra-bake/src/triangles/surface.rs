@@ -1,6 +1,6 @@
 //! A triangle as the bake uses it: its projected shape and its properties.
 
-use crate::triangles::casters::{Casters, Placed};
+use crate::triangles::casters::Casters;
 use crate::triangles::cluster::ClusterTriangle;
 use crate::triangles::project::Projected;
 use adumbra::grid::LightGrid;
@@ -48,19 +48,15 @@ impl Surfaces for BinSurfaces<'_> {
 
     fn for_each(&self, mut visit: impl FnMut(&Surface)) {
         for &placed in self.casters.in_bin(self.bin) {
-            for_each_of(self.casters, placed, self.grid, &mut visit);
+            let instance = &self.casters.scene.instances[placed.instance as usize];
+            let mesh = &self.casters.scene.meshes[instance.mesh as usize];
+            let flipped = instance.determinant() < 0.0;
+            for c in self.casters.triangles(placed) {
+                let corners = mesh.triangles[c.triangle as usize]
+                    .map(|v| self.grid.to_grid(instance.to_world(mesh.positions[v as usize])));
+                visit(&surface_of(c, placed.instance, instance, Projected::new(corners, flipped)));
+            }
         }
-    }
-}
-
-fn for_each_of(casters: &Casters<'_>, placed: Placed, grid: &LightGrid, mut visit: impl FnMut(&Surface)) {
-    let instance = &casters.scene.instances[placed.instance as usize];
-    let mesh = &casters.scene.meshes[instance.mesh as usize];
-    let flipped = instance.determinant() < 0.0;
-    for c in casters.triangles(placed) {
-        let corners = mesh.triangles[c.triangle as usize]
-            .map(|v| grid.to_grid(instance.to_world(mesh.positions[v as usize])));
-        visit(&surface_of(c, placed.instance, instance, Projected::new(corners, flipped)));
     }
 }
 

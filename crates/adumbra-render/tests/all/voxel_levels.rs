@@ -5,6 +5,7 @@ use adumbra::Filter;
 use adumbra::query::{FixedReceiver, receiver};
 use adumbra_render::maps::twin::Surface;
 use adumbra_render::{Answer, Renderer, SceneOptions, Shot, TechniqueFiles, build};
+use adumbra_testing::end_level;
 
 use crate::kit;
 use crate::kit::surfaces::surfaces;
@@ -66,7 +67,7 @@ fn gpu_voxel_levels_match_cpu_with_any_filter() {
     let sampler = file.sampler(Filter::Box9);
     hold("voxel", &renderer, &found, |p, n| {
         let r = FixedReceiver::new(&receiver(&file.grid, &sampler.bias(), p, Some(n)), file.grid.size);
-        (sampler.end_level(&r).map_or(-1.0, |level| level as f32), voxel_world)
+        (end_level(&file.tree, &r).map_or(-1.0, |level| level as f32), voxel_world)
     });
     for name in ["voxel:filter=1", "voxel:soft", "voxel+csm", "blur:base=voxel"] {
         assert_eq!(levels(&mut renderer, &baked, name).0, found, "{name}");

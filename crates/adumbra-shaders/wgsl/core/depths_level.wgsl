@@ -1,6 +1,6 @@
 // Level of the block in which an unfiltered look-up ends. All columns of the block switch at one depth, and
 // it spans 2^level columns a side. 0 is a single column. -1 means that the receiver is beside or in front of
-// the grid. This is the counterpart of adumbra::Sampler::end_level. core/depths.wgsl must precede this file.
+// the grid. core/depths.wgsl must precede this file.
 
 fn adumbra_voxel_end_level(v: AdumbraVoxelParams, r: AdumbraVoxelReceiver) -> i32 {
     let asked = adumbra_voxel_of(v, r);

@@ -54,6 +54,13 @@ pub enum Error {
     Range(#[from] RangeError),
 }
 
+impl Error {
+    /// Returns the error for a fault of the file at `path`.
+    pub(crate) fn in_file(path: &Path, fault: FormatError) -> Self {
+        Self::Format { path: Some(path.to_owned()), source: Box::new(fault) }
+    }
+}
+
 impl From<FormatError> for Error {
     fn from(error: FormatError) -> Self {
         Self::Format { path: None, source: Box::new(error) }

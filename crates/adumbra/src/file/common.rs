@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::coder;
 use crate::error::FormatError;
-use crate::file::sections::{u32_chunks, u32_words};
+use crate::file::sections::u32_words;
 use crate::layout::depths::ShapePlace;
 use crate::layout::depths::page::{BUNDLE_PAGES, Page};
 use crate::settings::Encoding;
@@ -51,8 +51,7 @@ impl CommonSection {
     ) -> Result<Self, FormatError> {
         match encoding {
             Encoding::Raw if !bytes.len().is_multiple_of(4) => {
-                let found = format!("{} bytes", bytes.len());
-                Err(FormatError::Bundle { section: section(), found, expected: "whole words" })
+                Err(fault(section, format!("{} bytes", bytes.len()), "whole words"))
             }
             Encoding::Raw => Ok(Self { words: u32_words(bytes), shapes: None }),
             Encoding::Coded if bytes.is_empty() => {
@@ -83,7 +82,7 @@ impl CommonSection {
     pub(super) fn to_bytes(&self) -> Result<Vec<u8>, FormatError> {
         match &self.shapes {
             _ if self.words.is_empty() => Ok(Vec::new()),
-            None => Ok(u32_chunks(&self.words).flatten().collect()),
+            None => Ok(self.words.iter().flat_map(|word| word.to_le_bytes()).collect()),
             Some(shapes) => coder::encode_common(shapes, self.words.len()).map_err(|_| uncodable(NAME)),
         }
     }
@@ -132,6 +131,15 @@ impl CommonSection {
 
 /// Name of the section in messages of a writer.
 const NAME: &str = "common section";
+
+/// Returns the error for a bundle, or another part, that differs from its description.
+pub(super) fn fault(
+    section: impl Fn() -> String,
+    found: impl Into<String>,
+    expected: &'static str,
+) -> FormatError {
+    FormatError::Bundle { section: section(), found: found.into(), expected }
+}
 
 fn uncodable(section: impl fmt::Display) -> FormatError {
     FormatError::Uncodable { section: section.to_string() }

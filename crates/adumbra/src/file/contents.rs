@@ -1,10 +1,10 @@
-//! The description of a file's parts: header, directory and tables, and the checksums of the parts.
+//! The description of a file's parts: header, directory and tables.
 
 use crate::error::FormatError;
-use crate::file::common::CommonSection;
+use crate::file::common::{CommonSection, fault};
 use crate::file::directory::{self, GridEntry};
 use crate::file::header::{Header, directory_bytes};
-use crate::file::sections::Section;
+use crate::file::sections::{Section, checked};
 use crate::file::table::{BUNDLE_ENTRY_BYTES, BundleEntry};
 use crate::file::{Contents, HEADER_BYTES};
 use crate::settings::Encoding;
@@ -45,15 +45,6 @@ impl Contents {
         let tables = tables.collect::<Result<_, _>>()?;
         Ok(Self { header, grids, tables })
     }
-}
-
-/// Returns the offset at which the directory ends. `front` has the header.
-///
-/// # Errors
-/// Returns the fault with the values found.
-pub(super) fn directory_end(front: &[u8]) -> Result<u64, FormatError> {
-    let grids = Header::parse(front)?.grids;
-    Ok((HEADER_BYTES + directory_bytes(grids)) as u64)
 }
 
 /// Returns the offset at which the tables end. `front` has header and directory.
@@ -109,24 +100,6 @@ pub fn name_of_bundle(level: u32, index: usize) -> String {
     format!("bundle {index} of level {level}")
 }
 
-/// Returns the bytes of a section, after comparing them with its checksum.
-pub(super) fn checked(
-    bytes: &[u8],
-    section: Section,
-    name: impl Fn() -> String,
-) -> Result<&[u8], FormatError> {
-    let found = usize::try_from(section.end()).ok().and_then(|end| bytes.get(section.offset as usize..end));
-    let Some(found) = found else {
-        let (needed, have) = (section.end(), bytes.len() as u64);
-        return Err(FormatError::Truncated { what: name().into(), needed, have });
-    };
-    let (stored, computed) = (section.checksum, crc32fast::hash(found));
-    if stored == computed {
-        return Ok(found);
-    }
-    Err(FormatError::SectionChecksum { section: name().into(), stored, computed })
-}
-
 /// Reads the table of a level, and checks that its bundles are as long as all bundles together.
 fn table(
     bytes: &[u8],
@@ -134,20 +107,16 @@ fn table(
     level: u32,
     grid: &GridEntry,
 ) -> Result<Vec<BundleEntry>, FormatError> {
-    let bytes = checked(bytes, grid.table, || format!("table of level {level}"))?;
+    let name = || format!("table of level {level}");
+    let bytes = checked(bytes, grid.table, name)?;
     let entries = bytes.chunks_exact(BUNDLE_ENTRY_BYTES).enumerate();
     let entries: Vec<BundleEntry> = entries
         .map(|(i, bytes)| BundleEntry::parse(bytes, encoding, || name_of_bundle(level, i)))
         .collect::<Result<_, _>>()?;
     let sum: u64 = entries.iter().map(|entry| u64::from(entry.stored_bytes)).sum();
     if sum != grid.bundles.length {
-        let section = format!("table of level {level}");
         let found = format!("bundles of {sum} bytes in all");
-        return Err(FormatError::Bundle {
-            section,
-            found,
-            expected: "the directory's length of all bundles",
-        });
+        return Err(fault(name, found, "the directory's length of all bundles"));
     }
     Ok(entries)
 }

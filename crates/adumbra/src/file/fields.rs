@@ -21,23 +21,15 @@ pub struct Kind {
     pub shown: &'static str,
     /// The name of such a file in messages.
     pub name: &'static str,
-    /// The version that is written, and the latest that is read.
+    /// The version that is written and read.
     pub version: u32,
-    /// The earliest version that is read.
-    pub oldest: u32,
 }
 
 /// A file with a light-aligned grid.
-pub const LIGHT: Kind = Kind {
-    magic: *b"ADUMBRA\n",
-    shown: "\"ADUMBRA\\n\"",
-    name: "light-aligned shadow file",
-    version: 4,
-    oldest: 4,
-};
+pub const LIGHT: Kind =
+    Kind { magic: *b"ADUMBRA\n", shown: "\"ADUMBRA\\n\"", name: "light-aligned shadow file", version: 4 };
 /// A file with the path of a sun.
-pub const PATH: Kind =
-    Kind { magic: *b"ADUMDAY\n", shown: "\"ADUMDAY\\n\"", name: "sun path", version: 1, oldest: 1 };
+pub const PATH: Kind = Kind { magic: *b"ADUMDAY\n", shown: "\"ADUMDAY\\n\"", name: "sun path", version: 1 };
 
 /// Whether a file that begins with these bytes is the path of a sun.
 pub fn is_path(bytes: &[u8]) -> bool {
@@ -45,11 +37,11 @@ pub fn is_path(bytes: &[u8]) -> bool {
 }
 
 /// Checks that `bytes` begin with a header of this kind: magic, version, length, and checksum in the last
-/// word. Returns the version and the fields between.
+/// word. Returns the fields between.
 ///
 /// # Errors
 /// Returns the fault with the values found: the magic, the version, the length or the checksum.
-pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<(u32, Decoder<'a>), FormatError> {
+pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<Decoder<'a>, FormatError> {
     let start = &bytes[..bytes.len().min(kind.magic.len())];
     if !kind.magic.starts_with(start) {
         return Err(match [LIGHT, PATH].iter().find(|other| other.magic == start) {
@@ -63,10 +55,8 @@ pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<(u32
         if version > kind.version {
             return Err(FormatError::FutureVersion { version, supported: kind.version });
         }
-        if version < kind.oldest {
-            let range = format!("{} to {}", kind.oldest, kind.version);
-            let expected = if kind.oldest == kind.version { kind.version.to_string() } else { range };
-            return Err(field("version", version.to_string(), expected));
+        if version < kind.version {
+            return Err(field("version", version.to_string(), kind.version.to_string()));
         }
         if length != N as u32 {
             return Err(field("header_bytes", length.to_string(), N.to_string()));
@@ -80,8 +70,7 @@ pub fn identify<'a, const N: usize>(bytes: &'a [u8], kind: &Kind) -> Result<(u32
     let computed = crc32fast::hash(covered);
     let stored = Decoder { bytes: last }.u32()?;
     if stored == computed {
-        let version = Decoder { bytes: &covered[kind.magic.len()..] }.u32()?;
-        Ok((version, Decoder { bytes: &covered[FRONT_BYTES..] }))
+        Ok(Decoder { bytes: &covered[FRONT_BYTES..] })
     } else {
         Err(FormatError::HeaderChecksum { stored, computed })
     }

@@ -57,7 +57,7 @@ impl Header {
     /// # Errors
     /// Returns the fault with the values found.
     pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let (_, mut fields) = identify::<HEADER_BYTES>(bytes, &LIGHT)?;
+        let mut fields = identify::<HEADER_BYTES>(bytes, &LIGHT)?;
         let [flags, resolution, grids, encoding] = fields.u32s()?;
         let thickness_world = fields.f64()?;
         let [constant_texels, slope_texels, normal_offset_texels] = fields.f64s()?;

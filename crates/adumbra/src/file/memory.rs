@@ -6,8 +6,9 @@ use std::path::Path;
 
 use crate::coder::DECODING_RATIO;
 use crate::error::{Error, FormatError, IoError, Result};
-use crate::file::contents::{directory_end, tables_end};
-use crate::file::{BundleEntry, Contents, GridEntry, HEADER_BYTES, ShadowFile, threads};
+use crate::file::contents::tables_end;
+use crate::file::header::directory_bytes;
+use crate::file::{BundleEntry, Contents, GridEntry, HEADER_BYTES, MAX_LEVELS, ShadowFile, threads};
 use crate::layout::depths::page::HEAD_WORDS;
 use crate::layout::depths::{PLACED_PAGE_BYTES, page, top};
 
@@ -40,10 +41,9 @@ impl FileMemory {
         mut first: impl FnMut(u64) -> Result<Vec<u8>>,
         invalid: impl Fn(FormatError) -> Error,
     ) -> Result<Self> {
-        let mut bytes = first(HEADER_BYTES as u64)?;
-        for end in [directory_end, tables_end] {
-            bytes = first(end(&bytes).map_err(&invalid)?)?;
-        }
+        // Header and directory of the most levels, in one read.
+        let front = first((HEADER_BYTES + directory_bytes(MAX_LEVELS)) as u64)?;
+        let bytes = first(tables_end(&front).map_err(&invalid)?)?;
         Ok(Self::of_contents(&Contents::parse_beginning(&bytes).map_err(invalid)?))
     }
 
@@ -85,8 +85,8 @@ impl FileMemory {
 }
 
 impl ShadowFile {
-    /// Returns the memory that the file at `path` takes. The file's first bytes are read, up to the end of
-    /// its tables.
+    /// Returns the memory that the file at `path` takes. Only the beginning of the file is read: header,
+    /// directory and tables.
     ///
     /// # Errors
     /// Returns [`Error::Io`] if the operating system fails to read the file, and [`Error::Format`] if these
@@ -103,7 +103,7 @@ impl ShadowFile {
         };
         FileMemory::of(
             |end| first(end).map_err(|error| IoError::at("read", path)(error).into()),
-            |fault| Error::Format { path: Some(path.to_owned()), source: Box::new(fault) },
+            |fault| Error::in_file(path, fault),
         )
     }
 }

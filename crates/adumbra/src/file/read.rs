@@ -3,8 +3,7 @@
 use std::path::Path;
 
 use crate::error::{Error, FormatError, IoError, Result};
-use crate::file::common::CommonSection;
-use crate::file::contents::{checked, name_of_bundle};
+use crate::file::contents::name_of_bundle;
 use crate::file::directory::GridEntry;
 use crate::file::fields::field;
 use crate::file::header::Header;
@@ -27,7 +26,7 @@ impl ShadowFile {
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
-        Self::from_bytes(&bytes).map_err(|fault| invalid(path, fault))
+        Self::from_bytes(&bytes).map_err(|fault| Error::in_file(path, fault))
     }
 
     /// Reads and validates the file at `path` if that takes at most `limit_bytes` of memory, the file's own
@@ -41,7 +40,8 @@ impl ShadowFile {
     /// Returns the errors of [`ShadowFile::read`], and [`Error::Format`] with [`FormatError::TooLarge`].
     pub fn read_within(path: impl AsRef<Path>, limit_bytes: u64) -> Result<Self> {
         let path = path.as_ref();
-        let too_large = |needed_bytes| invalid(path, FormatError::TooLarge { needed_bytes, limit_bytes });
+        let too_large =
+            |needed_bytes| Error::in_file(path, FormatError::TooLarge { needed_bytes, limit_bytes });
         let length = std::fs::metadata(path).map_err(IoError::at("read", path))?.len();
         if length > limit_bytes {
             return Err(too_large(length));
@@ -52,7 +52,7 @@ impl ShadowFile {
         }
         // The file may have been replaced since.
         let bytes = read_file(path, HEADER_BYTES, |front| Ok(Header::parse(front)?.file_bytes))?;
-        Self::from_bytes_within(&bytes, limit_bytes).map_err(|fault| invalid(path, fault))
+        Self::from_bytes_within(&bytes, limit_bytes).map_err(|fault| Error::in_file(path, fault))
     }
 
     /// Decodes and validates a whole file.
@@ -74,11 +74,12 @@ impl ShadowFile {
     pub fn from_bytes_within(bytes: &[u8], limit_bytes: u64) -> Result<Self, FormatError> {
         let contents = Contents::parse(bytes)?;
         FileMemory::check(&contents, limit_bytes)?;
-        let levels = (0..).zip(&contents.grids).map(|(level, grid)| {
-            let part = Part { bytes, encoding: contents.header.encoding, level };
-            Ok((grid.grid, part.tree(grid, &contents.tables[level as usize])?))
-        });
-        let mut levels = levels.collect::<Result<Vec<_>, FormatError>>()?.into_iter();
+        let encoding = contents.header.encoding;
+        let mut levels = Vec::with_capacity(contents.grids.len());
+        for (level, (grid, table)) in (0..).zip(contents.grids.iter().zip(&contents.tables)) {
+            levels.push((grid.grid, read_tree(bytes, encoding, level, grid, table)?));
+        }
+        let mut levels = levels.into_iter();
         let Some((grid, tree)) = levels.next() else {
             return Err(field("grids", "0", "at least 1"));
         };
@@ -86,60 +87,48 @@ impl ShadowFile {
     }
 }
 
-fn invalid(path: &Path, source: FormatError) -> Error {
-    Error::Format { path: Some(path.to_owned()), source: Box::new(source) }
-}
-
-/// The parts of one grid in a file whose directory fits its length.
-struct Part<'b> {
-    bytes: &'b [u8],
+/// Decodes the tree of one grid. The file has all bytes that its directory and tables name.
+fn read_tree(
+    bytes: &[u8],
     encoding: Encoding,
     level: u32,
-}
-
-impl Part<'_> {
-    fn name_of_bundle(&self, index: usize) -> String {
-        name_of_bundle(self.level, index)
-    }
-
-    fn tree(&self, grid: &GridEntry, table: &[BundleEntry]) -> Result<DepthTree, FormatError> {
-        let level = self.level;
-        let name = || format!("common section of level {level}");
-        let common = checked(self.bytes, grid.common, name)?;
-        let common = CommonSection::parse(common, grid.common_raw_bytes, self.encoding, name)?;
-        let size = grid.grid.size;
-        let (dims, places) = (page_dims(size), bundles(page_dims(size)));
-        let mut builder = TreeBuilder::new(size, common.words().to_vec());
-        let pages_bytes = |entry: &BundleEntry| (entry.raw_bytes as usize).saturating_sub(4 * HEAD_WORDS);
-        builder.reserve(table.iter().map(pages_bytes).sum::<usize>() / 4);
-        let mut at = grid.bundles.offset as usize;
-        let stored: Vec<(usize, &BundleEntry, &[u8])> = (0..)
-            .zip(table)
-            .map(|(i, entry)| {
-                let bytes = &self.bytes[at..][..entry.stored_bytes as usize];
-                at += bytes.len();
-                (i, entry, bytes)
-            })
-            .collect();
-        let parse = |&(i, entry, bytes): &(usize, &BundleEntry, &[u8])| {
-            let name = || self.name_of_bundle(i);
-            let bundle = Bundle::parse(entry, bytes, &common, name)?;
-            bundle.check_pages(entry, (places[i], dims), name)?;
-            Ok(bundle)
-        };
-        for batch in stored.chunks(BATCH_BUNDLES) {
-            // Return the error of the first bundle that fails.
-            for (&(i, ..), bundle) in batch.iter().zip(each(batch, parse)) {
-                builder.add(places[i], &bundle?.pages());
-            }
+    grid: &GridEntry,
+    table: &[BundleEntry],
+) -> Result<DepthTree, FormatError> {
+    let common = &bytes[grid.common.offset as usize..grid.common.end() as usize];
+    let common = grid.parse_common(common, encoding, level)?;
+    let size = grid.grid.size;
+    let (dims, places) = (page_dims(size), bundles(page_dims(size)));
+    let mut builder = TreeBuilder::new(size, common.words().to_vec());
+    let pages_bytes = |entry: &BundleEntry| (entry.raw_bytes as usize).saturating_sub(4 * HEAD_WORDS);
+    builder.reserve(table.iter().map(pages_bytes).sum::<usize>() / 4);
+    let mut at = grid.bundles.offset as usize;
+    let stored: Vec<(usize, &BundleEntry, &[u8])> = (0..)
+        .zip(table)
+        .map(|(i, entry)| {
+            let bytes = &bytes[at..][..entry.stored_bytes as usize];
+            at += bytes.len();
+            (i, entry, bytes)
+        })
+        .collect();
+    let parse = |&(i, entry, bytes): &(usize, &BundleEntry, &[u8])| {
+        let name = || name_of_bundle(level, i);
+        let bundle = Bundle::parse(entry, bytes, &common, name)?;
+        bundle.check_pages(entry, (places[i], dims), name)?;
+        Ok(bundle)
+    };
+    for batch in stored.chunks(BATCH_BUNDLES) {
+        // Return the error of the first bundle that fails.
+        for (&(i, ..), bundle) in batch.iter().zip(each(batch, parse)) {
+            builder.add(places[i], &bundle?.pages());
         }
-        // Free the lists of shapes: they are as large as the memory that checking needs.
-        drop(common);
-        let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
-        let mut ranges = Ranges::new(tree.common());
-        for (i, (entry, &place)) in table.iter().zip(&places).enumerate() {
-            entry.check_range(&tree.bundle(place), (place, dims), &mut ranges, || self.name_of_bundle(i))?;
-        }
-        Ok(tree)
     }
+    // Free the lists of shapes: they are as large as the memory that checking needs.
+    drop(common);
+    let tree = builder.finish().map_err(|fault| FormatError::Depths { level, fault })?;
+    let mut ranges = Ranges::new(tree.common());
+    for (i, (entry, &place)) in table.iter().zip(&places).enumerate() {
+        entry.check_range(&tree.bundle(place), (place, dims), &mut ranges, || name_of_bundle(level, i))?;
+    }
+    Ok(tree)
 }

@@ -1,15 +1,11 @@
-//! The parts of a file: their entries in tables, their words, and reading a file header first.
+//! The parts of a file: their entries in tables, checksums and words, and reading a file header first.
 
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::error::FormatError;
-use crate::error::{Error, IoError, Result};
-
-/// Number of bytes encoded at a time.
-const CHUNK_BYTES: usize = 1 << 16;
+use crate::error::{Error, FormatError, IoError, Result};
 
 /// An entry of the section table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -39,6 +35,27 @@ pub fn bounds(
     FormatError::SectionBounds { section: section.into(), field, value, expected: expected.into() }
 }
 
+/// Returns the bytes of a section, after comparing them with its checksum.
+///
+/// # Errors
+/// Returns [`FormatError::Truncated`] or [`FormatError::SectionChecksum`].
+pub(crate) fn checked(
+    bytes: &[u8],
+    section: Section,
+    name: impl Fn() -> String,
+) -> Result<&[u8], FormatError> {
+    let found = usize::try_from(section.end()).ok().and_then(|end| bytes.get(section.offset as usize..end));
+    let Some(found) = found else {
+        let (needed, have) = (section.end(), bytes.len() as u64);
+        return Err(FormatError::Truncated { what: name().into(), needed, have });
+    };
+    let (stored, computed) = (section.checksum, crc32fast::hash(found));
+    if stored == computed {
+        return Ok(found);
+    }
+    Err(FormatError::SectionChecksum { section: name().into(), stored, computed })
+}
+
 /// Reads the file at `path`. `file_bytes` receives the first `header_bytes` bytes, or all of a shorter file,
 /// and returns the length of the file. So a large file of another kind is refused without being read.
 ///
@@ -53,8 +70,7 @@ pub fn read_file(
     let mut file = File::open(path).map_err(IoError::at("read", path))?;
     let mut bytes = Vec::new();
     (&mut file).take(header_bytes as u64).read_to_end(&mut bytes).map_err(IoError::at("read", path))?;
-    let whole = file_bytes(&bytes)
-        .map_err(|source| Error::Format { path: Some(path.to_owned()), source: Box::new(source) })?;
+    let whole = file_bytes(&bytes).map_err(|fault| Error::in_file(path, fault))?;
     // Reads one byte more than there should be, to detect trailing bytes.
     let rest = whole.saturating_sub(bytes.len() as u64).saturating_add(1);
     let length = file.metadata().map_or(0, |found| found.len());
@@ -66,9 +82,4 @@ pub fn read_file(
 /// Decodes the little-endian words of a section that consists of whole words.
 pub fn u32_words(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks().0.iter().map(|&b| u32::from_le_bytes(b)).collect()
-}
-
-/// Encodes `words` in little-endian, in pieces of 64 KiB.
-pub fn u32_chunks(words: &[u32]) -> impl Iterator<Item = Vec<u8>> {
-    words.chunks(CHUNK_BYTES / 4).map(|c| c.iter().flat_map(|w| w.to_le_bytes()).collect())
 }

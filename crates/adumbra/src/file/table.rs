@@ -10,8 +10,9 @@
 //! In a coded file these words are coded, see [`CommonSection`].
 
 use crate::error::FormatError;
-use crate::file::common::{CommonSection, is_plausible};
+use crate::file::common::{CommonSection, fault, is_plausible};
 use crate::file::fields::{Decoder, reserved};
+use crate::file::sections::{Section, checked};
 use crate::layout::depths::page::{BUNDLE_PAGES, HEAD_WORDS, Page, pages_of};
 use crate::layout::depths::{Range, Ranges, UNIFORM};
 use crate::settings::Encoding;
@@ -73,7 +74,7 @@ impl BundleEntry {
                 "no bytes and one depth, or whole words of raw bytes, from 192 to 192 plus 16 times the stored ones"
             }
         };
-        Err(FormatError::Bundle { section: section(), found: format!("{entry:?}"), expected })
+        Err(fault(section, format!("{entry:?}"), expected))
     }
 
     /// Checks that the range is that of the bundle's pages, which are valid, and that nothing is stored where
@@ -93,7 +94,7 @@ impl BundleEntry {
             return Err(fault(section, "bytes although all columns switch at one depth", "none"));
         }
         if range != self.range {
-            return Err(fault(section, &format!("{:?}", self.range), "the range of depths of its columns"));
+            return Err(fault(section, format!("{:?}", self.range), "the range of depths of its columns"));
         }
         Ok(())
     }
@@ -153,11 +154,8 @@ impl Bundle {
         common: &CommonSection,
         section: impl Fn() -> String,
     ) -> Result<Self, FormatError> {
-        let computed = crc32fast::hash(bytes);
-        if computed != entry.checksum {
-            let (section, stored) = (section().into(), entry.checksum);
-            return Err(FormatError::SectionChecksum { section, stored, computed });
-        }
+        let whole = Section { offset: 0, length: bytes.len() as u64, checksum: entry.checksum };
+        checked(bytes, whole, &section)?;
         if entry.stored_bytes == 0 {
             return Ok(Self { heads: [[UNIFORM, entry.range.nearest, 0]; BUNDLE_PAGES], words: Vec::new() });
         }
@@ -169,7 +167,7 @@ impl Bundle {
         if sum != words.len() as u64 {
             let found = format!("{sum} words of pages");
             let expected = "as many words of pages as the bundle has after its head";
-            return Err(FormatError::Bundle { section: section(), found, expected });
+            return Err(fault(section, found, expected));
         }
         Ok(Self { heads, words })
     }
@@ -207,10 +205,6 @@ impl Bundle {
     }
 }
 
-fn fault(section: impl Fn() -> String, found: &str, expected: &'static str) -> FormatError {
-    FormatError::Bundle { section: section(), found: found.to_owned(), expected }
-}
-
 /// Returns the length in bytes of a bundle's words. 0 if all of its columns switch at one depth.
 pub(super) fn raw_bytes(bundle: [u32; 2], page_dims: [u32; 2], pages: &[Page<'_>; BUNDLE_PAGES]) -> u64 {
     if is_uniform(&inside(bundle, page_dims, pages)) {
@@ -239,5 +233,6 @@ fn range_of(
     ranges: &mut Ranges<'_>,
 ) -> (Range, bool) {
     let inside = inside(bundle, page_dims, pages);
-    (ranges.of_bundle(&inside), is_uniform(&inside))
+    let range = inside.iter().map(|page| ranges.of_page(page)).reduce(Range::joined);
+    (range.unwrap_or(Range::NEVER), is_uniform(&inside))
 }

@@ -5,6 +5,7 @@ use std::io::{self, Cursor, ErrorKind, Seek, SeekFrom, Write};
 use crate::error::FormatError;
 use crate::file::common::CommonSection;
 use crate::file::directory::{GridEntry, check_grids, place, table_bytes};
+use crate::file::fields::field;
 use crate::file::header::{Header, directory_bytes};
 use crate::file::sections::Section;
 use crate::file::table::{StoredBundle, raw_bytes};
@@ -27,11 +28,8 @@ impl ShadowFile {
         for level in levels.iter().rev() {
             let tree = &*level.tree;
             if tree.size() != level.grid.size {
-                return Err(invalid(FormatError::HeaderField {
-                    field: "size",
-                    value: format!("{:?}", level.grid.size),
-                    expected: format!("the quadtree's {:?}", tree.size()),
-                }));
+                let expected = format!("the quadtree's {:?}", tree.size());
+                return Err(invalid(field("size", format!("{:?}", level.grid.size), expected)));
             }
             writer.write_level(tree)?;
         }

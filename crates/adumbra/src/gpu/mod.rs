@@ -75,8 +75,8 @@ impl<'f> FileForGpu<'f> {
     /// Both return visibility, 1 = lit. The second averages over the sun's disc: its parameters must have a
     /// [`Penumbra`], and `pixel`, the fragment's coordinates, rotates the taps. Positions are relative to the
     /// anchor of the parameters. The normal is the triangle's, of unit length, or zero where there is none.
-    /// All names begin with `adumbra_`, `Adumbra` or `ADUMBRA_`, so two such texts do not fit into one
-    /// module. The text is the same for every file.
+    /// All names begin with `adumbra_`, `Adumbra` or `ADUMBRA_`. The text is the same for every file. A
+    /// module can hold it only once, because a second copy would define the same names again.
     pub fn wgsl(self, bindings: Bindings) -> String {
         wgsl::of_buffers(bindings)
     }

@@ -1,7 +1,8 @@
 //! Bytes of a path file before its keys: header and tables. `spec/sun-path.md` has the offsets.
 
 use crate::error::FormatError;
-use crate::file::fields::{Decoder, Encoder, PATH, check_finite, field, identify};
+use crate::file::fields::{Decoder, Encoder, PATH, UNIT_TOLERANCE, check_finite, field, identify};
+use crate::file::sections::{Section, checked};
 use crate::path::{KeyPlace, SunStep};
 
 /// Size of the header in bytes.
@@ -16,8 +17,6 @@ const ALIGNMENT: u64 = 8;
 const MAX_STEPS: u32 = 527_040;
 /// Most keys of a path.
 const MAX_KEYS: u32 = 65_536;
-/// How far a direction's length may be from 1.
-const UNIT_TOLERANCE: f64 = 1e-9;
 /// Flag: the place is given.
 const HAS_PLACE: u32 = 1;
 
@@ -71,9 +70,9 @@ impl Front {
         [&header.sealed()[..], &tables].concat()
     }
 
-    /// Reads a header. Returns it with the number of bytes before the first key, and the tables' checksum.
+    /// Reads a header. Returns it with the place of the tables.
     pub(super) fn parse_header(bytes: &[u8]) -> Result<Counted, FormatError> {
-        let (_, mut fields) = identify::<HEADER_BYTES>(bytes, &PATH)?;
+        let mut fields = identify::<HEADER_BYTES>(bytes, &PATH)?;
         let [flags, steps, keys, offset] = fields.u32s()?;
         let place = fields.f64s()?;
         let file_bytes = fields.u64()?;
@@ -91,39 +90,30 @@ impl Front {
                 return Err(field(name, count.to_string(), format!("from 1 to {most}")));
             }
         }
+        let length = front_bytes(steps as usize, keys as usize) - HEADER_BYTES as u64;
         Ok(Counted {
-            front_bytes: front_bytes(steps as usize, keys as usize),
+            tables: Section { offset: HEADER_BYTES as u64, length, checksum },
             steps: steps as usize,
             utc_offset_seconds: offset.cast_signed(),
             place_degrees: has_place.then_some(place),
             file_bytes,
-            checksum,
         })
     }
 }
 
-/// A header, and the length of the tables after it.
+/// A header, and the place of the tables after it.
 pub(super) struct Counted {
-    pub(super) front_bytes: u64,
+    pub(super) tables: Section,
     steps: usize,
     utc_offset_seconds: i32,
     place_degrees: Option<[f64; 2]>,
     file_bytes: u64,
-    checksum: u32,
 }
 
 impl Counted {
     /// Reads the tables, which are in the file's first bytes with the header.
     pub(super) fn parse_tables(&self, bytes: &[u8]) -> Result<Front, FormatError> {
-        let Some(tables) = bytes.get(HEADER_BYTES..self.front_bytes as usize) else {
-            let (needed, have) = (self.front_bytes, bytes.len() as u64);
-            return Err(FormatError::Truncated { what: "tables of the path".into(), needed, have });
-        };
-        let (stored, computed) = (self.checksum, crc32fast::hash(tables));
-        if stored != computed {
-            let section = "tables of the path".into();
-            return Err(FormatError::SectionChecksum { section, stored, computed });
-        }
+        let tables = checked(bytes, self.tables, || "tables of the path".to_owned())?;
         let (steps, keys) = tables.split_at(self.steps * STEP_BYTES);
         let step = |bytes: &[u8; STEP_BYTES]| {
             let [seconds, x, y, z] = Decoder { bytes }.f64s()?;

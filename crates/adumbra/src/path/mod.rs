@@ -88,10 +88,10 @@ impl SunPath {
     pub fn open(source: Arc<dyn ShadowSource>, name: impl AsRef<Path>) -> Result<Self> {
         let name = name.as_ref().to_owned();
         let read = |range| source.read(range).map_err(|error| failed(&name, error));
-        let invalid = |fault| invalid(&name, fault);
         let header = read(0..HEADER_BYTES as u64)?;
-        let counted = Front::parse_header(&header).map_err(invalid)?;
-        let front = counted.parse_tables(&read(0..counted.front_bytes)?).map_err(invalid)?;
+        let counted = Front::parse_header(&header).map_err(|fault| Error::in_file(&name, fault))?;
+        let bytes = read(0..counted.tables.end())?;
+        let front = counted.parse_tables(&bytes).map_err(|fault| Error::in_file(&name, fault))?;
         Ok(Self { front, source, name })
     }
 
@@ -200,10 +200,11 @@ impl SunPath {
     pub fn key(&self, index: usize) -> Result<ShadowFile> {
         let KeyPlace { offset, bytes, words, .. } = self.front.keys[index];
         let read = self.source.read(offset..offset + bytes).map_err(|error| failed(&self.name, error))?;
-        let file = ShadowFile::from_bytes(&read).map_err(|fault| invalid(&self.name, fault))?;
+        let file = ShadowFile::from_bytes(&read).map_err(|fault| Error::in_file(&self.name, fault))?;
         let found = file.gpu().words().count();
         if found != words {
-            return Err(invalid(&self.name, field("words of a key", words.to_string(), found.to_string())));
+            let fault = field("words of a key", words.to_string(), found.to_string());
+            return Err(Error::in_file(&self.name, fault));
         }
         Ok(file)
     }
@@ -221,7 +222,7 @@ impl SunPath {
         let source = self.key_source(index);
         FileMemory::of(
             |end| source.read(0..end).map_err(|error| failed(&self.name, error)),
-            |fault| invalid(&self.name, fault),
+            |fault| Error::in_file(&self.name, fault),
         )
     }
 
@@ -270,10 +271,6 @@ fn between(a: [f64; 3], b: [f64; 3], share: f64) -> [f64; 3] {
 
 fn failed(name: &Path, error: SourceError) -> Error {
     IoError::at("read", name)(io::Error::other(error)).into()
-}
-
-fn invalid(name: &Path, fault: FormatError) -> Error {
-    Error::Format { path: Some(name.to_owned()), source: Box::new(fault) }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Look-ups of many points.
 
 use crate::error::{Error, RangeError, RangeField, Result};
-use crate::query::{Cursor, PointVisibility, Sampler};
+use crate::query::{FixedReceiver, PointVisibility, Sampler, receiver};
 
 impl Sampler {
     /// Writes the visibilities of successive points to `out`, with one normal per point or none at all. They
@@ -60,9 +60,11 @@ impl Sampler {
     }
 
     fn fill(&self, points_world: &[[f64; 3]], normals: Option<&[[f64; 3]]>, out: &mut [f32]) {
-        let mut cursor = Cursor::new(self);
+        let (bias, size) = (self.bias(), self.tree().size());
+        let mut lit_taps = self.successive_lit_taps();
         for (i, (out, &p)) in out.iter_mut().zip(points_world).enumerate() {
-            *out = cursor.visibility(p, normals.map(|n| n[i]));
+            let r = receiver(self.grid(), &bias, p, normals.map(|n| n[i]));
+            *out = self.share(lit_taps(&FixedReceiver::new(&r, size)));
         }
     }
 }

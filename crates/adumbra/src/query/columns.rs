@@ -5,9 +5,11 @@
 //! Only in between are columns compared, a row of eight at once.
 
 use crate::layout::depths::TreeWords;
+use crate::layout::depths::code::ColumnNode;
 use crate::query::fixed::{FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, MAX_FIXED_SIDE};
 
-/// Cached blocks. The slot is chosen by the parity of the block along both axes.
+/// Cached blocks. The slot is chosen by the parity of the block along both axes, because a filter of up to 9
+/// texels touches at most two along each.
 pub(super) struct Columns<'d> {
     tree: TreeWords<'d>,
     size: [i32; 3],
@@ -114,12 +116,14 @@ fn fetch<'k>(kept: &'k mut [Block; 4], tree: &TreeWords<'_>, last: i32, place: [
     let block = &mut kept[(place[0] & 1 | (place[1] & 1) << 1) as usize];
     if block.place != place {
         let [i, j] = place.map(|c| (c as u32) << 3);
-        let switches = tree.switches(i, j);
+        let (bounds, leaf) = match tree.place(i, j).0 {
+            ColumnNode::Uniform(value) => ([value; 2], None),
+            ColumnNode::Leaf { at, base } => (tree.shapes().leaf(at, base).bounds(), Some([at, base])),
+        };
         block.place = place;
-        block.nearest = depth_in_grid(switches.nearest, last);
-        block.farthest = depth_in_grid(switches.farthest, last);
-        block.leaf = switches.leaf;
-        if switches.leaf.is_none() {
+        [block.nearest, block.farthest] = bounds.map(|depth| depth_in_grid(depth, last));
+        block.leaf = leaf;
+        if leaf.is_none() {
             block.depths = [[block.nearest; 8]; 8];
         }
     }
@@ -128,8 +132,8 @@ fn fetch<'k>(kept: &'k mut [Block; 4], tree: &TreeWords<'_>, last: i32, place: [
 
 impl Block {
     /// Reads the columns' depths.
-    fn read(&mut self, tree: &TreeWords<'_>, leaf: [u32; 2], last: i32) {
-        let depths = tree.switches_of_leaf(leaf);
+    fn read(&mut self, tree: &TreeWords<'_>, [at, base]: [u32; 2], last: i32) {
+        let depths = tree.shapes().leaf(at, base).values();
         for (to, depth) in self.depths.as_flattened_mut().iter_mut().zip(depths) {
             *to = depth_in_grid(depth, last);
         }

@@ -178,7 +178,7 @@ pub fn march(tree: TreeWords<'_>, slope: MarchSlope, start: [i64; 3]) -> Marched
     let mut lit_from = i64::MAX;
     // The surface of the previous column, if the ray was in its shadow.
     let mut behind: Option<i64> = None;
-    // The block that the ray is in, and bounds of its depths. In a leaf, the ray passes several columns.
+    // The block that the ray is in. In a leaf it passes several columns, whose depths have these bounds.
     let (mut block, mut level) = ([u32::MAX; 2], 0);
     let (mut place, mut bounds) = (ColumnNode::Uniform(NEVER), [NEVER; 2]);
     let mut descent = Descent::START;
@@ -196,30 +196,18 @@ pub fn march(tree: TreeWords<'_>, slope: MarchSlope, start: [i64; 3]) -> Marched
         if [i, j].map(|c| c >> level) != block {
             (place, level) = descent.place(tree, [i, j]);
             block = [i, j].map(|c| c >> level);
-            bounds = match place {
-                ColumnNode::Uniform(value) => [value; 2],
-                ColumnNode::Leaf { at, base } => tree.shapes().leaf(at, base).bounds(),
-            };
+            if let ColumnNode::Leaf { at, base } = place {
+                bounds = tree.shapes().leaf(at, base).bounds();
+            }
         }
         let [nearest, farthest] = bounds;
         let to_border = slope.rise_to_border(at, level);
-        if nearest == NEVER || z < fixed(nearest) {
-            if behind.is_some_and(|surface| z - surface < fixed(EDGE_VOXELS)) {
-                return Marched::Blocked;
-            }
-            behind = None;
-            lit_from = lit_from.min(rise);
-            rise += to_border;
-            continue;
-        }
-        if farthest != NEVER && z - to_border >= fixed(farthest) + fixed(EDGE_VOXELS) {
-            has_been_dark = true;
-            behind = Some(fixed(farthest));
-            rise += to_border;
-            continue;
-        }
+        let is_dark = |depth: u32| depth != NEVER && z - to_border >= fixed(depth) + fixed(EDGE_VOXELS);
         let (value, to_border) = match place {
             ColumnNode::Uniform(value) => (value, to_border),
+            // All of the leaf's columns are lit, or all are dark up to its border.
+            ColumnNode::Leaf { .. } if nearest == NEVER || z < fixed(nearest) => (nearest, to_border),
+            ColumnNode::Leaf { .. } if is_dark(farthest) => (farthest, to_border),
             ColumnNode::Leaf { at: leaf, base } => {
                 let column = (j & 7) * 8 + (i & 7);
                 (tree.shapes().leaf(leaf, base).value(column), slope.rise_to_border(at, 0))

@@ -8,13 +8,11 @@
 
 mod batch;
 mod columns;
-mod cursor;
 mod filter;
 mod fixed;
 mod march;
 mod sampler;
 
-pub use cursor::Cursor;
 pub use filter::Filter;
 pub use fixed::{
     FIXED_BITS, FIXED_ONE, FixedReceiver, GRADIENT_BITS, GRADIENT_ONE, MARGIN_VOXELS, MAX_FIXED_SIDE,

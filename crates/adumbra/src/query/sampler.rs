@@ -78,19 +78,15 @@ impl Sampler {
         lit_taps(self.tree.words(), self.filter, r)
     }
 
-    /// Returns the level of the block in which the look-up of the filter's middle texel ends, see
-    /// [`DepthTree::end_level`]. `None` outside the grid's texels and before the grid, where nothing is
-    /// looked up. A shader returns the same level.
+    /// Returns a function that does what [`Sampler::lit_taps`] does, but costs less if successive receivers
+    /// are close to each other: the depths of the columns of the most recent blocks are cached.
     #[doc(hidden)]
-    pub fn end_level(&self, r: &FixedReceiver) -> Option<u32> {
-        voxel_at(self.tree.words(), r, r.texel()).map(|[i, j, _]| self.tree.end_level(i, j))
-    }
-
-    /// Returns the number of lit taps, with cached columns if the grid allows them.
-    pub(super) fn taps_with(&self, columns: &mut Option<Columns<'_>>, r: &FixedReceiver) -> u32 {
-        match columns {
-            Some(columns) => columns.lit_taps(self.filter.width(), r),
-            None => taps_one_by_one(self.tree.words(), self.filter, r),
+    pub fn successive_lit_taps(&self) -> impl FnMut(&FixedReceiver) -> u32 {
+        let (tree, filter) = (self.tree.words(), self.filter);
+        let mut columns = Columns::new(tree);
+        move |r| match &mut columns {
+            Some(columns) => columns.lit_taps(filter.width(), r),
+            None => taps_one_by_one(tree, filter, r),
         }
     }
 

@@ -4,9 +4,9 @@ use std::sync::{Arc, Mutex};
 
 use crate::error::FormatError;
 use crate::file::{Bundle, BundleEntry, CommonSection, GridEntry, name_of_bundle};
+use crate::layout::depths::PageValidator;
 use crate::layout::depths::page::{Page, page_dims, pages_of};
 use crate::layout::depths::top::{block_level, page_blocks};
-use crate::layout::depths::{PageValidator, Proved};
 use crate::settings::Encoding;
 use crate::stream::retry::StreamError;
 
@@ -28,8 +28,8 @@ pub(super) struct LevelContext {
     pub(super) common: CommonSection,
     pub(super) page_dims: [u32; 2],
     pub(super) block_level: u32,
-    /// Validated shapes of the common section, for threads to reuse.
-    idle: Mutex<Vec<Proved>>,
+    /// Validators of pages, for threads to reuse.
+    idle: Mutex<Vec<PageValidator>>,
 }
 
 /// A bundle that has been decoded and validated.
@@ -83,15 +83,12 @@ impl LevelContext {
         let inside: Vec<_> = inside.filter_map(|(place, page)| Some((place?, page))).collect();
         let common = self.common.words();
         let idle = || self.idle.lock().unwrap_or_else(|e| e.into_inner());
-        let proved = idle().pop();
-        let mut validator = match proved {
-            Some(proved) => PageValidator::resume(common, proved),
-            None => PageValidator::new(common),
-        };
-        let is_valid = inside.iter().try_for_each(|&(place, page)| validator.page(place, page));
+        let known = idle().pop();
+        let mut validator = known.unwrap_or_else(|| PageValidator::new(common));
+        let is_valid = inside.iter().try_for_each(|&(place, page)| validator.page(common, place, page));
         is_valid.map_err(|fault| FormatError::Depths { level: self.level, fault })?;
-        // Keep this state only after a success: a fault leaves shapes that were counted but not validated.
-        idle().push(validator.into_proved());
+        // After a fault, the validator must not be used again.
+        idle().push(validator);
         let load = |(place, page): &([u32; 2], &Page<'_>)| LoadedPage {
             place: *place,
             words: page.words.to_vec(),

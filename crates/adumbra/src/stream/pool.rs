@@ -21,7 +21,7 @@ use crate::gpu::WordPlaces;
 use crate::grid::LightGrid;
 use crate::layout::depths::page::{HEAD_WORDS, PAGE_LEVEL, Page, bundles, page_dims, pages_of};
 use crate::layout::depths::top::{block_dims, block_level};
-use crate::layout::depths::{ABSENT, TreeWords};
+use crate::layout::depths::{ABSENT, TreeWords, UNIFORM};
 use crate::stream::StreamOptions;
 use crate::stream::decode::{LoadedBundle, LoadedPage};
 
@@ -247,7 +247,7 @@ impl Pool {
                 if entry.stored_bytes != 0 {
                     continue;
                 }
-                let block = |_| Page::uniform(entry.range.nearest).root_and_base();
+                let block = |_| [UNIFORM, entry.range.nearest];
                 for place in pages_of(bundle, dims).into_iter().flatten() {
                     if places.fades {
                         weights[(place[1] * dims[0] + place[0]) as usize] = WHOLE;

@@ -137,7 +137,6 @@ impl Resident {
         self.counts.bytes += bytes;
         match loaded {
             Loaded::Beginning(result) => {
-                self.under_way.remove(&Part::Beginning);
                 let opened = result.and_then(|opened| match opened {
                     Opened::More(beginning) => Ok(State::Opening(beginning)),
                     Opened::Whole(file) => {
@@ -145,51 +144,40 @@ impl Resident {
                         Ok(State::Open(Box::new(open)))
                     }
                 });
-                match opened {
-                    Ok(state) => {
-                        self.retries.succeed(Part::Beginning);
-                        self.state = state;
-                    }
-                    Err(error) => {
-                        // The bytes read so far may be those of another file.
-                        self.state = State::Opening(Beginning::default());
-                        self.fail(Part::Beginning, error);
-                    }
-                }
+                let state = self.settled(Part::Beginning, opened);
+                // After a fault, the bytes read so far may be those of another file.
+                self.state = state.unwrap_or_else(|| State::Opening(Beginning::default()));
             }
             Loaded::Common { level, result } => {
-                let part = Part::Common { level };
-                self.under_way.remove(&part);
-                match result {
-                    Ok(context) => {
-                        self.retries.succeed(part);
-                        if let State::Open(open) = &mut self.state {
-                            open.add_common(context);
-                        }
-                    }
-                    Err(error) => self.fail(part, error),
+                if let Some(context) = self.settled(Part::Common { level }, result)
+                    && let State::Open(open) = &mut self.state
+                {
+                    open.add_common(context);
                 }
             }
             Loaded::Bundles { level, bundles } => {
                 for (index, result) in bundles {
                     let id = BundleId { level, index };
-                    let part = Part::Bundle(id);
-                    self.under_way.remove(&part);
-                    match result {
-                        Ok(bundle) => {
-                            self.retries.succeed(part);
-                            if let State::Open(open) = &mut self.state {
-                                open.residents.add(id, bundle);
-                            }
-                        }
-                        Err(error) => self.fail(part, error),
+                    if let Some(bundle) = self.settled(Part::Bundle(id), result)
+                        && let State::Open(open) = &mut self.state
+                    {
+                        open.residents.add(id, bundle);
                     }
                 }
             }
         }
     }
 
-    fn fail(&mut self, part: Part, error: StreamError) {
+    /// Records how the request for a part ended. Returns what was loaded, or `None` after a fault.
+    fn settled<T>(&mut self, part: Part, result: Result<T, StreamError>) -> Option<T> {
+        self.under_way.remove(&part);
+        let error = match result {
+            Ok(loaded) => {
+                self.retries.succeed(part);
+                return Some(loaded);
+            }
+            Err(error) => error,
+        };
         let is_final = error.is_final();
         let retry_in = (!is_final).then(|| self.retries.fail(part, self.now));
         // Parts of a changed file that were requested together fail together. Report one fault.
@@ -197,6 +185,7 @@ impl Resident {
             self.faults.push(StreamFault { part: part.to_string(), error, retry_in });
         }
         self.is_over |= is_final;
+        None
     }
 
     /// Lets everything that failed be requested again immediately.

@@ -37,30 +37,21 @@ impl StreamError {
 }
 
 /// A part of a file that could not be loaded. A coarser level answers in its place.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("the {part} is missing: {error}{}", again(*retry_in))]
 pub struct StreamFault {
     /// The part: "beginning", "common section of level 0", "bundle 7 of level 0".
     pub part: String,
     /// The reason.
+    #[source]
     pub error: StreamError,
     /// Time until the part is requested again; `None`: never.
     pub retry_in: Option<Duration>,
 }
 
-impl fmt::Display for StreamFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the {} is missing: {}", self.part, self.error)?;
-        match self.retry_in {
-            Some(wait) => write!(f, "; it is asked for again in {} s", wait.as_secs_f64()),
-            None => Ok(()),
-        }
-    }
-}
-
-impl std::error::Error for StreamFault {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        Some(&self.error)
-    }
+/// Returns the end of a fault's message: when the part is requested again.
+fn again(retry_in: Option<Duration>) -> String {
+    retry_in.map_or_else(String::new, |wait| format!("; it is asked for again in {} s", wait.as_secs_f64()))
 }
 
 /// A part of a file.

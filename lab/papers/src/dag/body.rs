@@ -2,7 +2,7 @@
 //! elements of its sections, and how they are read, written and validated.
 
 use crate::dag::composition::Composition;
-use adumbra::file::sections::{u32_chunks, u32_words};
+use adumbra::file::sections::u32_words;
 
 use crate::dag::LeafMasks;
 use crate::dag::file_error::DagFileError;
@@ -10,7 +10,7 @@ use crate::dag::header::{DAG_HEADER_BYTES, Header};
 use crate::dag::layout::DagLayout;
 use crate::dag::packed::PackedDag;
 use crate::dag::plain::Dag;
-use crate::sections::lay_out;
+use crate::sections::{CHUNK_BYTES, lay_out, u32_chunks};
 
 /// The voxels of a graph file.
 #[derive(Clone, Debug, PartialEq)]
@@ -124,9 +124,6 @@ impl DagBody {
         }
     }
 }
-
-/// Number of bytes encoded at a time.
-const CHUNK_BYTES: usize = 1 << 16;
 
 fn u16_chunks(units: &[u16]) -> impl Iterator<Item = Vec<u8>> {
     units.chunks(CHUNK_BYTES / 2).map(|c| c.iter().flat_map(|u| u.to_le_bytes()).collect())

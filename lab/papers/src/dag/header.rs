@@ -74,7 +74,7 @@ impl Header {
     /// # Errors
     /// Returns the fault with the values found.
     pub fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let (_, mut fields) = identify::<DAG_HEADER_BYTES>(bytes, &GRAPH)?;
+        let mut fields = identify::<DAG_HEADER_BYTES>(bytes, &GRAPH)?;
         let flags = fields.u32()?;
         let resolution = fields.u32()?;
         let size = fields.u32s()?;

@@ -1,8 +1,5 @@
 //! The trait through which look-ups read a graph, and with it a quadtree, so that both can be compared.
 
-use adumbra::layout::depths::DepthTree;
-use adumbra::layout::depths::code::ColumnNode;
-
 use super::trail::Trail;
 
 /// A structure that looks up leaf masks of 8 × 8 × 1 voxels of a light-aligned grid.
@@ -41,23 +38,5 @@ pub trait LeafMasks: Sync {
     fn fill(&self, trail: &mut Trail, [i, j, k]: [u32; 3], leaf_masks: &mut [u64; 8]) -> u8 {
         leaf_masks[(k & 7) as usize] = self.look_up_with(trail, i, j, k);
         1 << (k & 7)
-    }
-}
-
-impl LeafMasks for DepthTree {
-    fn size(&self) -> [u32; 3] {
-        self.size()
-    }
-
-    fn look_up(&self, i: u32, j: u32, k: u32) -> u64 {
-        match self.place(i, j).0 {
-            ColumnNode::Uniform(value) if k < value => u64::MAX,
-            ColumnNode::Uniform(_) => 0,
-            ColumnNode::Leaf { at, base } => self.shapes().leaf(at, base).leaf_mask(k),
-        }
-    }
-
-    fn end_level(&self, i: u32, j: u32, _k: u32) -> u32 {
-        DepthTree::end_level(self, i, j)
     }
 }

@@ -10,6 +10,7 @@
 //! | [`packed`] | the same graph in units of 16 bits, about a third of the bytes |
 //! | `file`, `header`, `body` | the graph file, `spec/adumbra-dag.md` |
 //! | `query`, `taps`, `descend`, `trail` | look-ups on the CPU |
+//! | `quadtree` | leaf masks of the product's quadtree |
 //! | [`build`] | bakes a graph from the columns of a scene, and converts graphs |
 
 mod body;
@@ -25,6 +26,7 @@ mod leaf_masks;
 mod pack_error;
 pub mod packed;
 pub mod plain;
+mod quadtree;
 mod query;
 pub mod roots;
 mod taps;

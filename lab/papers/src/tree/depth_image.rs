@@ -12,7 +12,9 @@ use rayon::prelude::*;
 use crate::tree::settings::CaptureBias;
 use adumbra::Bias;
 use adumbra::grid::LightGrid;
-use adumbra_bake::structure::layers::{FixedDepth, LayerBuffers, LayerCapture, LayerOptions, working_bytes};
+use adumbra_bake::structure::layers::{
+    CaptureBuffers, FixedDepth, LayerCapture, LayerOptions, crossing, working_bytes,
+};
 use adumbra_scene::Scene;
 
 const TILE_LOG2: u32 = 8;
@@ -98,17 +100,18 @@ impl DepthImage {
         let insides = depths
             .par_chunks_mut(TILE_TEXELS)
             .enumerate()
-            .map_init(<(LayerBuffers, Vec<_>)>::default, |(buffers, found), (tile, depths)| {
+            .map_init(<(CaptureBuffers, Vec<_>)>::default, |(buffers, found), (tile, depths)| {
                 if cancel.load(Ordering::Relaxed) {
                     return None;
                 }
                 found.clear();
-                layers.tile(tile, buffers, |[column, row], texel_layers| {
+                layers.tile(tile, buffers, |[column, row], first, crossings| {
                     let texel = row << TILE_LOG2 | column;
-                    if let Some(first) = texel_layers.first {
+                    if let Some(first) = first {
                         depths[texel as usize] = first;
                     }
-                    texel_layers.for_each_inside(|from, to| found.push((texel, [from, to])));
+                    let crossings = crossings.iter().copied().map(crossing);
+                    for_each_inside(crossings, |from, to| found.push((texel, [from, to])));
                 });
                 let insides = Insides::of(found);
                 let bytes = insides.as_ref().map_or(0, Insides::memory_bytes);
@@ -181,5 +184,62 @@ impl Insides {
             *start = sum;
         }
         Some(Self { starts, intervals: found.iter().map(|(_, interval)| *interval).collect() })
+    }
+}
+
+/// Calls `visit(from, to)` for every interval of positive winding in sorted crossings, each of which is a
+/// depth and whether a solid is left there; `to` is where the winding is back at 0. Visits nothing if the
+/// count becomes negative; then the column is open. A solid that is entered but never left has no interval.
+fn for_each_inside(
+    crossings: impl Iterator<Item = (FixedDepth, bool)> + Clone,
+    mut visit: impl FnMut(FixedDepth, FixedDepth),
+) {
+    let step = |leaves: bool| if leaves { -1 } else { 1 };
+    let mut winding = 0;
+    for (_, leaves) in crossings.clone() {
+        winding += step(leaves);
+        if winding < 0 {
+            return;
+        }
+    }
+    let (mut winding, mut from) = (0, 0);
+    for (depth, leaves) in crossings {
+        if winding == 0 {
+            from = depth;
+        }
+        winding += step(leaves);
+        if winding == 0 && depth > from {
+            visit(from, depth);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the intervals of crossings that are given as (depth, is left).
+    fn insides(crossings: &[(FixedDepth, bool)]) -> Vec<(FixedDepth, FixedDepth)> {
+        let mut sorted = crossings.to_vec();
+        sorted.sort_unstable();
+        let mut found = Vec::new();
+        for_each_inside(sorted.into_iter(), |from, to| found.push((from, to)));
+        found
+    }
+
+    #[test]
+    fn columns_are_inside_solids_from_entry_to_exit() {
+        let (enters, leaves) = (|d| (d, false), |d| (d, true));
+        assert_eq!(insides(&[]), []);
+        assert_eq!(insides(&[enters(-5), leaves(9)]), [(-5, 9)]);
+        // Nested, and one behind the other.
+        let nested = [enters(10), enters(20), leaves(30), leaves(40), enters(50), leaves(60)];
+        assert_eq!(insides(&nested), [(10, 40), (50, 60)]);
+        // Abutting: at equal depth entering sorts before leaving, so there is no gap.
+        assert_eq!(insides(&[enters(1), leaves(5), enters(5), leaves(8)]), [(1, 8)]);
+        // Zero thickness; never left; left before it is entered.
+        assert_eq!(insides(&[enters(3), leaves(3)]), []);
+        assert_eq!(insides(&[enters(1), leaves(2), enters(7)]), [(1, 2)]);
+        assert_eq!(insides(&[leaves(0), enters(1), leaves(2)]), []);
     }
 }

@@ -69,11 +69,6 @@ impl<'c> Code<'c> {
         self.words[(at >> 1) as usize] >> (16 * (at & 1)) & 0xffff
     }
 
-    /// Returns two half-words as one word, the lower first.
-    pub(crate) fn two_halves(self, at: u32) -> u32 {
-        self.half(at) | self.half(at + 1) << 16
-    }
-
     /// Decodes child `child` of the node at `at`.
     pub fn child(self, at: u32, child: u32) -> Child<ShapeRef> {
         let [low, high, kind] = self.node_head(at);
@@ -118,7 +113,8 @@ impl<'c> Code<'c> {
             }
             [_, 0, _] => Child::Shape { shape: near(field + 1), delta: signed(self.half(field), 16) },
             _ => {
-                let (low, far) = (self.half(field), self.two_halves(field + 1));
+                let low = self.half(field);
+                let far = self.half(field + 1) | self.half(field + 2) << 16;
                 let delta = signed(low | (far & !FAR) >> FAR_BITS << 16, FAR_DELTA_BITS);
                 let place = far & ((1 << FAR_BITS) - 1);
                 match far & FAR {
@@ -208,7 +204,7 @@ impl LeafCode<'_> {
     }
 
     /// Returns bounds of the depths at which columns switch.
-    pub(crate) fn bounds(self) -> [u32; 2] {
+    pub fn bounds(self) -> [u32; 2] {
         let nearest = self.base.saturating_sub(self.slant.largest_rise());
         let deepest = |depth: u32, index| depth.saturating_add(self.difference(index));
         let farthest =
@@ -229,7 +225,7 @@ impl LeafCode<'_> {
     }
 
     /// Returns [`LeafCode::value`] of every column.
-    pub(crate) fn values(self) -> [u32; 64] {
+    pub fn values(self) -> [u32; 64] {
         let mut depths = [NEVER; 64];
         let mut depth = self.base;
         depths[0] = depth;
@@ -248,42 +244,8 @@ impl LeafCode<'_> {
         })
     }
 
-    /// Returns the columns that are lit at depth k.
-    #[inline]
-    pub fn leaf_mask(self, k: u32) -> u64 {
-        let largest_rise = self.slant.largest_rise();
-        // Number of ranks whose columns are all shadowed, and the shadowed columns of other ranks.
-        let (mut shadowed_ranks, mut dark) = (0, 0);
-        let mut depth = self.base;
-        for rank in 0..=self.head.differences() {
-            if rank > 0 {
-                depth = depth.saturating_add(self.difference(rank - 1));
-            }
-            if k.saturating_add(largest_rise) < depth {
-                break;
-            }
-            if depth <= k {
-                shadowed_ranks += 1;
-            } else {
-                dark |= self.of_rank(rank) & !self.slant.below(depth - k);
-            }
-        }
-        !dark & self.at_least(shadowed_ranks)
-    }
-
-    /// Returns the columns whose rank is above the last one. A valid leaf has none.
-    pub(crate) fn without_depth(self) -> u64 {
-        self.at_least(self.head.last + 1)
-    }
-
-    /// Returns the columns of one rank.
-    fn of_rank(self, rank: u32) -> u64 {
-        (0..self.head.planes())
-            .fold(u64::MAX, |mask, p| mask & if rank >> p & 1 == 1 { self.plane(p) } else { !self.plane(p) })
-    }
-
     /// Returns the columns of at least this rank. All 64 are compared at once, highest bit first.
-    fn at_least(self, rank: u32) -> u64 {
+    pub fn at_least(self, rank: u32) -> u64 {
         if rank >> self.head.planes() != 0 {
             return 0;
         }

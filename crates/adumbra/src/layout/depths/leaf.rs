@@ -65,7 +65,7 @@ impl LeafHead {
 
     /// Returns difference `index` of the leaf at `at`. `half` returns the half-word at an address.
     #[inline(always)]
-    pub(crate) fn difference(self, at: u32, index: u32, half: impl Fn(u32) -> u32) -> u32 {
+    pub fn difference(self, at: u32, index: u32, half: impl Fn(u32) -> u32) -> u32 {
         let first = at + self.differences_at();
         match self.width {
             0 => half(first + index / 2) >> (8 * (index & 1)) & 0xff,
@@ -76,7 +76,7 @@ impl LeafHead {
 
     /// Returns bit plane `p` of the leaf at `at`. `half` returns the half-word at an address.
     #[inline(always)]
-    pub(crate) fn plane(self, at: u32, p: u32, half: impl Fn(u32) -> u32) -> u64 {
+    pub fn plane(self, at: u32, p: u32, half: impl Fn(u32) -> u32) -> u64 {
         let first = at + self.planes_at() + 4 * p;
         let two = |at: u32| u64::from(half(at) | half(at + 1) << 16);
         two(first) | two(first + 2) << 32

@@ -80,7 +80,7 @@ pub use census::Census;
 pub use child::ShapePlace;
 pub use ranges::{Range, Ranges, SharedRanges};
 pub use tree_words::{ABSENT, TreeWords};
-pub use validate::{DepthsError, PageValidator, Part, Proved};
+pub use validate::{DepthsError, PageValidator, Part};
 
 use code::{Code, ColumnNode};
 use page::{BUNDLE_PAGES, PAGE_LEVEL, Page};
@@ -96,8 +96,6 @@ pub const LEAF_LEVEL: u32 = 3;
 pub const NODE_LEVELS: u32 = 2;
 
 /// A complete quadtree of switch depths. Every look-up in it ends with a valid result.
-///
-/// A look-up of a leaf mask costs one step per two levels above 3, then one step per depth of the leaf.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DepthTree {
     size: [u32; 3],
@@ -188,19 +186,6 @@ impl TreeBuilder {
         tree.blocks = tree.find_blocks();
         Ok(tree)
     }
-}
-
-/// Bounds of the depths at which the columns of a block of 8 × 8 switch from lit to shadowed: voxel k of a
-/// column is lit if k is less than the column's depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Switches {
-    /// No column switches nearer to the sun.
-    pub nearest: u32,
-    /// No column switches deeper.
-    pub farthest: u32,
-    /// The leaf for [`TreeWords::switches_of_leaf`], which reads the columns' depths; `None` if all depths
-    /// equal both bounds.
-    pub leaf: Option<[u32; 2]>,
 }
 
 impl DepthTree {
@@ -316,16 +301,5 @@ impl DepthTree {
     /// Returns whether voxel (i, j, k) is lit. The voxel must be in the grid.
     pub fn voxel(&self, i: u32, j: u32, k: u32) -> bool {
         k < self.value(i, j)
-    }
-
-    /// Returns the level of the block in which a look-up in column (i, j) ends. The column must be in the
-    /// grid.
-    ///
-    /// The block switches at one depth and spans 2^level columns along each side. Level 0 is a single column.
-    pub fn end_level(&self, i: u32, j: u32) -> u32 {
-        match self.place(i, j) {
-            (ColumnNode::Uniform(_), level) => level,
-            (ColumnNode::Leaf { .. }, _) => 0,
-        }
     }
 }

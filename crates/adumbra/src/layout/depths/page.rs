@@ -47,11 +47,6 @@ impl Page<'_> {
         }
     }
 
-    /// Returns the root and the base.
-    pub const fn root_and_base(&self) -> [u32; 2] {
-        [self.root, self.base]
-    }
-
     /// Returns a page whose columns all switch at this depth.
     pub const fn uniform(base: u32) -> Self {
         Self { root: UNIFORM, base, words: &[] }

@@ -177,11 +177,6 @@ impl<'c> Ranges<'c> {
         }
     }
 
-    /// Returns the range of all pages of a bundle.
-    pub fn of_bundle(&mut self, pages: &[Page<'_>]) -> Range {
-        pages.iter().map(|page| self.of_page(page)).reduce(Range::joined).unwrap_or(Range::NEVER)
-    }
-
     fn of_common(&mut self, at: u32, level: u32) -> Relative {
         let (code, mut known) = (self.common, std::mem::take(&mut self.known));
         let range = self.of_shape(&mut known, code, at, level);

@@ -15,7 +15,7 @@ pub struct Slant {
 impl Slant {
     /// Decodes the second half-word of a slanted leaf.
     #[inline(always)]
-    pub(crate) fn from_half(half: u32) -> Self {
+    pub fn from_half(half: u32) -> Self {
         Self { x: half as u8 as i8, y: (half >> 8) as u8 as i8 }
     }
 
@@ -50,43 +50,11 @@ impl Slant {
     }
 
     /// Returns the largest rise of all columns, in voxels.
-    pub(crate) fn largest_rise(self) -> u32 {
+    pub fn largest_rise(self) -> u32 {
         let quarters = 7 * (u32::from(self.x.unsigned_abs()) + u32::from(self.y.unsigned_abs()));
         (quarters + (1 << SLANT_BITS) - 1) >> SLANT_BITS
     }
-
-    /// Returns the columns that rise by less than `rise`, which must be at least 1. In every row they begin
-    /// at the deepest column.
-    pub fn below(self, rise: u32) -> u64 {
-        let [x, y] = [self.x, self.y].map(|g| i32::from(g.unsigned_abs()));
-        // The largest rise that is below the limit, in quarters.
-        let most = ((rise - 1).min(MAX_RISE) << SLANT_BITS) as i32;
-        if x == 0 {
-            // Whole rows, as over level ground.
-            let rows = if y == 0 { 8 } else { (most / y + 1).min(8) };
-            return if self.y > 0 { u64::MAX << (64 - 8 * rows) } else { u64::MAX >> (64 - 8 * rows) };
-        }
-        // One division instead of eight. `inverse` exceeds 2^20 / x by at most 1, so `left * inverse /
-        // 2^20` exceeds `left / x` by at most `left / 2^20`. The floors are equal if that is less than 1 / x,
-        // which holds because left * x <= 7 * 128 * 128 < 2^20.
-        let inverse = (1 << RECIPROCAL_BITS) / x + 1;
-        (0..8).fold(0, |mask, row| {
-            let left = most - y * if self.y > 0 { 7 - row } else { row };
-            let columns = match left {
-                ..0 => 0,
-                _ => ((left.min(7 * x) * inverse) >> RECIPROCAL_BITS) + 1,
-            };
-            let bits = if self.x > 0 { 0xff << (8 - columns) & 0xff } else { (1 << columns) - 1 };
-            mask | u64::from(bits as u8) << (8 * row)
-        })
-    }
 }
-
-/// Largest rise of a column of any leaf, in voxels.
-const MAX_RISE: u32 = (2 * 7 * 128) >> SLANT_BITS;
-
-/// Number of fraction bits of the reciprocal of a gradient.
-const RECIPROCAL_BITS: u32 = 20;
 
 #[cfg(test)]
 mod tests {
@@ -98,25 +66,16 @@ mod tests {
         assert_eq!((slant.rise(7), slant.rise(0), slant.rise(63)), (0, 14, 7));
         assert_eq!((slant.rise(56), slant.largest_rise()), (21, 21));
         assert_eq!(Slant::from_half(slant.to_half().into()), slant);
-        assert_eq!(slant.below(22), u64::MAX);
-        assert_eq!(slant.below(1), 1 << 7);
-        assert_eq!(Slant { x: -128, y: -128 }.largest_rise(), MAX_RISE);
+        assert_eq!(Slant { x: -128, y: -128 }.largest_rise(), 448);
     }
 
     #[test]
-    fn slant_finds_the_columns_below_any_rise_for_every_gradient() {
+    fn columns_rise_from_zero_to_the_largest_rise_for_every_gradient() {
         for half in 0..=u32::from(u16::MAX) {
             let slant = Slant::from_half(half);
-            let largest = slant.largest_rise();
-            let mut of_rise = [0_u64; MAX_RISE as usize + 1];
-            (0..64).for_each(|column| of_rise[slant.rise(column) as usize] |= 1 << column);
-            assert!(of_rise[0] != 0 && of_rise[largest as usize] != 0, "{slant:?}");
-            let mut below = 0;
-            for rise in 1..=largest + 1 {
-                below |= of_rise[rise as usize - 1];
-                assert_eq!(slant.below(rise), below, "{slant:?} {rise}");
-            }
-            assert_eq!([slant.below(u32::MAX), below], [u64::MAX; 2], "{slant:?}");
+            let rises = (0..64).map(|column| slant.rise(column));
+            assert_eq!(rises.clone().min(), Some(0), "{slant:?}");
+            assert_eq!(rises.max(), Some(slant.largest_rise()), "{slant:?}");
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Look-ups in the words of a quadtree, which are in a file that was read whole, or in a pool.
 
 use crate::layout::depths::code::{Code, ColumnNode, Node};
-use crate::layout::depths::{NEVER, Switches, UNIFORM};
+use crate::layout::depths::{NEVER, UNIFORM};
 
 /// Stored in place of an address if the block's page is not resident. A file that was read whole has no such
 /// blocks.
@@ -63,23 +63,5 @@ impl<'w> TreeWords<'w> {
             ColumnNode::Uniform(value) => value,
             ColumnNode::Leaf { at, base } => self.shapes().leaf(at, base).value((j & 7) * 8 + (i & 7)),
         }
-    }
-
-    /// Returns bounds of the depths at which the columns of the block of 8 × 8 that contains column (i, j)
-    /// switch. The column must be in the grid. Columns outside the grid may have any depth.
-    pub fn switches(self, i: u32, j: u32) -> Switches {
-        match self.place(i, j).0 {
-            ColumnNode::Uniform(value) => Switches { nearest: value, farthest: value, leaf: None },
-            ColumnNode::Leaf { at, base } => {
-                let [nearest, farthest] = self.shapes().leaf(at, base).bounds();
-                Switches { nearest, farthest, leaf: Some([at, base]) }
-            }
-        }
-    }
-
-    /// Returns the depths at which the columns of a block switch, in the order y·8 + x. `leaf` is from
-    /// [`TreeWords::switches`] of the same words.
-    pub fn switches_of_leaf(self, [at, base]: [u32; 2]) -> [u32; 64] {
-        self.shapes().leaf(at, base).values()
     }
 }

@@ -131,72 +131,57 @@ pub(super) fn validate(tree: &DepthTree) -> Result<(), DepthsError> {
     if tree.code.len() > limit {
         return Err(DepthsError::TooLong { words: tree.code.len(), limit });
     }
-    let mut validator = PageValidator::new(tree.common());
+    let common = tree.common();
+    let mut validator = PageValidator::new(common);
     let [across, down] = tree.page_dims;
     let places = (0..down).flat_map(|y| (0..across).map(move |x| [x, y]));
-    places.into_iter().try_for_each(|place| validator.page(place, &tree.page(place)))
-}
-
-/// The validated shapes of a common section.
-#[derive(Debug)]
-pub struct Proved {
-    levels: Vec<u8>,
-    left: u32,
+    places.into_iter().try_for_each(|place| validator.page(common, place, &tree.page(place)))
 }
 
 /// Validates pages that share a common section.
 #[derive(Debug)]
-pub struct PageValidator<'c> {
-    common: Walk<'c>,
-    /// Room for the levels of a page.
-    of_page: Vec<u8>,
+pub struct PageValidator {
+    /// [`Walk::proved`] and [`Walk::left`] of the common section.
+    common: Vec<u8>,
+    common_left: u32,
 }
 
-impl<'c> PageValidator<'c> {
+impl PageValidator {
     /// Begins with the words of a common section.
-    pub fn new(common: &'c [u32]) -> Self {
-        Self { common: Walk::new(common, Part::Common, vec![0; 2 * common.len()]), of_page: Vec::new() }
+    pub fn new(common: &[u32]) -> Self {
+        let halves = 2 * common.len();
+        Self { common: vec![0; halves], common_left: halves as u32 }
     }
 
-    /// Continues with the same common section. Its shapes that [`PageValidator::into_proved`] returned count
-    /// as validated.
-    pub fn resume(common: &'c [u32], Proved { levels, left }: Proved) -> Self {
-        Self { common: Walk { left, ..Walk::new(common, Part::Common, levels) }, of_page: Vec::new() }
-    }
-
-    /// Returns the validated shapes of the common section.
-    pub fn into_proved(self) -> Proved {
-        Proved { levels: self.common.proved, left: self.common.left }
-    }
-
-    /// Checks that every look-up in a page ends with a valid result. `place` names the page.
+    /// Checks that every look-up in a page ends with a valid result. `common` is the section that the
+    /// validator began with; `place` names the page.
     ///
     /// # Errors
-    /// Returns the first fault of a traversal from the root down.
-    pub fn page(&mut self, place: [u32; 2], page: &Page<'_>) -> Result<(), DepthsError> {
+    /// Returns the first fault of a traversal from the root down. The validator must not be used again then,
+    /// because it has counted shapes that it has not validated.
+    pub fn page(&mut self, common: &[u32], place: [u32; 2], page: &Page<'_>) -> Result<(), DepthsError> {
+        debug_assert_eq!(self.common.len(), 2 * common.len(), "another common section");
         let Page { root, words, .. } = *page;
         if root == UNIFORM {
             return Ok(());
         }
         let part = Part::Page(place);
         let unfit = DepthsError::Root { page: part, root };
+        let mut common = Walk::new(common, Part::Common, &mut self.common, &mut self.common_left);
         if root & IN_PAGE == 0 {
-            if root >= self.common.end {
+            if root >= common.end {
                 return Err(unfit);
             }
-            return self.common.shape(None, root, PAGE_LEVEL);
+            return common.shape(None, root, PAGE_LEVEL);
         }
-        let mut proved = std::mem::take(&mut self.of_page);
-        proved.clear();
-        proved.resize(2 * words.len(), 0);
-        let mut walk = Walk::new(words, part, proved);
+        let mut proved = vec![0; 2 * words.len()];
+        let mut left = proved.len() as u32;
+        let mut walk = Walk::new(words, part, &mut proved, &mut left);
         let at = root & !IN_PAGE;
         if at >= walk.end {
             return Err(unfit);
         }
-        walk.shape(Some(&mut self.common), at, PAGE_LEVEL)?;
-        self.of_page = walk.proved;
-        Ok(())
+        walk.shape(Some(&mut common), at, PAGE_LEVEL)
     }
 }
 
@@ -208,15 +193,14 @@ struct Walk<'c> {
     /// Number of half-words.
     end: u32,
     /// For each half-word, the levels at which it has been validated, one bit per level.
-    proved: Vec<u8>,
+    proved: &'c mut [u8],
     /// Number of half-words that further shapes may have.
-    left: u32,
+    left: &'c mut u32,
 }
 
 impl<'c> Walk<'c> {
-    fn new(words: &'c [u32], part: Part, proved: Vec<u8>) -> Self {
-        let end = 2 * words.len() as u32;
-        Self { code: Code { words }, part, end, proved, left: end }
+    fn new(words: &'c [u32], part: Part, proved: &'c mut [u8], left: &'c mut u32) -> Self {
+        Self { code: Code { words }, part, end: 2 * words.len() as u32, proved, left }
     }
 
     /// Validates the shape at an address within the part. `common` is the common section, or `None` if the
@@ -241,7 +225,7 @@ impl<'c> Walk<'c> {
     /// Counts the half-words of a shape against the part's.
     fn spend(&mut self, at: u32, length: u32) -> Result<(), DepthsError> {
         let part = self.part;
-        self.left = self.left.checked_sub(length).ok_or(DepthsError::Overlap { part, at })?;
+        *self.left = self.left.checked_sub(length).ok_or(DepthsError::Overlap { part, at })?;
         Ok(())
     }
 
@@ -261,7 +245,7 @@ impl<'c> Walk<'c> {
         if let Some(half) = leaf.padding().filter(|half| half >> 8 != 0) {
             return Err(self.bits(at, LEAF_LEVEL, half));
         }
-        match leaf.without_depth() {
+        match leaf.at_least(head.last + 1) {
             0 => Ok(()),
             columns => Err(DepthsError::Ranks {
                 part: self.part,

@@ -85,7 +85,7 @@ impl Header {
 
     /// Reads and checks the header at the front of `bytes`.
     pub(crate) fn parse(bytes: &[u8]) -> Result<Self, FormatError> {
-        let (_, mut fields) = identify::<TREE_HEADER_BYTES>(bytes, &TREE)?;
+        let mut fields = identify::<TREE_HEADER_BYTES>(bytes, &TREE)?;
         let [flags, depth, base_depth, region_count, body_code, attribute_code] = fields.u32s()?;
         let space = TreeSpace { p_min: fields.f64s()?, voxel_size: fields.f64()?, depth };
         let towards = fields.f64s()?;

@@ -3,7 +3,7 @@
 use std::convert::Infallible;
 use std::io::{self, ErrorKind, Write};
 
-use crate::sections::{gap, lay_out};
+use crate::sections::{gap, lay_out, u32_chunks};
 use crate::tree::error::TreeFileError;
 use crate::tree::file::body::TreeBody;
 use crate::tree::file::header::{ATTRIBUTE, BODY, Header, REGION_BYTES, REGIONS};
@@ -12,7 +12,6 @@ use crate::tree::file::{TREE_HEADER_BYTES, TreeFile};
 use crate::tree::graph;
 use crate::tree::space::Region;
 use adumbra::file::fields::field;
-use adumbra::file::sections::u32_chunks;
 
 impl TreeFile {
     /// Writes the file to `out` in pieces and returns the number of bytes.

@@ -3,7 +3,6 @@
 use std::path::Path;
 use std::time::Instant;
 
-use adumbra::query::Cursor;
 use adumbra::{Filter, ShadowFile};
 use adumbra_program::scene::load_scene;
 use adumbra_scene::LoadOptions;
@@ -46,7 +45,7 @@ pub(super) fn measure(file: &Path, scene: &Path) -> Result<Vec<Scan>> {
     let file = ShadowFile::read(file)?;
     let sampler = file.sampler(FILTER);
     let middle = [0, 2].map(|a| 0.5 * (bounds.min[a] + bounds.max[a]));
-    let scan = |step_texels: f64| {
+    let scan = |step_texels: f64| -> Result<Scan> {
         let step = step_texels * file.grid.voxel_size;
         let place = |n: u32, of: u32| (f64::from(n) - 0.5 * f64::from(of)) * step;
         let [across, down] = POINTS;
@@ -58,23 +57,22 @@ pub(super) fn measure(file: &Path, scene: &Path) -> Result<Vec<Scan>> {
             let normal = if hit.front { hit.normal } else { hit.normal.map(|c| -c) };
             Some(([origin[0], origin[1] - hit.t, origin[2]], normal))
         };
-        let points: Vec<_> = (0..across * down).into_par_iter().filter_map(seen).collect();
+        let (points, normals): (Vec<_>, Vec<_>) = (0..across * down).into_par_iter().filter_map(seen).unzip();
+        let mut visibilities = vec![0.0; points.len()];
         let mut seconds = Vec::with_capacity(RUNS);
-        let mut sum = 0.0;
         for _ in 0..RUNS {
             let start = Instant::now();
-            let mut cursor = Cursor::new(&sampler);
-            sum = points.iter().map(|&(p, normal)| f64::from(cursor.visibility(p, Some(normal)))).sum();
+            sampler.visibilities(&points, Some(&normals), &mut visibilities)?;
             seconds.push(start.elapsed().as_secs_f64());
         }
         seconds.sort_unstable_by(f64::total_cmp);
         let count = points.len() as f64;
-        Scan {
+        Ok(Scan {
             step_texels,
             points: points.len(),
             points_per_second: count / seconds[RUNS / 2],
-            mean_visibility: sum / count,
-        }
+            mean_visibility: visibilities.into_iter().map(f64::from).sum::<f64>() / count,
+        })
     };
-    Ok(STEPS_TEXELS.map(scan).into())
+    STEPS_TEXELS.into_iter().map(scan).collect()
 }

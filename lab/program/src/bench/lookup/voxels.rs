@@ -5,7 +5,7 @@ use std::collections::HashSet;
 
 use adumbra::Filter;
 use adumbra::query::{FixedReceiver, receiver};
-use adumbra_papers::dag::DagBody;
+use adumbra_papers::dag::{DagBody, LeafMasks};
 use adumbra_papers::techniques::{Graph, GraphSettings};
 use adumbra_render::Gpu;
 use adumbra_render::voxel::{BakedLight, Reads, VoxelSettings};
@@ -80,7 +80,7 @@ fn chain(file: &LightFile, [i, j, k]: [u32; 3]) -> usize {
     let reads = match file {
         // The root. In a leaf its head, then its planes and differences.
         LightFile::Quadtree(file) => {
-            let end = file.tree.end_level(i, j);
+            let end = file.tree.end_level(i, j, k);
             1 + 2 * below(file.tree.root_level(), end, 2) + if end == 0 { 2 } else { 0 }
         }
         LightFile::Graph { graph, .. } => {

@@ -6,10 +6,7 @@
 //!
 //! `docs/layouts.md` documents the cost and the benefit.
 
-use crate::columns::BlockColumns;
-use crate::columns::Columns;
 use crate::columns::rules::BESIDE_GRID;
-use crate::sink::BlockSink;
 
 /// How much of a column's interval remains.
 #[derive(Clone, Copy)]
@@ -22,55 +19,21 @@ pub(crate) struct SwitchLimit {
 
 impl SwitchLimit {
     /// Cuts `[e, x]`. Columns without a surface, and those outside the grid, are unchanged.
-    fn interval(self, [e, x]: [u32; 2]) -> [u32; 2] {
+    pub(crate) fn interval(self, [e, x]: [u32; 2]) -> [u32; 2] {
         if self.within_voxels == 0 || x == BESIDE_GRID || e >= self.depth_voxels {
             return [e, x];
         }
         [e, x.min(e.saturating_add(self.within_voxels)).min(self.depth_voxels - 1)]
     }
 
-    /// Cuts the interval of every column.
-    pub(crate) fn cut(self, columns: &mut Columns) {
-        for (e, x) in columns.e.iter().zip(&mut columns.x) {
+    /// Cuts the interval `[e, x]` of every column.
+    pub(crate) fn cut(self, e: &[u32], x: &mut [u32]) {
+        if self.within_voxels == 0 {
+            return;
+        }
+        for (e, x) in e.iter().zip(x) {
             [_, *x] = self.interval([*e, *x]);
         }
-    }
-}
-
-/// A sink that cuts the intervals of blocks and passes the blocks on.
-pub(crate) struct LimitSink<'a, S> {
-    pub(crate) limit: SwitchLimit,
-    pub(crate) sink: &'a S,
-}
-
-impl<S: BlockSink> BlockSink for LimitSink<'_, S> {
-    type Block = S::Block;
-
-    fn uniform(&self, level: u32, interval: [u32; 2]) -> S::Block {
-        self.sink.uniform(level, self.limit.interval(interval))
-    }
-
-    fn leaf(&self, columns: &BlockColumns) -> S::Block {
-        if self.limit.within_voxels == 0 {
-            return self.sink.leaf(columns);
-        }
-        let mut cut = columns.clone();
-        for (e, x) in columns.e.iter().zip(&mut cut.x) {
-            [_, *x] = self.limit.interval([*e, *x]);
-        }
-        self.sink.leaf(&cut)
-    }
-
-    fn known(&self, number: usize) -> Option<S::Block> {
-        self.sink.known(number)
-    }
-
-    fn join(&self, level: u32, quarters: [S::Block; 4]) -> S::Block {
-        self.sink.join(level, quarters)
-    }
-
-    fn taken(&self, number: usize, block: S::Block) -> S::Block {
-        self.sink.taken(number, block)
     }
 }
 
