@@ -3,7 +3,7 @@
 use adumbra::layout::depths::code::ColumnNode;
 use adumbra::layout::depths::{DepthTree, DepthsError, Part};
 use adumbra_scene::random::Random;
-use adumbra_testing::{Leaf, TreeParts, every_gradient, from_leaves};
+use adumbra_testing::{BASES, Leaf, TreeParts, every_gradient, from_leaves, random_leaves};
 
 /// The page of a small tree.
 const PAGE: Part = Part::Page([0, 0]);
@@ -36,27 +36,9 @@ fn depths_follow_the_specification_for_every_gradient() {
 #[test]
 fn depths_follow_the_specification_for_any_ranks_and_bases() {
     let mut random = Random::for_batch(7, 0);
-    let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
     for case in 0..400 {
-        let leaves: Vec<Leaf> = (0..16)
-            .map(|_| {
-                let width = 1 << below(3);
-                let largest = [0, 255, 65_535, 0, u32::MAX][width as usize];
-                let count = 1 + below(if case % 4 == 0 { 62 } else { 5 });
-                let never = below(2) == 1;
-                Leaf {
-                    slant: (below(3) > 0).then(|| [below(256) as u8 as i8, below(256) as u8 as i8]),
-                    width,
-                    differences: (0..count)
-                        .map(|_| below(if case % 3 == 0 { 40 } else { largest }))
-                        .collect(),
-                    never,
-                    ranks: (0..64).map(|_| below(count + 1 + u32::from(never))).collect(),
-                }
-            })
-            .collect();
-        let bases = [0, 1, 13, 448, 5000, 1 << 31, u32::MAX - 449, u32::MAX - 7, u32::MAX];
-        let base = bases[case % bases.len()];
+        let leaves = random_leaves(&mut random, case);
+        let base = BASES[case % BASES.len()];
         let found = from_leaves(&leaves, 4, base, u32::MAX).expect("valid leaves");
         for (at, leaf) in leaves.iter().enumerate() {
             let corner = [at % 4, at / 4].map(|c| 8 * c as u32);

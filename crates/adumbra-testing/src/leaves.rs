@@ -4,6 +4,7 @@
 use adumbra::layout::depths::code::FAR;
 use adumbra::layout::depths::page::{IN_PAGE, PAGE_LEVEL, Page, bundles, page_dims, pages_of};
 use adumbra::layout::depths::{DepthTree, DepthsError, LEAF_LEVEL, NODE_LEVELS, TreeBuilder};
+use adumbra_scene::random::Random;
 
 /// Number of leaves along a side of a page.
 const LEAVES_ACROSS: usize = 1 << (PAGE_LEVEL - LEAF_LEVEL);
@@ -129,3 +130,28 @@ pub fn every_gradient() -> Vec<Leaf> {
     let all = (0..=u16::MAX).map(|half| [half as u8 as i8, (half >> 8) as u8 as i8]);
     all.map(Leaf::plane).collect()
 }
+
+/// Returns 16 leaves with any slants, ranks and differences. Every third `case` has small differences, and
+/// every fourth has many.
+pub fn random_leaves(random: &mut Random, case: usize) -> Vec<Leaf> {
+    let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
+    let leaf = |_| {
+        let width = 1 << below(3);
+        let largest = [0, 255, 65_535, 0, u32::MAX][width as usize];
+        let count = 1 + below(if case.is_multiple_of(4) { 62 } else { 5 });
+        let never = below(2) == 1;
+        Leaf {
+            slant: (below(3) > 0).then(|| [below(256) as u8 as i8, below(256) as u8 as i8]),
+            width,
+            differences: (0..count)
+                .map(|_| below(if case.is_multiple_of(3) { 40 } else { largest }))
+                .collect(),
+            never,
+            ranks: (0..64).map(|_| below(count + 1 + u32::from(never))).collect(),
+        }
+    };
+    (0..16).map(leaf).collect()
+}
+
+/// Bases at both ends of their range and between them.
+pub const BASES: [u32; 9] = [0, 1, 13, 448, 5000, 1 << 31, u32::MAX - 449, u32::MAX - 7, u32::MAX];

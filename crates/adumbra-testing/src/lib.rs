@@ -28,7 +28,7 @@ pub use earlier::EarlierFile;
 pub use end_level::end_level;
 pub use fuzz::fuzz_time;
 pub use glb::glb;
-pub use leaves::{Leaf, every_gradient, from_leaves};
+pub use leaves::{BASES, Leaf, every_gradient, from_leaves, random_leaves};
 pub use left_out::left_out;
 pub use limits::{assert_keeps_to_limits, run_with_the_memory_it_asks_for};
 pub use parts::{PageParts, TreeParts};

@@ -95,7 +95,7 @@ fn columns_below(slant: Slant, rise: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use adumbra_scene::random::Random;
-    use adumbra_testing::{Leaf, every_gradient, from_leaves};
+    use adumbra_testing::{BASES, Leaf, every_gradient, from_leaves, random_leaves};
 
     use super::*;
 
@@ -146,32 +146,14 @@ mod tests {
     #[test]
     fn leaf_masks_match_depths_for_any_ranks_and_bases() {
         let mut random = Random::for_batch(7, 0);
-        let mut below = |n: u32| (random.unit() * f64::from(n)) as u32;
-        let bases = [0, 1, 13, 448, 5000, 1 << 31, u32::MAX - 449, u32::MAX - 7, u32::MAX];
         for case in 0..400 {
-            let leaves: Vec<Leaf> = (0..16)
-                .map(|_| {
-                    let width = 1 << below(3);
-                    let largest = [0, 255, 65_535, 0, u32::MAX][width as usize];
-                    let count = 1 + below(if case % 4 == 0 { 62 } else { 5 });
-                    let never = below(2) == 1;
-                    Leaf {
-                        slant: (below(3) > 0).then(|| [below(256) as u8 as i8, below(256) as u8 as i8]),
-                        width,
-                        differences: (0..count)
-                            .map(|_| below(if case % 3 == 0 { 40 } else { largest }))
-                            .collect(),
-                        never,
-                        ranks: (0..64).map(|_| below(count + 1 + u32::from(never))).collect(),
-                    }
-                })
-                .collect();
-            let base = bases[case % bases.len()];
+            let leaves = random_leaves(&mut random, case);
+            let base = BASES[case % BASES.len()];
             let found = from_leaves(&leaves, 4, base, u32::MAX).unwrap();
             for (at, leaf) in leaves.iter().enumerate() {
                 let corner = [at % 4, at / 4].map(|c| 8 * c as u32);
                 check_leaf(&found, corner, layers_about(base));
-                if let Some(depth) = leaf.depth(base, below(64) as usize) {
+                if let Some(depth) = leaf.depth(base, 5 * (case + at) % 64) {
                     check_leaf(&found, corner, layers_about(depth));
                 }
             }
