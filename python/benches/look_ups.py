@@ -50,7 +50,7 @@ def main() -> None:
     parser.add_argument("--points", type=int, default=10_000_000)
     parser.add_argument("--repeats", type=int, default=5)
     options = parser.parse_args()
-    scene = adumbra.Scene.load(options.scene)
+    scene = adumbra.Scene(options.scene)
     shadows = adumbra.bake(scene, progress=False)
     points, normals = points_on(scene, options.points)
     orders: list[tuple[Any, str]] = [(slice(None), "as drawn"), (np.lexsort(np.floor(points.T[[0, 2]])), "sorted")]

@@ -3,11 +3,12 @@
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use adumbra::{Bounds, Receivers, Sun};
+use adumbra::{Receivers, Sun};
 use adumbra_bake::{AssumeGround, Bake, BakeOptions, DiskCache, FrameChoice, Size};
 use adumbra_files::{check_output, folder_of, same_file};
 use pyo3::prelude::*;
 
+use crate::axes::world_bounds;
 use crate::errors::Failure;
 use crate::file::{File, encoding};
 use crate::pool::pool;
@@ -18,7 +19,7 @@ use crate::watch::watched;
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Options {
-    sun: [f64; 3],
+    to_sun: [f64; 3],
     resolution: u64,
     voxel_size: Option<f64>,
     thickness: f64,
@@ -35,8 +36,8 @@ pub(crate) struct Options {
 }
 
 impl Options {
-    /// Returns the options of a bake.
-    pub(crate) fn for_bake(&self, ignore_alpha: bool) -> Result<BakeOptions, Failure> {
+    /// Returns the options of a bake of a scene.
+    pub(crate) fn for_bake(&self, scene: &Scene) -> Result<BakeOptions, Failure> {
         let size = self.voxel_size.map_or(Size::Resolution(self.resolution), Size::VoxelSize);
         let frame = match (&*self.frame, self.yaw) {
             ("auto", None) => FrameChoice::Auto,
@@ -60,7 +61,7 @@ impl Options {
             }
         };
         let encoding = encoding(&self.encoding)?;
-        Ok(BakeOptions::new(Sun::from_direction(self.sun)?, size).with(|o| {
+        Ok(BakeOptions::new(Sun::from_direction(scene.up().to_scene(self.to_sun))?, size).with(|o| {
             o.frame = frame;
             o.thickness_world = self.thickness;
             o.switch_within_voxels = self.switch_within;
@@ -68,9 +69,9 @@ impl Options {
             o.encoding = encoding;
             o.assume_ground = self.assume_ground.map_or(AssumeGround::Auto, AssumeGround::from);
             o.closed_regions = self.closed_regions;
-            o.ignore_alpha = ignore_alpha;
+            o.ignore_alpha = scene.ignore_alpha;
             o.receivers = receivers;
-            o.bounds = self.bounds.map(|(min, max)| Bounds { min, max });
+            o.bounds = self.bounds.map(|bounds| world_bounds(scene.up(), bounds));
             o.max_memory_bytes = self.max_memory;
         }))
     }
@@ -88,7 +89,7 @@ pub(crate) fn bake(
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<File> {
-    let options = options.for_bake(scene.ignore_alpha)?;
+    let options = options.for_bake(scene)?;
     watched(py, report, |watch| {
         if let Some(output) = &output {
             check(scene, output)?;

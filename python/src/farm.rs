@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf, absolute};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use adumbra::IoError;
-use adumbra_bake::{BakeCache, BakeOptions, BakePlan, CacheKey, DiskCache, Fetched, PartBaker};
+use adumbra_bake::{BakeCache, BakePlan, CacheKey, DiskCache, Fetched, PartBaker};
 use adumbra_files::{StagedFile, check_output, replace_file, same_file};
 use adumbra_scene::{Edits, LoadOptions, MoverPolicy, NameFilter, UpAxis, load};
 use pyo3::prelude::*;
@@ -18,11 +18,12 @@ use pyo3::types::PyBytes;
 use self_cell::self_cell;
 use serde::{Deserialize, Serialize};
 
+use crate::axes::up_axis;
 use crate::bake::Options;
 use crate::errors::Failure;
 use crate::file::File;
 use crate::pool::pool;
-use crate::scene::{Scene, up_axis};
+use crate::scene::Scene;
 use crate::watch::watched;
 
 /// How the scene of a plan is loaded.
@@ -107,7 +108,7 @@ impl Plan {
         options: Options,
         threads: Option<usize>,
     ) -> PyResult<Self> {
-        let options = options.for_bake(scene.ignore_alpha)?;
+        let options = options.for_bake(scene)?;
         watched(py, None, |_| {
             let path = absolute(&path).map_err(IoError::at("find", &path))?;
             let plan = pool(threads)?.install(|| BakePlan::new(&scene.scene, &options))?;

@@ -7,12 +7,14 @@ use adumbra::file::sections::read_file;
 use adumbra::file::{HEADER_BYTES, Header};
 use adumbra::{Bias, Encoding, Filter, Frame, IoError, Receivers, Sampler, ShadowFile};
 use adumbra_files::replace_file;
+use adumbra_scene::UpAxis;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use rayon::prelude::*;
 
-use crate::arrays::{Triples, TriplesArray};
+use crate::arrays::{Places, Rooms, TriplesArray};
+use crate::axes::{bounds_in_file, name_of};
 use crate::errors::Failure;
 use crate::pool::pool;
 use crate::watch::watched;
@@ -23,7 +25,7 @@ const BATCH: usize = 1 << 12;
 /// Number of points between checks whether Python was interrupted.
 const BLOCK: usize = 1 << 20;
 
-/// A shadow file in memory.
+/// A shadow file in memory. Numbers from Python and for Python are of the axes of the scene's file.
 #[pyclass(frozen, module = "adumbra._native")]
 pub(crate) struct File {
     pub(crate) file: ShadowFile,
@@ -126,15 +128,14 @@ impl File {
         given: LookUp,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let sampler = self.sampler(given)?;
-        look_up(py, &points, normals.as_ref(), |points, normals, out| {
-            sampler.visibilities(points, normals, out)
-        })
+        let places = Places::new(&points, normals.as_ref(), up_of(&self.file))?;
+        look_up(py, places, |points, normals, out| sampler.visibilities(points, normals, out))
     }
 
     /// The unit vector towards the sun.
     #[getter]
-    fn sun(&self) -> [f64; 3] {
-        self.file.sun().towards()
+    fn to_sun(&self) -> [f64; 3] {
+        up_of(&self.file).to_file(self.file.sun().towards())
     }
 
     /// Texels on the longest side of the scene in the light's plane.
@@ -199,7 +200,7 @@ impl File {
     /// The box that was given to the bake.
     #[getter]
     fn bounds(&self) -> Option<([f64; 3], [f64; 3])> {
-        self.file.settings.bounds.map(|bounds| (bounds.min, bounds.max))
+        self.file.settings.bounds.map(|bounds| bounds_in_file(up_of(&self.file), &bounds))
     }
 
     /// The bias in texels: constant, per unit of slope, along the normal.
@@ -242,7 +243,7 @@ impl File {
     /// The axis that points up in the scene's own file: "y" or "z".
     #[getter]
     fn up(&self) -> &'static str {
-        if self.file.settings.scene_is_z_up { "z" } else { "y" }
+        name_of(up_of(&self.file))
     }
 
     /// Which points the file answers: "all" or "static".
@@ -265,34 +266,28 @@ impl File {
     }
 }
 
+/// Returns the axis that points up in the scene's file.
+pub(crate) fn up_of(file: &ShadowFile) -> UpAxis {
+    if file.settings.scene_is_z_up { UpAxis::Z } else { UpAxis::Y }
+}
+
 /// Looks up the visibility of points on all cores. `fill` looks up consecutive points.
 pub(crate) fn look_up<'py>(
     py: Python<'py>,
-    points: &TriplesArray<'py>,
-    normals: Option<&TriplesArray<'py>>,
+    places: Places<'_>,
     fill: impl Fn(&[[f64; 3]], Option<&[[f64; 3]]>, &mut [f32]) -> adumbra::Result<()> + Sync,
 ) -> PyResult<Bound<'py, PyArray1<f32>>> {
-    let points = points.rows()?;
-    let normals = normals.map(TriplesArray::rows).transpose()?;
-    if let Some(other) = normals.map(Triples::len).filter(|&n| n != points.len()) {
-        let what = format!("normals: {other} rows for {} points; give one for each point", points.len());
-        return Err(Failure::Value(what).into());
-    }
     let pool = pool(None)?;
-    let array = PyArray1::<f32>::zeros(py, points.len(), false);
+    let array = PyArray1::<f32>::zeros(py, places.len(), false);
     let mut out = array.readwrite();
     for (block, out) in out.as_slice_mut()?.chunks_mut(BLOCK).enumerate() {
         let batches = out.par_chunks_mut(BATCH).enumerate();
         let work = || {
-            batches.try_for_each_init(
-                || (Vec::new(), Vec::new()),
-                |(of_points, of_normals), (batch, out)| {
-                    let start = block * BLOCK + batch * BATCH;
-                    let range = start..start + out.len();
-                    let normals = normals.map(|normals| normals.range(range.clone(), of_normals));
-                    fill(points.range(range, of_points), normals, out)
-                },
-            )
+            batches.try_for_each_init(Rooms::default, |rooms, (batch, out)| {
+                let start = block * BLOCK + batch * BATCH;
+                let (points, normals) = places.range(start..start + out.len(), rooms);
+                fill(points, normals, out)
+            })
         };
         py.detach(|| pool.install(work)).map_err(Failure::from)?;
         py.check_signals()?;

@@ -10,13 +10,14 @@ use adumbra::{Filter, IoError, PathSampler, PointVisibility, Sun, SunPath, SunSt
 use adumbra_bake::Watch;
 use adumbra_files::replace_file;
 use adumbra_path::{PathOptions, bake_path};
+use adumbra_scene::UpAxis;
 use adumbra_solar::Day;
 use pyo3::prelude::*;
 
-use crate::arrays::TriplesArray;
+use crate::arrays::{Places, TriplesArray};
 use crate::bake::Options;
 use crate::errors::Failure;
-use crate::file::look_up;
+use crate::file::{look_up, up_of};
 use crate::pool::pool;
 use crate::scene::Scene;
 use crate::watch::watched;
@@ -26,12 +27,17 @@ use crate::watch::watched;
 pub(crate) struct Path {
     path: SunPath,
     source: Arc<BytesSource<Vec<u8>>>,
+    /// The axis that points up in the scene's file.
+    up: UpAxis,
 }
 
 impl Path {
+    /// Reads a path. Must run on a pool of this package, because it decodes the first key.
     fn decode(bytes: Vec<u8>, name: &str) -> Result<Self, Failure> {
         let source = Arc::new(BytesSource(bytes));
-        Ok(Self { path: SunPath::open(Arc::clone(&source) as _, name)?, source })
+        let path = SunPath::open(Arc::clone(&source) as _, name)?;
+        let up = up_of(&path.key(0)?);
+        Ok(Self { path, source, up })
     }
 }
 
@@ -42,7 +48,7 @@ impl Path {
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         watched(py, None, |_| {
             let bytes = fs::read(&path).map_err(IoError::at("read", &path))?;
-            Self::decode(bytes, &path.to_string_lossy())
+            pool(None)?.install(|| Self::decode(bytes, &path.to_string_lossy()))
         })
     }
 
@@ -58,7 +64,7 @@ impl Path {
     ) -> PyResult<Self> {
         let (error_percent, lowest_degrees) = limits;
         let day: Day = day.parse().map_err(Failure::from)?;
-        let bake = options.for_bake(scene.ignore_alpha)?;
+        let bake = options.for_bake(scene)?;
         let options = PathOptions { error_percent, lowest_degrees, ..PathOptions::new(bake) };
         watched(py, None, |watch| {
             let suns = day.steps()?;
@@ -70,13 +76,14 @@ impl Path {
                 .collect();
             // Each key is a separate bake, so its root blocks do not measure the progress of the whole path.
             let watch = Watch::new(&|_| {}, watch.cancel);
-            let bake = || bake_path(&scene.scene, &steps, &options, watch, |_| {});
-            let keys = pool(threads)?.install(bake)?.keys;
-            let keys: Vec<_> = keys.into_iter().map(|key| (key.seconds, key.bytes)).collect();
-            let mut bytes = Vec::new();
-            SunPath::write(&mut bytes, steps, &keys, offset, Some(location))
-                .map_err(adumbra_path::Error::Write)?;
-            Self::decode(bytes, "the path")
+            pool(threads)?.install(|| {
+                let keys = bake_path(&scene.scene, &steps, &options, watch, |_| {})?.keys;
+                let keys: Vec<_> = keys.into_iter().map(|key| (key.seconds, key.bytes)).collect();
+                let mut bytes = Vec::new();
+                SunPath::write(&mut bytes, steps, &keys, offset, Some(location))
+                    .map_err(adumbra_path::Error::Write)?;
+                Self::decode(bytes, "the path")
+            })
         })
     }
 
@@ -102,7 +109,7 @@ impl Path {
 
     /// Returns the unit vector towards the sun at a moment, or `None` at night and outside the path.
     fn sun_at(&self, seconds: f64) -> Option<[f64; 3]> {
-        self.path.sun_at(seconds)
+        self.path.sun_at(seconds).map(|sun| self.up.to_file(sun))
     }
 
     /// Returns the visibility of points at a moment of the path.
@@ -122,14 +129,19 @@ impl Path {
                 return Ok(None);
             };
             let sun = Sun::from_direction(sun)?.towards();
-            let first_file = self.path.key(first)?;
-            let second_file = if second == first { first_file.clone() } else { self.path.key(second)? };
+            let keys = || {
+                let first_file = self.path.key(first)?;
+                let second_file = if second == first { first_file.clone() } else { self.path.key(second)? };
+                Ok::<_, Failure>([first_file, second_file])
+            };
+            let [first_file, second_file] = pool(None)?.install(keys)?;
             let sampler = PathSampler::new([&first_file, &second_file], sun, filter);
             let too_far = || Failure::Value("time: the sun is too far from the nearest key".to_owned());
             let sampler = sampler.ok_or_else(too_far)?;
             Ok(Some(if quick { sampler.quick() } else { sampler }))
         })?;
-        look_up(py, &points, normals.as_ref(), |points, normals, out| {
+        let places = Places::new(&points, normals.as_ref(), self.up)?;
+        look_up(py, places, |points, normals, out| {
             if let Some(sampler) = &sampler {
                 out.copy_from_slice(&PointVisibility::visibilities(sampler, points, normals));
             }

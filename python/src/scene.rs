@@ -1,22 +1,34 @@
 //! Scenes: loaded from a file, or made of arrays.
 
 use std::path::PathBuf;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use adumbra::Sun;
-use adumbra_scene::{LoadNotes, LoadOptions, MoverPolicy, NameFilter, UpAxis, from_triangles, load};
-use numpy::{PyArray2, PyReadonlyArray2, ToPyArray};
+use adumbra_scene::{
+    HeightSurface, Heights, LoadNotes, LoadOptions, MoverPolicy, NameFilter, UpAxis, from_heights,
+    from_triangles, load,
+};
+use adumbra_truth::trace::{TraceOptions, Tracer};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 
-use crate::arrays::rows;
+use crate::arrays::{Places, TriplesArray, in_order, rows};
+use crate::axes::{axis, bounds_in_file, name_of, unit, up_axis};
 use crate::errors::Failure;
 use crate::pool::pool;
+use crate::rays::{Traced, each_sun, nearest};
 use crate::watch::watched;
 
 /// Direction towards the sun, as in the program, if neither the caller nor the scene gives one.
 const DEFAULT_SUN: [f64; 3] = [0.5, 0.8, 0.35];
 
-/// A scene, which bakes and rays share.
+/// Rays to the sun's disc, per point and sun.
+const DISC_RAYS: u32 = 256;
+/// Seed of these rays.
+const DISC_SEED: u64 = 1;
+
+/// A scene, which bakes and rays share. Numbers from Python and for Python are of the axes of its file.
 #[pyclass(frozen, module = "adumbra._native")]
 pub(crate) struct Scene {
     pub(crate) scene: Arc<adumbra_scene::Scene>,
@@ -24,6 +36,27 @@ pub(crate) struct Scene {
     pub(crate) ignore_alpha: bool,
     /// The file that it was loaded from.
     pub(crate) path: Option<PathBuf>,
+    /// Made when rays are traced for the first time.
+    traced: OnceLock<Traced>,
+}
+
+impl Scene {
+    fn new(scene: adumbra_scene::Scene, ignore_alpha: bool, path: Option<PathBuf>) -> Self {
+        Self { scene: Arc::new(scene), ignore_alpha, path, traced: OnceLock::new() }
+    }
+
+    /// The axis that points up in the scene's file.
+    pub(crate) fn up(&self) -> UpAxis {
+        self.scene.up
+    }
+
+    /// Returns the tracer, which is built on the first call, by the threads of `pool`. Do not call this on a
+    /// thread of a pool: one that waits here for the tracer could be the one that has to build it.
+    pub(crate) fn tracer(&self, pool: &ThreadPool) -> Result<&Tracer<'_>, Failure> {
+        let options = TraceOptions { ignore_alpha: self.ignore_alpha };
+        let traced = self.traced.get_or_init(|| pool.install(|| Traced::build(&self.scene, options)));
+        Ok(traced.borrow_dependent())
+    }
 }
 
 /// The options of the loader, as Python gives them.
@@ -59,28 +92,56 @@ impl Scene {
             };
             Ok(pool(None)?.install(|| load(&path, &options))?)
         })?;
-        Ok(Self { scene: Arc::new(scene), ignore_alpha: options.ignore_alpha, path: Some(path) })
+        Ok(Self::new(scene, options.ignore_alpha, Some(path)))
     }
 
     /// Makes a scene from N × 3 vertices and M × 3 faces.
     #[staticmethod]
-    fn from_mesh(
+    fn from_arrays(
         py: Python<'_>,
         vertices: PyReadonlyArray2<'_, f64>,
         faces: PyReadonlyArray2<'_, u32>,
+        up: &str,
     ) -> PyResult<Self> {
         let (vertices, faces) = (rows(&vertices)?, rows(&faces)?);
         // Arrays are not a broken file, so report a wrong value.
         let wrong = |error: adumbra_scene::Error| Failure::Value(error.to_string());
-        let scene = watched(py, None, |_| from_triangles("mesh", vertices, faces).map_err(wrong))?;
-        Ok(Self { scene: Arc::new(scene), ignore_alpha: false, path: None })
+        let scene =
+            watched(py, None, |_| from_triangles("arrays", vertices, faces, axis(up)).map_err(wrong))?;
+        Ok(Self::new(scene, false, None))
+    }
+
+    /// Makes a scene from rows of heights.
+    #[staticmethod]
+    #[pyo3(name = "from_heights")]
+    fn of_heights(
+        py: Python<'_>,
+        heights: PyReadonlyArray2<'_, f64>,
+        cell: f64,
+        corner: [f64; 2],
+        walls: bool,
+        up: &str,
+    ) -> PyResult<Self> {
+        let [rows, columns] = *heights.shape() else {
+            return Err(Failure::Value("heights: an array of two axes is needed".to_owned()).into());
+        };
+        let surface = if walls { HeightSurface::Blocks } else { HeightSurface::Centres };
+        let raster = Heights { heights: in_order(&heights)?, size: [columns, rows], cell, corner, surface };
+        let wrong = |error: adumbra_scene::Error| Failure::Value(error.to_string());
+        let scene = watched(py, None, |_| from_heights("heights", &raster, axis(up)).map_err(wrong))?;
+        Ok(Self::new(scene, false, None))
+    }
+
+    /// The axis that points up: "y" or "z".
+    #[getter(up)]
+    fn up_name(&self) -> &'static str {
+        name_of(self.up())
     }
 
     /// The smallest and the largest coordinates.
     #[getter]
     fn bounds(&self) -> ([f64; 3], [f64; 3]) {
-        let bounds = self.scene.bounds();
-        (bounds.min, bounds.max)
+        bounds_in_file(self.up(), &self.scene.bounds())
     }
 
     /// The number of triangles, counting every instance.
@@ -97,10 +158,10 @@ impl Scene {
 
     /// The unit vector towards the sun that a bake uses by default.
     #[getter]
-    fn sun(&self) -> PyResult<[f64; 3]> {
+    fn to_sun(&self) -> PyResult<[f64; 3]> {
         let of_light = self.scene.suns.iter().find_map(|light| Sun::from_direction(light.towards).ok());
         let sun = of_light.map_or_else(|| Sun::from_direction(DEFAULT_SUN), Ok);
-        Ok(sun.map_err(Failure::from)?.towards())
+        Ok(self.up().to_file(sun.map_err(Failure::from)?.towards()))
     }
 
     /// Sentences about what the loader left out or changed.
@@ -109,7 +170,52 @@ impl Scene {
         notes(&self.scene.notes)
     }
 
-    /// The triangles of all instances in world space: vertices and faces.
+    /// Returns whether each point sees the centre of each sun, N × K. A sun without length is one at night.
+    fn sunlit<'py>(
+        &self,
+        py: Python<'py>,
+        points: TriplesArray<'py>,
+        normals: Option<TriplesArray<'py>>,
+        suns: PyReadonlyArray2<'py, f64>,
+        lift: f64,
+    ) -> PyResult<Bound<'py, PyArray2<bool>>> {
+        let places = Places::new(&points, normals.as_ref(), self.up())?;
+        let tracer = watched(py, None, |_| self.tracer(&*pool(None)?))?;
+        each_sun(py, places, &self.suns(&suns)?, lift, 1, |origin, sun| tracer.sun_visible(origin, sun))
+    }
+
+    /// Returns the share of each sun's disc that each point sees, N × K. A sun without length is one at
+    /// night.
+    fn visibility<'py>(
+        &self,
+        py: Python<'py>,
+        points: TriplesArray<'py>,
+        normals: Option<TriplesArray<'py>>,
+        suns: PyReadonlyArray2<'py, f64>,
+        sun_degrees: f64,
+        lift: f64,
+    ) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let places = Places::new(&points, normals.as_ref(), self.up())?;
+        let tracer = watched(py, None, |_| self.tracer(&*pool(None)?))?;
+        each_sun(py, places, &self.suns(&suns)?, lift, DISC_RAYS as usize, |origin, sun| {
+            tracer.sun_disc_visibility(origin, sun, sun_degrees, DISC_RAYS, DISC_SEED)
+        })
+    }
+
+    /// Returns the distance to the nearest surface in a direction, infinite where there is none, and its unit
+    /// normal on the side of the point, N × 3.
+    #[allow(clippy::type_complexity, reason = "the two arrays of a hit")]
+    fn nearest<'py>(
+        &self,
+        py: Python<'py>,
+        points: TriplesArray<'py>,
+        direction: [f64; 3],
+    ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
+        let tracer = watched(py, None, |_| self.tracer(&*pool(None)?))?;
+        nearest(py, tracer, points.rows(self.up())?, self.up(), direction)
+    }
+
+    /// The triangles of all instances: vertices and faces.
     #[allow(clippy::type_complexity, reason = "the two arrays of a mesh")]
     fn mesh<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray2<u32>>)> {
         let (vertices, faces) = watched(py, None, |_| {
@@ -122,25 +228,28 @@ impl Scene {
                     .ok_or_else(|| {
                         Failure::Value("the scene's instances have more than 2^32 vertices".to_owned())
                     })?;
-                vertices.extend(mesh.positions.iter().flat_map(|&p| instance.to_world(p)));
+                let placed = mesh.positions.iter().map(|&p| self.up().to_file(instance.to_world(p)));
+                vertices.extend(placed.flatten());
                 faces.extend(mesh.triangles.iter().flatten().map(|corner| first + corner));
             }
             Ok((vertices, faces))
         })?;
-        Ok((by_rows(py, &vertices)?, by_rows(py, &faces)?))
+        Ok((by_rows(py, vertices)?, by_rows(py, faces)?))
+    }
+}
+
+impl Scene {
+    /// Returns directions of the scene's axes as unit vectors of the world's. One without length stays as it
+    /// is.
+    fn suns(&self, suns: &PyReadonlyArray2<'_, f64>) -> PyResult<Vec<[f64; 3]>> {
+        Ok(rows(suns)?.iter().map(|&sun| self.up().to_scene(unit(sun))).collect())
     }
 }
 
 /// Returns an array of rows of three numbers.
-fn by_rows<'py, T: numpy::Element>(py: Python<'py>, numbers: &[T]) -> PyResult<Bound<'py, PyArray2<T>>> {
-    use numpy::PyArrayMethods;
-    numbers.to_pyarray(py).reshape([numbers.len() / 3, 3])
-}
-
-/// Converts "y", "z" or None. The caller has checked the value.
-pub(crate) fn up_axis(axis: &Bound<'_, PyAny>) -> PyResult<Option<UpAxis>> {
-    let axis: Option<String> = axis.extract()?;
-    Ok(axis.map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y }))
+fn by_rows<'py, T: numpy::Element>(py: Python<'py>, numbers: Vec<T>) -> PyResult<Bound<'py, PyArray2<T>>> {
+    let rows = numbers.len() / 3;
+    numbers.into_pyarray(py).reshape([rows, 3])
 }
 
 fn notes(of: &LoadNotes) -> Vec<String> {

@@ -1,13 +1,17 @@
 //! Hours of sun, the visible sky, and where the sun is.
 
-use adumbra_solar::{Atmosphere, Day, Location, position};
+use std::sync::atomic::Ordering;
+
+use adumbra_scene::UpAxis;
+use adumbra_solar::{Atmosphere, Day, Location, Position, position};
 use adumbra_sunlight::points::Facing;
 use adumbra_sunlight::{DayOptions, Patches, Receiver, SunDay, sky_views};
-use adumbra_truth::trace::{TraceOptions, Tracer};
-use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
+use rayon::prelude::*;
 
-use crate::arrays::{Triples, TriplesArray};
+use crate::arrays::{Places, Rooms, TriplesArray};
+use crate::axes::axis;
 use crate::errors::Failure;
 use crate::pool::pool;
 use crate::scene::Scene;
@@ -17,34 +21,57 @@ use crate::watch::watched;
 const HOUR_SECONDS: f64 = 3600.0;
 
 /// Points, their normals, and how far rays start above them.
-type Places<'py> = (TriplesArray<'py>, Option<TriplesArray<'py>>, f64);
+type Given<'py> = (TriplesArray<'py>, Option<TriplesArray<'py>>, f64);
 
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 
-/// Returns azimuths and elevations in degrees, and unit vectors towards the sun, at seconds after 1970.
+/// Returns the sun's azimuths, elevations, and elevations as seen through the air, in degrees, at seconds
+/// after 1970.
 #[pyfunction]
-#[allow(clippy::type_complexity, reason = "the three arrays of a position")]
-pub(crate) fn sun_positions<'py>(
+pub(crate) fn sun_angles<'py>(
     py: Python<'py>,
     place: (f64, f64, f64),
     times: PyReadonlyArray1<'py, f64>,
     refraction: bool,
-) -> PyResult<(Numbers<'py>, Numbers<'py>, Bound<'py, PyArray2<f64>>)> {
+) -> PyResult<(Numbers<'py>, Numbers<'py>, Numbers<'py>)> {
     let times = times.as_slice()?;
-    let (azimuths, elevations, towards) = watched(py, None, |_| {
+    let found: Vec<[f64; 3]> = watched(py, None, |watch| {
         let location = Location::new(place.0, place.1, place.2)?;
-        let air = refraction.then_some(Atmosphere::STANDARD);
-        let (mut azimuths, mut elevations, mut towards) = (Vec::new(), Vec::new(), Vec::new());
-        for &time in times {
-            let found = position(&location, time, air.as_ref())?;
-            azimuths.push(found.azimuth_degrees);
-            elevations.push(found.elevation_degrees);
-            towards.extend(found.towards());
-        }
-        Ok((azimuths, elevations, towards))
+        let angles = |&time: &f64| {
+            // Python is interrupted, and does not wait for the result.
+            if watch.cancel.load(Ordering::Relaxed) {
+                return Ok([0.0; 3]);
+            }
+            let Position { azimuth_degrees, elevation_degrees } = position(&location, time, None)?;
+            let apparent = match refraction {
+                true => position(&location, time, Some(&Atmosphere::STANDARD))?.elevation_degrees,
+                false => elevation_degrees,
+            };
+            Ok([azimuth_degrees, elevation_degrees, apparent])
+        };
+        pool(None)?.install(|| times.par_iter().map(angles).collect())
     })?;
-    let towards = towards.to_pyarray(py).reshape([times.len(), 3])?;
-    Ok((azimuths.to_pyarray(py), elevations.to_pyarray(py), towards))
+    let [azimuths, elevations, apparent] =
+        [0, 1, 2].map(|angle| found.iter().map(|angles| angles[angle]).collect::<Vec<_>>().into_pyarray(py));
+    Ok((azimuths, elevations, apparent))
+}
+
+/// Returns unit vectors towards suns at these compass angles, in degrees, N × 3.
+#[pyfunction]
+pub(crate) fn sun_directions<'py>(
+    py: Python<'py>,
+    azimuths: PyReadonlyArray1<'py, f64>,
+    elevations: PyReadonlyArray1<'py, f64>,
+    up: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let up = axis(up);
+    let angles = azimuths.as_slice()?.iter().zip(elevations.as_slice()?);
+    let directions: Vec<f64> = angles
+        .flat_map(|(&azimuth_degrees, &elevation_degrees)| {
+            up.to_file(Position { azimuth_degrees, elevation_degrees }.towards())
+        })
+        .collect();
+    directions.to_pyarray(py).reshape([directions.len() / 3, 3])
 }
 
 /// Returns the hours of each point; the point, start and end of each span in which one is lit, in seconds
@@ -54,18 +81,20 @@ pub(crate) fn sun_positions<'py>(
 pub(crate) fn sun_hours<'py>(
     py: Python<'py>,
     scene: &Scene,
-    places: Places<'py>,
+    places: Given<'py>,
     day: &str,
     every_step: bool,
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(Numbers<'py>, Bound<'py, PyArray1<i64>>, Numbers<'py>, Numbers<'py>, String)> {
-    let receivers = receivers(&places)?;
+    let receivers = receivers(&places, scene.up())?;
     let day: Day = day.parse().map_err(Failure::from)?;
     let found = watched(py, report, |watch| {
         let options = if every_step { DayOptions { key_degrees: 0.0 } } else { DayOptions::default() };
         let suns = SunDay::new(&day.steps()?, options)?;
-        Ok(pool(threads)?.install(|| suns.hours(&tracer(scene), &receivers, watch))?)
+        let pool = pool(threads)?;
+        let tracer = scene.tracer(&pool)?;
+        Ok(pool.install(|| suns.hours(tracer, &receivers, watch))?)
     })?;
     let hours: Vec<f64> = (0..found.len()).map(|point| found.seconds(point) / HOUR_SECONDS).collect();
     let (mut points, mut starts, mut ends) = (Vec::new(), Vec::new(), Vec::new());
@@ -86,15 +115,17 @@ pub(crate) fn sun_hours<'py>(
 pub(crate) fn sky<'py>(
     py: Python<'py>,
     scene: &Scene,
-    places: Places<'py>,
+    places: Given<'py>,
     fine: bool,
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyArray2<bool>>, Numbers<'py>, Numbers<'py>)> {
-    let receivers = receivers(&places)?;
+    let receivers = receivers(&places, scene.up())?;
     let patches = if fine { Patches::reinhart_577() } else { Patches::tregenza() };
     let views = watched(py, report, |watch| {
-        Ok(pool(threads)?.install(|| sky_views(&tracer(scene), &receivers, &patches, watch))?)
+        let pool = pool(threads)?;
+        let tracer = scene.tracer(&pool)?;
+        Ok(pool.install(|| sky_views(tracer, &receivers, &patches, watch))?)
     })?;
     let seen: Vec<bool> =
         views.iter().flat_map(|view| (0..patches.len()).map(|patch| view.sees(patch))).collect();
@@ -104,20 +135,10 @@ pub(crate) fn sky<'py>(
     Ok((seen, factors.to_pyarray(py), shades.to_pyarray(py)))
 }
 
-fn tracer(scene: &Scene) -> Tracer<'_> {
-    Tracer::build(&scene.scene, TraceOptions { ignore_alpha: scene.ignore_alpha })
-}
-
-fn receivers((points, normals, lift_world): &Places<'_>) -> PyResult<Vec<Receiver>> {
-    let points = points.rows()?;
-    let normals = normals.as_ref().map(TriplesArray::rows).transpose()?;
-    if let Some(other) = normals.map(Triples::len).filter(|&n| n != points.len()) {
-        let what = format!("normals: {other} rows for {} points; give one for each point", points.len());
-        return Err(Failure::Value(what).into());
-    }
-    let (mut of_points, mut of_normals) = (Vec::new(), Vec::new());
-    let normals = normals.map(|normals| normals.range(0..points.len(), &mut of_normals));
-    let points = points.range(0..points.len(), &mut of_points);
+fn receivers((points, normals, lift_world): &Given<'_>, up: UpAxis) -> PyResult<Vec<Receiver>> {
+    let places = Places::new(points, normals.as_ref(), up)?.with_unit_normals()?;
+    let mut rooms = Rooms::default();
+    let (points, normals) = places.range(0..places.len(), &mut rooms);
     let receiver = |(number, &p_world): (usize, &[f64; 3])| {
         let facing = normals.map_or(Facing::Space, |normals| Facing::Front(normals[number]));
         Receiver { p_world, facing, lift_world: *lift_world }

@@ -36,10 +36,19 @@ pub(crate) fn verify(
     let answers = LightAnswers::of(&file.file, file.sampler(look_up)?);
     let file = &file.file;
     let ignore_alpha = scene.ignore_alpha || file.ignores_alpha();
-    let scene = &*scene.scene;
-    watched(py, None, |_| {
+    watched(py, None, |watch| {
+        let pool = pool(options.threads)?;
+        let known = if ignore_alpha == scene.ignore_alpha { Some(scene.tracer(&pool)?) } else { None };
+        let scene = &*scene.scene;
         let compare = || {
-            let tracer = Tracer::build(scene, TraceOptions { ignore_alpha });
+            let built;
+            let tracer = match known {
+                Some(tracer) => tracer,
+                None => {
+                    built = Tracer::build(scene, TraceOptions { ignore_alpha });
+                    &built
+                }
+            };
             let solids = Solids::of(scene);
             let sampler = if options.volume {
                 Sampler::Volume(VolumeSampler::new(&file.grid))
@@ -47,14 +56,14 @@ pub(crate) fn verify(
                 let towards = file.sun().towards();
                 Sampler::Surface(SurfaceSampler::new(scene, &solids, towards, ignore_alpha))
             };
-            let verifier = Verifier::new(&answers, &tracer, &solids);
+            let verifier = Verifier::new(&answers, tracer, &solids).with_ground().with_cancel(watch.cancel);
             let verifier = match options.min_interior {
                 Some(least) => verifier.with_interior_promise(least),
                 None => verifier,
             };
             verifier.run(&sampler, &VerifyOptions { samples: options.samples, seed: options.seed })
         };
-        let result = pool(options.threads)?.install(compare);
+        let result = pool.install(compare);
         let json = serde_json::to_string(&result).map_err(|error| Failure::Internal(error.to_string()))?;
         Ok((json, result.is_checked(), result.holds()))
     })

@@ -49,9 +49,15 @@ def mesh() -> Mesh:
 
 
 @pytest.fixture(scope="session")
-def shadows(mesh: Mesh) -> adumbra.ShadowFile:
+def scene(mesh: Mesh) -> adumbra.Scene:
+    """Return the scene of that town."""
+    return adumbra.Scene.from_arrays(*mesh, up="y")
+
+
+@pytest.fixture(scope="session")
+def shadows(scene: adumbra.Scene) -> adumbra.ShadowFile:
     """Return the file of that town."""
-    return adumbra.bake(*mesh, sun=SUN, resolution=1024)
+    return adumbra.bake(scene, to_sun=SUN, resolution=1024)
 
 
 @pytest.fixture(scope="session")
@@ -76,6 +82,26 @@ def city(program: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("city") / "city.glb"
     program("generate", "city", "-o", path)
     return path
+
+
+@pytest.fixture(scope="session")
+def solids(program: Program, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a small scene that the program generates."""
+    path = tmp_path_factory.mktemp("solids") / "solids.glb"
+    program("generate", "primitives", "-o", path)
+    return path
+
+
+def write_ply(path: Path, mesh: Mesh) -> None:
+    """Write a mesh as a PLY file, with all digits of its vertices."""
+    vertices, faces = mesh
+    header = (
+        f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\n"
+        "property double x\nproperty double y\nproperty double z\n"
+        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    )
+    rows = [" ".join(repr(float(c)) for c in p) for p in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
+    path.write_text(header + "\n".join(rows) + "\n")
 
 
 def points_of(mesh: Mesh, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -1,4 +1,4 @@
-"""Bakes: the bytes of the program, options, outputs, and arrays as scenes."""
+"""Bakes: the bytes of the program, options, outputs, and scenes of arrays."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import SUN, Mesh, Program
+from conftest import SUN, Mesh, Program, write_ply
 
 import adumbra
 
@@ -17,7 +17,7 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
     ({"resolution": 2048, "azimuth": 140, "elevation": 35}, "--resolution 2048 --azimuth 140 --elevation 35"),
     ({"resolution": 2048, "elevation": 50.5, "frame": "light"}, "--resolution 2048 --elevation 50.5 --frame light"),
     (
-        {"resolution": 2048, "sun": np.array(SUN, np.float32).astype(float), "frame": "oblique", "yaw": 30},
+        {"resolution": 2048, "to_sun": np.array(SUN, np.float32).astype(float), "frame": "oblique", "yaw": 30},
         "--resolution 2048 --frame oblique --yaw 30",
     ),
     ({"voxel_size": 0.3, "levels": 1}, "--voxel-size 0.3 --levels 1"),
@@ -37,38 +37,32 @@ OPTIONS: list[tuple[dict[str, Any], str]] = [
 
 @pytest.mark.parametrize(("options", "words"), OPTIONS)
 def test_bake_gives_the_bytes_of_the_program(
-    options: dict[str, Any], words: str, program: Program, city: Path, tmp_path: Path
+    options: dict[str, Any], words: str, program: Program, solids: Path, tmp_path: Path
 ) -> None:
     expected = tmp_path / "program.adumbra"
-    sun = [f"--sun={','.join(repr(float(c)) for c in options['sun'])}"] if "sun" in options else []
-    program("bake", city, *words.split(), *sun, "-o", expected)
+    sun = [f"--sun={','.join(repr(float(c)) for c in options['to_sun'])}"] if "to_sun" in options else []
+    program("bake", solids, *words.split(), *sun, "-o", expected)
     output = tmp_path / "python.adumbra"
-    baked = adumbra.bake(city, output=output, **options)
+    baked = adumbra.bake(solids, output=output, **options)
     assert output.read_bytes() == expected.read_bytes()
     assert baked.to_bytes() == expected.read_bytes()
     assert baked.bytes == expected.stat().st_size
 
 
-def test_arrays_bake_like_a_file_of_the_same_triangles(mesh: Mesh, program: Program, tmp_path: Path) -> None:
+@pytest.mark.parametrize("up", ["y", "z"])
+def test_arrays_bake_like_a_file_of_the_same_triangles(up: Any, mesh: Mesh, program: Program, tmp_path: Path) -> None:
     vertices, faces = mesh[0] + (5e6, 0, 0), mesh[1]
     path = tmp_path / "town.ply"
-    header = (
-        f"ply\nformat ascii 1.0\nelement vertex {len(vertices)}\n"
-        "property double x\nproperty double y\nproperty double z\n"
-        f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
-    )
-    rows = [" ".join(repr(float(c)) for c in p) for p in vertices] + [f"3 {a} {b} {c}" for a, b, c in faces]
-    path.write_text(header + "\n".join(rows) + "\n")
-    program("bake", path, "--resolution", 1024, "-o", tmp_path / "town.adumbra")
+    write_ply(path, (vertices, faces))
+    program("bake", path, "--up", up, "--resolution", 1024, "-o", tmp_path / "town.adumbra")
     expected = (tmp_path / "town.adumbra").read_bytes()
-    assert adumbra.bake(vertices, faces, resolution=1024).to_bytes() == expected
-    assert adumbra.bake((vertices, faces), resolution=1024).to_bytes() == expected
-    assert adumbra.bake(path, resolution=1024).to_bytes() == expected
+    assert adumbra.bake(adumbra.Scene.from_arrays(vertices, faces, up=up), resolution=1024).to_bytes() == expected
+    assert adumbra.bake(path, resolution=1024, up=up).to_bytes() == expected
 
 
 def test_bake_does_not_depend_on_threads_or_array_types(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
     single = mesh[0].astype(np.float32)
-    expected = adumbra.bake(single, mesh[1], sun=SUN, resolution=1024)
+    expected = adumbra.bake(adumbra.Scene.from_arrays(single, mesh[1], up="y"), to_sun=SUN, resolution=1024)
     assert expected == shadows
     for vertices, faces, threads in [
         (single, mesh[1].astype(np.uint8), 1),
@@ -77,44 +71,64 @@ def test_bake_does_not_depend_on_threads_or_array_types(mesh: Mesh, shadows: adu
         (single.tolist(), mesh[1].tolist(), 1),
         (np.repeat(single, 2, 0)[::2], np.repeat(mesh[1], 2, 1)[:, ::2], None),
     ]:
-        assert adumbra.bake(vertices, faces, sun=SUN, resolution=1024, threads=threads) == expected
+        scene = adumbra.Scene.from_arrays(vertices, faces, up="y")
+        assert adumbra.bake(scene, to_sun=SUN, resolution=1024, threads=threads) == expected
 
 
 def test_integer_vertices_are_accepted(mesh: Mesh) -> None:
     whole = mesh[0].astype(int)
-    baked = adumbra.bake(whole, mesh[1], resolution=256)
-    assert baked == adumbra.bake(whole.astype(float), mesh[1], resolution=256)
-    assert baked == adumbra.bake(whole.astype(np.float16), mesh[1], resolution=256)
+    forms: list[Any] = [whole, whole.astype(float), whole.astype(np.float16)]
+    first, *others = (
+        adumbra.bake(adumbra.Scene.from_arrays(vertices, mesh[1], up="y"), resolution=256) for vertices in forms
+    )
+    assert others == [first, first]
 
 
-def test_properties_describe_the_bake(mesh: Mesh) -> None:
+PROPERTIES = (
+    "to_sun",
+    "up",
+    "resolution",
+    "size",
+    "voxel_size",
+    "levels",
+    "bytes",
+    "encoding",
+    "frame",
+    "yaw",
+    "bounds",
+    "bias",
+    "triangles",
+)
+
+
+def test_properties_describe_the_bake(mesh: Mesh, scene: adumbra.Scene) -> None:
     bounds = (5.0, 0.0, 5.0, 35.0, 20.0, 35.0)
-    baked = adumbra.bake(*mesh, sun=(0, 2, 0), resolution=512, bounds=bounds, frame="oblique", yaw=15, thickness=0.5)
-    assert (baked.sun, baked.resolution, baked.levels) == ((0.0, 1.0, 0.0), 512, 1)
-    assert baked.frame == "oblique"
+    baked = adumbra.bake(scene, to_sun=(0, 2, 0), resolution=512, bounds=bounds, frame="oblique", yaw=15, thickness=0.5)
+    assert (baked.to_sun, baked.resolution, baked.levels) == ((0.0, 1.0, 0.0), 512, 1)
+    assert (baked.frame, baked.up) == ("oblique", "y")
     assert baked.yaw == pytest.approx(15)
     assert baked.bounds == (bounds[:3], bounds[3:])
     assert baked.voxel_size == pytest.approx(40 / 512, rel=0.5)
     assert baked.triangles == len(mesh[1])
     assert baked.bias == (1.0, 0.5, 0.0)
-    assert baked.settings == {
+    assert baked.info == {
+        **{name: getattr(baked, name) for name in PROPERTIES},
         "thickness": 0.5,
         "switch_within": 0,
-        "assume_ground": False,
+        "assume_ground": True,
         "closed_regions": True,
         "receivers": "all",
         "ignore_alpha": False,
-        "up": "y",
     }
     assert baked == adumbra.bake(
-        *mesh, sun=(0, 1, 0), resolution=512, bounds=[bounds[:3], bounds[3:]], frame="oblique", yaw=15, thickness=0.5
+        scene, to_sun=(0, 1, 0), resolution=512, bounds=[bounds[:3], bounds[3:]], frame="oblique", yaw=15, thickness=0.5
     )
     assert "512 texels" in repr(baked)
 
 
-def test_a_cache_gives_the_same_bytes(mesh: Mesh, shadows: adumbra.ShadowFile, tmp_path: Path) -> None:
+def test_a_cache_gives_the_same_bytes(scene: adumbra.Scene, shadows: adumbra.ShadowFile, tmp_path: Path) -> None:
     for _ in range(2):
-        assert adumbra.bake(*mesh, sun=SUN, resolution=1024, cache=tmp_path / "cache") == shadows
+        assert adumbra.bake(scene, to_sun=SUN, resolution=1024, cache=tmp_path / "cache") == shadows
     assert any((tmp_path / "cache").rglob("*"))
 
 
@@ -126,17 +140,20 @@ def test_a_cache_gives_the_same_bytes(mesh: Mesh, shadows: adumbra.ShadowFile, t
         ({"voxel_size": 0.0}, "the voxel size: 0 is out of range"),
         ({"voxel_size": float("nan")}, "the voxel size: NaN is out of range"),
         ({"voxel_size": 1.0, "resolution": 512}, "give it or a resolution"),
-        ({"sun": (0, -1, 0)}, "above the horizon"),
-        ({"sun": (0, 0, 0)}, "is not a direction"),
-        ({"sun": (1, 2)}, "sun: 3 numbers are needed"),
-        ({"sun": (0, 1, 0), "elevation": 3}, "give a direction or angles"),
+        ({"to_sun": (0, -1, 0)}, "above the horizon"),
+        ({"to_sun": (0, 0, 0)}, "is not a direction"),
+        ({"to_sun": (1, 2)}, "to_sun: 3 numbers are needed"),
+        ({"to_sun": (0, 1, 0), "elevation": 3}, "to_sun: give a direction or angles"),
         ({"azimuth": 3}, "give an elevation too"),
-        ({"elevation": 91}, "the sun's elevation: 91"),
-        ({"elevation": float("inf")}, "the sun's elevation"),
+        ({"azimuth": float("nan"), "elevation": 3}, "azimuth: an angle is not finite"),
+        ({"elevation": 91}, "elevation: an angle is out of range; it must be from -90 to 90"),
+        ({"elevation": float("inf")}, "elevation: an angle is out of range"),
+        ({"elevation": -3}, "above the horizon"),
         ({"thickness": -1}, "the thickness: -1 is out of range"),
         ({"switch_within": 65536}, "switch_within: 65536 is out of range; it must be from 0 to 65535"),
         ({"levels": 0}, "levels: 0 is out of range; it must be from 1 to 8"),
-        ({"bounds": (0, 0, 0, 0, 1, 1)}, "the bounds"),
+        ({"bounds": (0, 0, 0, 0, 1, 1)}, "bounds: the box from (0.0, 0.0, 0.0"),
+        ({"bounds": (0, 0, 0, 1, np.inf, 1)}, "bounds: the box from"),
         ({"bounds": (0, 0, 0)}, "bounds: 6 numbers"),
         ({"frame": "upright"}, 'frame: "upright" must be'),
         ({"yaw": 10}, "yaw does not apply"),
@@ -147,9 +164,9 @@ def test_a_cache_gives_the_same_bytes(mesh: Mesh, shadows: adumbra.ShadowFile, t
         ({"max_memory": -1}, "max_memory: -1 is out of range"),
     ],
 )
-def test_errors_name_values_out_of_range(options: dict[str, Any], message: str, mesh: Mesh) -> None:
+def test_errors_name_values_out_of_range(options: dict[str, Any], message: str, scene: adumbra.Scene) -> None:
     with pytest.raises(ValueError, match=message.replace("(", r"\(")) as caught:
-        adumbra.bake(*mesh, **{"resolution": 64, **options} if "voxel_size" not in options else options)
+        adumbra.bake(scene, **{"resolution": 64, **options} if "voxel_size" not in options else options)
     assert type(caught.value) is ValueError
 
 
@@ -157,17 +174,17 @@ def test_errors_name_values_out_of_range(options: dict[str, Any], message: str, 
     ("options", "message"),
     [
         ({"levels": 1.5}, "levels: a whole number is needed, not 1.5"),
-        ({"sun": "up"}, "sun: 3 numbers are needed"),
+        ({"to_sun": "up"}, "to_sun: 3 numbers are needed"),
         ({"only": ["a"]}, "only: this is an option of loading"),
         ({"colour": 1}, "colour"),
     ],
 )
-def test_errors_name_wrong_types(options: dict[str, Any], message: str, mesh: Mesh) -> None:
+def test_errors_name_wrong_types(options: dict[str, Any], message: str, scene: adumbra.Scene) -> None:
     with pytest.raises(TypeError, match=message):
-        adumbra.bake(*mesh, resolution=64, **options)
+        adumbra.bake(scene, resolution=64, **options)
 
 
-def test_rejects_arrays_that_are_not_a_mesh(mesh: Mesh) -> None:
+def test_rejects_arrays_that_are_not_a_mesh(mesh: Mesh, scene: adumbra.Scene) -> None:
     vertices, faces = mesh
     wrong = faces.copy()
     wrong[3, 1] = len(vertices)
@@ -193,10 +210,10 @@ def test_rejects_arrays_that_are_not_a_mesh(mesh: Mesh) -> None:
         (vertices * (1, 0, 0), faces, ValueError, "zero area"),
     ]:
         with pytest.raises(error, match=message) as caught:
-            adumbra.bake(values, corners, resolution=64)
+            adumbra.Scene.from_arrays(values, corners, up="y")
         assert type(caught.value) is error
-    unused = np.concatenate([vertices, [[np.nan] * 3]])
-    assert adumbra.bake(unused, faces, resolution=64) == adumbra.bake(vertices, faces, resolution=64)
+    unused = adumbra.Scene.from_arrays(np.concatenate([vertices, [[np.nan] * 3]]), faces, up="y")
+    assert adumbra.bake(unused, resolution=64) == adumbra.bake(scene, resolution=64)
 
 
 @pytest.mark.parametrize(
@@ -210,23 +227,25 @@ def test_rejects_arrays_that_are_not_a_mesh(mesh: Mesh) -> None:
         ({"thickness": 1e308}, False),
         ({"elevation": 1e-9, "azimuth": 1e300}, False),
         ({"elevation": 1e-6, "frame": "oblique"}, True),
-        ({"sun": (5e-324, 5e-324, 0)}, False),
-        ({"sun": (1e308, 1e308, 1e308)}, False),
+        ({"to_sun": (5e-324, 5e-324, 0)}, False),
+        ({"to_sun": (1e308, 1e308, 1e308)}, False),
         ({"max_memory": 0}, True),
     ],
 )
-def test_extreme_values_are_baked_or_refused(options: dict[str, Any], refused: bool, mesh: Mesh) -> None:
+def test_extreme_values_are_baked_or_refused(
+    options: dict[str, Any], refused: bool, mesh: Mesh, scene: adumbra.Scene
+) -> None:
     if "voxel_size" not in options:
         options = {"resolution": 64, **options}
     if refused:
         with pytest.raises((ValueError, adumbra.AdumbraError)):
-            adumbra.bake(*mesh, **options)
+            adumbra.bake(scene, **options)
     else:
-        found = adumbra.bake(*mesh, **options).visibility(mesh[0])
+        found = adumbra.bake(scene, **options).visibility(mesh[0])
         assert ((found >= 0) & (found <= 1)).all()
 
 
-def test_an_output_is_never_half_written(mesh: Mesh, city: Path, tmp_path: Path) -> None:
+def test_an_output_is_never_half_written(scene: adumbra.Scene, city: Path, tmp_path: Path) -> None:
     output = tmp_path / "out.adumbra"
     output.write_bytes(b"earlier")
 
@@ -240,9 +259,9 @@ def test_an_output_is_never_half_written(mesh: Mesh, city: Path, tmp_path: Path)
     with pytest.raises(ValueError, match="part of the scene"):
         adumbra.bake(city, resolution=64, output=city)
     with pytest.raises(FileNotFoundError):
-        adumbra.bake(*mesh, resolution=64, output=tmp_path / "none" / "out.adumbra")
+        adumbra.bake(scene, resolution=64, output=tmp_path / "none" / "out.adumbra")
     with pytest.raises(IsADirectoryError):
-        adumbra.bake(*mesh, resolution=64, output=tmp_path)
+        adumbra.bake(scene, resolution=64, output=tmp_path)
 
 
 def test_a_memory_limit_that_is_too_low_is_an_error(city: Path) -> None:

@@ -15,8 +15,9 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
-from conftest import Program
+from conftest import Program, town, write_ply
 from test_bake import OPTIONS
 
 import adumbra
@@ -24,8 +25,8 @@ import adumbra
 pytest.importorskip("distributed", reason="dask[distributed] is not installed; pip install adumbra[farm]")
 
 import adumbra_farm
-from adumbra_farm.__main__ import code_of, main
-from adumbra_farm._farm import groups_of
+from adumbra_farm.__main__ import _in_file_axes, code_of, main, parser
+from adumbra_farm._farm import groups_of, plan_of
 from adumbra_farm._tasks import Settings, bake_parts, plan_path
 from distributed import Client, KilledWorker, LocalCluster
 
@@ -48,9 +49,9 @@ def whole(city: Path) -> bytes:
 
 
 @pytest.fixture(scope="module")
-def small(city: Path) -> adumbra.Plan:
+def small(solids: Path) -> adumbra.Plan:
     """Return the plan of a short bake."""
-    return adumbra.Plan(city, resolution=1024)
+    return adumbra.Plan(solids, resolution=1024)
 
 
 def cluster(workers: int) -> LocalCluster:
@@ -76,6 +77,7 @@ def wait_until(is_so: Callable[[], bool]) -> None:
         time.sleep(0.01)
 
 
+@pytest.mark.slow
 def test_lost_and_slow_workers_do_not_change_the_file(plan: adumbra.Plan, whole: bytes, tmp_path: Path) -> None:
     cache, output = tmp_path / "cache", tmp_path / "city.adumbra"
     total = len(plan.parts)
@@ -114,10 +116,8 @@ def test_lost_and_slow_workers_do_not_change_the_file(plan: adumbra.Plan, whole:
 
 
 # SIGTERM ends a run as Ctrl-C does.
-ENDS = [signal.SIGINT, signal.SIGKILL] + ([signal.SIGTERM] if "ADUMBRA_FULL" in os.environ else [])
-
-
-@pytest.mark.parametrize("how", ENDS)
+@pytest.mark.slow
+@pytest.mark.parametrize("how", [signal.SIGINT, signal.SIGKILL, signal.SIGTERM])
 def test_an_interrupted_run_continues(how: signal.Signals, city: Path, whole: bytes, tmp_path: Path) -> None:
     output, cache = tmp_path / "city.adumbra", tmp_path / "entries"
     output.write_bytes(b"earlier")
@@ -127,7 +127,6 @@ def test_an_interrupted_run_continues(how: signal.Signals, city: Path, whole: by
     # Ctrl-C reaches every process of a terminal.
     with subprocess.Popen(words, stderr=subprocess.PIPE, text=True, start_new_session=True) as first:
         wait_until(lambda: len(entries(cache)) > 40)
-        sent = time.perf_counter()
         os.killpg(first.pid, how)
         said = first.communicate(timeout=60)[1]
     if how is signal.SIGKILL:
@@ -135,7 +134,6 @@ def test_an_interrupted_run_continues(how: signal.Signals, city: Path, whole: by
     else:
         assert first.returncode == 130, said
         assert "interrupted" in said and "Traceback" not in said, said
-        assert time.perf_counter() - sent < 15
     assert output.read_bytes() == b"earlier"
     before = entries(cache)
     again = json.loads(subprocess.run(words, check=True, capture_output=True, text=True).stdout)
@@ -150,7 +148,7 @@ def test_an_interrupted_run_continues(how: signal.Signals, city: Path, whole: by
     assert list((cache / "new").iterdir()) == []
 
 
-def test_a_plan_is_resumed(small: adumbra.Plan, city: Path, client: Client, tmp_path: Path, capsys: Any) -> None:
+def test_a_plan_is_resumed(small: adumbra.Plan, solids: Path, client: Client, tmp_path: Path, capsys: Any) -> None:
     path, output = tmp_path / "my plan.json", tmp_path / "out file.adumbra"
     small.write(path)
     small.bake(small.shard(0, 2), tmp_path / "my plan.cache")
@@ -159,11 +157,11 @@ def test_a_plan_is_resumed(small: adumbra.Plan, city: Path, client: Client, tmp_
     assert main(["resume", str(path), "-o", str(output), "--scheduler", address, "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
     assert (said["reused"], said["baked"]) == (there, len(small.parts) - there)
-    assert output.read_bytes() == adumbra.bake(city, resolution=1024).to_bytes()
+    assert output.read_bytes() == adumbra.bake(solids, resolution=1024).to_bytes()
     assert said["file_bytes"] == output.stat().st_size
 
 
-def test_workers_keep_what_they_have_loaded(small: adumbra.Plan, city: Path, client: Client, tmp_path: Path) -> None:
+def test_workers_keep_what_they_have_loaded(small: adumbra.Plan, solids: Path, client: Client, tmp_path: Path) -> None:
     def loaded() -> dict[str, dict[str, int]]:
         return dict(client.run(_loaded))
 
@@ -175,7 +173,7 @@ def test_workers_keep_what_they_have_loaded(small: adumbra.Plan, city: Path, cli
     assert sum(part.baked for part in done.parts) == len(small.parts)
     assert loaded() == before
     for resolution in (64, 128):
-        plan = adumbra.Plan(city, resolution=resolution)
+        plan = adumbra.Plan(solids, resolution=resolution)
         adumbra_farm.bake_plan(plan, tmp_path / "out", client, tmp_path / "cache")
     assert all(len(kept) <= 2 for kept in loaded().values())
 
@@ -188,23 +186,23 @@ def _loaded() -> dict[str, int]:
 
 
 def test_rejects_an_unwritable_output_before_baking(
-    small: adumbra.Plan, city: Path, client: Client, tmp_path: Path
+    small: adumbra.Plan, solids: Path, client: Client, tmp_path: Path
 ) -> None:
-    for output, error in [(tmp_path / "no" / "out", FileNotFoundError), (tmp_path, IsADirectoryError), (city, ValueError)]:
+    for output, error in [(tmp_path / "no" / "out", FileNotFoundError), (tmp_path, IsADirectoryError), (solids, ValueError)]:
         with pytest.raises(error):
             adumbra_farm.bake_plan(small, output, client, tmp_path / "cache")
     with pytest.raises(TypeError, match="the client's cluster has its own"):
-        adumbra_farm.bake(city, tmp_path / "out", client=client, workers=2, resolution=64)
+        adumbra_farm.bake(solids, tmp_path / "out", client=client, workers=2, resolution=64)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_rejects_a_changed_scene(
-    city: Path, program: Program, client: Client, tmp_path: Path, capsys: Any
+    solids: Path, program: Program, client: Client, tmp_path: Path, capsys: Any
 ) -> None:
     scene, output, cache = tmp_path / "scene.glb", tmp_path / "out.adumbra", tmp_path / "cache"
-    shutil.copy(city, scene)
+    shutil.copy(solids, scene)
     plan = adumbra.Plan(scene, resolution=512)
-    program("generate", "city", "--seed", "9", "-o", scene)
+    program("generate", "primitives", "--seed", "9", "-o", scene)
     with pytest.raises(adumbra.AdumbraError, match=r"scene\.glb, as worker tcp://.* has it: .* not the one that was planned"):
         adumbra_farm.bake_plan(plan, output, client, cache)
     plan.write(tmp_path / "plan.json")
@@ -240,24 +238,36 @@ def test_entries_with_other_bytes_count_as_missing(small: adumbra.Plan, tmp_path
 
 @pytest.mark.parametrize(("options", "words"), OPTIONS)
 def test_plans_equal_those_of_the_program(
-    options: dict[str, Any], words: str, program: Program, city: Path, tmp_path: Path
+    options: dict[str, Any], words: str, program: Program, solids: Path, tmp_path: Path
 ) -> None:
     theirs, ours = tmp_path / "program.json", tmp_path / "python.json"
-    sun = [f"--sun={','.join(repr(float(c)) for c in options['sun'])}"] if "sun" in options else []
-    program("plan", city, *words.split(), *sun, "-o", theirs)
-    plan = adumbra.Plan(city, **options)
+    sun = [f"--sun={','.join(repr(float(c)) for c in options['to_sun'])}"] if "to_sun" in options else []
+    program("plan", solids, *words.split(), *sun, "-o", theirs)
+    plan = adumbra.Plan(solids, **options)
     plan.write(ours)
     assert ours.read_bytes() == theirs.read_bytes()
     assert adumbra.Plan.read(theirs) == plan == pickle.loads(pickle.dumps(plan))
 
 
-def test_python_and_the_program_bake_each_others_plans(program: Program, city: Path, tmp_path: Path) -> None:
+def test_the_command_line_takes_directions_and_corners_as_that_of_the_program(program: Program, tmp_path: Path) -> None:
+    vertices, faces = town(2)
+    scene, theirs, ours = tmp_path / "town.ply", tmp_path / "program.json", tmp_path / "python.json"
+    write_ply(scene, (np.column_stack([vertices[:, 0], 0.0 - vertices[:, 2], vertices[:, 1]]), faces))
+    words = ["--up", "z", "--resolution", "512", "--sun=0.2,0.9,0.1", "--bounds=2,0,3,15,20,17"]
+    program("plan", scene, *words, "-o", theirs)
+    given = vars(parser().parse_args(["bake", str(scene), "-o", "out", *words]))
+    options = {name: given[name] for name in ("up", "resolution", "to_sun", "bounds")}
+    plan_of(scene, tmp_path / "out", _in_file_axes(options)).write(ours)
+    assert ours.read_bytes() == theirs.read_bytes()
+
+
+def test_python_and_the_program_bake_each_others_plans(program: Program, solids: Path, tmp_path: Path) -> None:
     edits = tmp_path / "edits.json"
     edits.write_text('{"removed": [3, 7]}')
     for options in [(), ("--edit", edits)]:
         path, cache = tmp_path / f"{len(options)}.plan.json", tmp_path / f"{len(options)}.plan.cache"
-        program("bake", city, "--resolution", 1024, *options, "-o", tmp_path / "whole")
-        program("plan", city, "--resolution", 1024, *options, "-o", path)
+        program("bake", solids, "--resolution", 4096, *options, "-o", tmp_path / "whole")
+        program("plan", solids, "--resolution", 4096, *options, "-o", path)
         plan = adumbra.Plan.read(path)
         again = tmp_path / "again.json"
         plan.write(again)
@@ -298,7 +308,7 @@ def test_stopped_bake_keeps_finished_parts(plan: adumbra.Plan, tmp_path: Path) -
     assert [part.id for part in done] == list(ids) and 0 < sum(not part.baked for part in done) <= there
 
 
-def test_errors_name_wrong_plans_and_values(small: adumbra.Plan, city: Path, tmp_path: Path) -> None:
+def test_errors_name_wrong_plans_and_values(small: adumbra.Plan, solids: Path, tmp_path: Path) -> None:
     path = tmp_path / "plan.json"
     small.write(path)
     text = path.read_text()
@@ -314,13 +324,13 @@ def test_errors_name_wrong_plans_and_values(small: adumbra.Plan, city: Path, tmp
         (lambda: small.bake([-1], tmp_path), ValueError, "ids: -1 is out of range"),
         (lambda: small.shard(2, 2), ValueError, "index: 2 is out of range; it must be from 0 to 1"),
         (lambda: small.bake(None, tmp_path, threads=0), ValueError, "threads: 0"),
-        (lambda: small.link(tmp_path, city), ValueError, "would overwrite the scene"),
+        (lambda: small.link(tmp_path, solids), ValueError, "would overwrite the scene"),
         (lambda: small.link(tmp_path / "none", tmp_path / "out"), FileNotFoundError, "none"),
-        (lambda: adumbra.Plan(city, **unknown), TypeError, "colour"),
+        (lambda: adumbra.Plan(solids, **unknown), TypeError, "colour"),
         (lambda: adumbra.Plan(([], [])), TypeError, "a plan needs the path of a file"),  # type: ignore[arg-type]
-        (lambda: adumbra_farm.bake(city, tmp_path / "out", workers=0, resolution=64), ValueError, "workers: 0"),
-        (lambda: adumbra_farm.bake(city, city, resolution=64), ValueError, "part of the scene"),
-        (lambda: adumbra_farm.bake(city, tmp_path / "no" / "out", resolution=64), FileNotFoundError, "no"),
+        (lambda: adumbra_farm.bake(solids, tmp_path / "out", workers=0, resolution=64), ValueError, "workers: 0"),
+        (lambda: adumbra_farm.bake(solids, solids, resolution=64), ValueError, "part of the scene"),
+        (lambda: adumbra_farm.bake(solids, tmp_path / "no" / "out", resolution=64), FileNotFoundError, "no"),
     ]
     for call, error, message in calls:
         with pytest.raises(error, match=message):
@@ -362,6 +372,7 @@ def test_exit_codes_match_those_of_the_program(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_missing_scheduler_exits_with_advice_to_run_again(city: Path, tmp_path: Path) -> None:
     words = [sys.executable, "-m", "adumbra_farm", "bake", str(city), "--resolution", "64", "-o", str(tmp_path / "out")]
     words += ["--scheduler", "tcp://127.0.0.1:9"]

@@ -23,6 +23,10 @@ def test_saved_files_read_back_unchanged(shadows: adumbra.ShadowFile, tmp_path: 
         assert (again, again.encoding, again.bytes, length) == (shadows, stored, length, path.stat().st_size)
         assert again.to_bytes() == path.read_bytes()
         assert again.to_bytes("coded") == shadows.to_bytes()
+        data = path.read_bytes()
+        forms: list[bytes | bytearray | memoryview] = [data, bytearray(data), memoryview(data)]
+        for form in forms:
+            assert (adumbra.ShadowFile.open(form), adumbra.ShadowFile.open(form).encoding) == (shadows, stored)
     assert len(shadows.to_bytes("raw")) > shadows.bytes
     assert adumbra.ShadowFile.open(str(path)).save(path) == length
     assert shadows != adumbra.ShadowFile.open(path).level(1)
@@ -50,7 +54,13 @@ def test_levels_are_files(mesh: Mesh, shadows: adumbra.ShadowFile, tmp_path: Pat
 
 def test_files_can_be_pickled(shadows: adumbra.ShadowFile) -> None:
     again = pickle.loads(pickle.dumps(shadows))
-    assert (again, again.encoding) == (shadows, shadows.encoding)
+    assert (again, again.encoding, again.info) == (shadows, shadows.encoding, shadows.info)
+
+
+def test_notebooks_show_what_the_file_says(shadows: adumbra.ShadowFile) -> None:
+    shown = shadows._repr_html_()
+    for figure in ("adumbra.ShadowFile", "1024", f"{shadows.voxel_size:.6g}", str(shadows.bytes), "voxel size", "assume ground"):
+        assert figure in shown
 
 
 def test_files_are_read_from_addresses(shadows: adumbra.ShadowFile) -> None:
@@ -64,7 +74,7 @@ def test_files_are_read_from_addresses(shadows: adumbra.ShadowFile) -> None:
             self.wfile.write(found or b"")
 
         def log_message(self, *_: object) -> None:
-            """Say nothing."""
+            """Print nothing."""
 
     with HTTPServer(("127.0.0.1", 0), Handler) as server:
         threading.Thread(target=server.serve_forever, daemon=True).start()
@@ -93,7 +103,7 @@ def test_broken_files_are_refused(shadows: adumbra.ShadowFile, tmp_path: Path) -
         (data[:-9] + bytes([data[-9] ^ 1]) + data[-8:], "level 0"),
     ]:
         with pytest.raises(adumbra.FormatError, match=message):
-            adumbra.ShadowFile.from_bytes(broken)
+            adumbra.ShadowFile.open(broken)
         path.write_bytes(broken)
         with pytest.raises(adumbra.FormatError, match="broken.adumbra"):
             adumbra.ShadowFile.open(path)
@@ -108,7 +118,7 @@ def test_any_flipped_bit_is_an_error_or_harmless(shadows: adumbra.ShadowFile) ->
         broken = data.copy()
         broken[random.integers(len(data))] ^= 1 << random.integers(8)
         try:
-            adumbra.ShadowFile.from_bytes(broken.tobytes())
+            adumbra.ShadowFile.open(broken.tobytes())
         except adumbra.FormatError:
             refused += 1
     assert refused == 300

@@ -15,6 +15,8 @@ from conftest import Program
 
 import adumbra
 
+pytestmark = pytest.mark.slow
+
 ODD = """a 'b' "c" $HOME `d` \\ e {{Param.Plan}} @PLAN@ ü"""
 """A folder's name with all characters that a shell, YAML or a template would interpret."""
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -95,13 +96,14 @@ def test_shadow_of_a_wall_has_the_right_length() -> None:
         [[0, 0, -50], [0, 0, 50], [0, 10, 50], [0, 10, -50], [-50, 0, -50], [-50, 0, 50], [50, 0, 50], [50, 0, -50]]
     )
     faces = np.array([[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]])
-    file = adumbra.bake(vertices, faces, azimuth=90, elevation=45, resolution=4096)
+    scene = adumbra.Scene.from_arrays(vertices, faces, up="y")
+    file = adumbra.bake(scene, azimuth=90, elevation=45, resolution=4096)
     x = np.arange(-20, 20, 0.25) + 0.125
     points = np.column_stack([x, np.zeros_like(x), np.zeros_like(x)])
     up = np.tile([0.0, 1.0, 0.0], (len(x), 1))
     expected = ~((x > -10) & (x < 0))
     assert np.array_equal(file.visibility(points, up, 1), expected)
-    assert np.array_equal(adumbra.rays(vertices, faces).visibility(points, file.sun, up), expected)
+    assert np.array_equal(scene.sunlit(points, up, file.to_sun), expected)
 
 
 def test_points_that_are_not_finite_are_lit(shadows: adumbra.ShadowFile) -> None:
@@ -135,22 +137,26 @@ def test_errors_name_wrong_arrays(
         shadows.visibility(points, normals, filter)
 
 
-def test_the_native_part_refuses_wrong_shapes_too(shadows: adumbra.ShadowFile, mesh: Mesh) -> None:
-    native, traced = shadows._native, adumbra.rays(*mesh)._native
+def test_the_native_part_refuses_wrong_shapes_too(shadows: adumbra.ShadowFile, scene: adumbra.Scene) -> None:
+    native, traced = shadows._native, scene._native
     look_up = (5, (None, None, None))
     good = np.zeros((4, 3))
     for points, normals in [(np.zeros((3, 4)), None), (np.zeros((4, 6))[:, ::2], None), (good, np.zeros((3, 3)))]:
         with pytest.raises(ValueError):
             native.visibility(points, normals, look_up)
         with pytest.raises(ValueError):
-            traced.visibility(points, np.ones((1, 3)), normals, 0.0)
-    with pytest.raises(ValueError, match="mesh"):
-        adumbra._native.Scene.from_mesh(good, np.full((1, 3), 9, np.uint32))
+            traced.sunlit(points, normals, np.ones((1, 3)), 0.0)
+        with pytest.raises(ValueError):
+            traced.visibility(points, normals, np.ones((1, 3)), 0.53, 0.0)
+    with pytest.raises(ValueError):
+        traced.sunlit(good, None, np.ones((3, 1)), 0.0)
+    with pytest.raises(ValueError, match="vertex 9"):
+        adumbra._native.Scene.from_arrays(good, np.full((1, 3), 9, np.uint32), "y")
 
 
-def test_verify_figures_match_the_program(mesh: Mesh, city: Path, program: Program, tmp_path: Path) -> None:
+def test_verify_figures_match_the_program(city: Path, program: Program, tmp_path: Path) -> None:
     path = tmp_path / "city.adumbra"
-    baked = adumbra.bake(city, sun=SUN, resolution=2048, assume_ground=False, output=path)
+    baked = adumbra.bake(city, to_sun=SUN, resolution=2048, assume_ground=False, output=path)
     cases: list[tuple[dict[str, Any], list[Any]]] = [
         ({}, []),
         ({"filter": 5, "seed": 3, "threads": 1}, ["--filter", 5, "--seed", 3]),
@@ -159,16 +165,19 @@ def test_verify_figures_match_the_program(mesh: Mesh, city: Path, program: Progr
     for options, words in cases:
         printed = json.loads(program("verify", path, "--scene", city, "--samples", 20_000, "--json", *words))
         found = baked.verify(city, samples=20_000, **options)
-        classes = printed.pop("classes")
-        assert printed == {name: getattr(found, name) for name in printed}
+        classes = printed["classes"]
+        figures = [field.name for field in fields(found) if field.name not in ("classes", "checked", "passed")]
+        assert {name: printed[name] for name in figures} == {name: getattr(found, name) for name in figures}
         for row, of_class in zip(classes, found.classes, strict=True):
-            assert row.pop("class") == of_class.name
+            assert (row.pop("class"), row.pop("holds")) == (of_class.name, of_class.passed)
             assert row == {name: getattr(of_class, name) for name in row}
         assert found.checked
-        assert found.holds == all(of_class.holds for of_class in found.classes)
+        assert found.passed == all(of_class.passed for of_class in found.classes)
 
 
-def test_verify_rejects_bad_options_few_points_and_wrong_scenes(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+def test_verify_rejects_bad_options_few_points_and_wrong_scenes(
+    mesh: Mesh, scene: adumbra.Scene, shadows: adumbra.ShadowFile
+) -> None:
     for options, message in [
         ({"volume": True}, "bake it with assume_ground=False"),
         ({"samples": 0}, "samples: 0 is out of range; it must be from 1 to 1000000000"),
@@ -177,10 +186,19 @@ def test_verify_rejects_bad_options_few_points_and_wrong_scenes(mesh: Mesh, shad
         ({"filter": 2}, "the filter's width"),
     ]:
         with pytest.raises(ValueError, match=message):
-            shadows.verify(mesh, **options)  # type: ignore[arg-type]
-    few = shadows.verify(mesh, samples=10)
-    assert not few.checked and not few.holds
-    assert shadows.verify(mesh, samples=20_000).holds
-    other = adumbra.bake(*mesh, sun=(-0.5, 0.8, 0.35), resolution=1024)
-    moved = (mesh[0] + (5.0, 0.0, 0.0), mesh[1])
-    assert not other.verify(moved, samples=20_000).holds
+            shadows.verify(scene, **options)  # type: ignore[arg-type]
+    few = shadows.verify(scene, samples=10)
+    assert not few.checked and not few.passed
+    assert "too few points" in few._repr_html_()
+    assert shadows.verify(scene, samples=20_000).passed
+    other = adumbra.bake(scene, to_sun=(-0.5, 0.8, 0.35), resolution=1024)
+    moved = adumbra.Scene.from_arrays(mesh[0] + (5.0, 0.0, 0.0), mesh[1], up="y")
+    assert not other.verify(moved, samples=20_000).passed
+
+
+def test_notebooks_show_the_figures_of_a_verification(scene: adumbra.Scene, shadows: adumbra.ShadowFile) -> None:
+    found = shadows.verify(scene, samples=20_000)
+    shown = found._repr_html_()
+    points = next(of_class.points for of_class in found.classes if of_class.name == "interior")
+    for figure in (f"{found.samples:,}", f"{100 * found.agreement:.4f} %", f"interior, {points:,} points", "<td>yes</td>"):
+        assert figure in shown

@@ -1,22 +1,32 @@
-"""Scenes: loading, its options and warnings, and errors."""
+"""Scenes: loading, its options and warnings, arrays, meshes of other packages, pickles, and errors."""
 
 from __future__ import annotations
 
+import pickle
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Mesh
+from conftest import SUN, Mesh
 
 import adumbra
 
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 0 1\nf 1 2 3\n"
 
+# Two level triangles, 3 m above the ground, east and west of x = 0.
+CORNERS = [[0, 0, 3], [4, 0, 3], [0, 4, 3], [-4, 0, 3]]
+FACES = [[0, 1, 2], [0, 2, 3]]
+BELOW = [[1, 1, 0], [-1, 1, 0]]
+
+USES: list[Callable[[Path], object]] = [adumbra.bake, adumbra.Scene]
+
 
 def test_loaded_scene_bakes_like_its_path(city: Path) -> None:
-    scene = adumbra.Scene.load(city)
-    assert scene.triangles == 148_276
-    assert scene.sun == pytest.approx(np.array((0.5, 0.8, 0.35)) / np.linalg.norm((0.5, 0.8, 0.35)))
+    scene = adumbra.Scene(city)
+    assert (scene.triangles, scene.up, scene.warnings) == (148_276, "y", ())
+    assert scene.to_sun == pytest.approx(np.array((0.5, 0.8, 0.35)) / np.linalg.norm((0.5, 0.8, 0.35)))
     vertices, faces = scene.mesh()
     assert faces.shape == (148_276, 3)
     assert faces.dtype == np.uint32 and vertices.dtype == np.float64
@@ -25,23 +35,24 @@ def test_loaded_scene_bakes_like_its_path(city: Path) -> None:
     assert "148276 triangles" in repr(scene)
 
 
-def test_scene_returns_the_mesh_it_was_made_from(mesh: Mesh) -> None:
-    scene = adumbra.Scene.from_mesh(*mesh)
+def test_scene_returns_the_mesh_it_was_made_from(mesh: Mesh, scene: adumbra.Scene) -> None:
     vertices, faces = scene.mesh()
     assert np.array_equal(vertices[faces], mesh[0].astype(np.float32)[mesh[1]])
     assert scene.bounds[0] == (0.0, 0.0, 0.0)
+    assert (scene.triangles, scene.up, scene.warnings) == (len(mesh[1]), "y", ())
 
 
 def test_omissions_are_warnings_or_errors_if_strict(tmp_path: Path) -> None:
     path = tmp_path / "lines.obj"
     path.write_text(TRIANGLE + "l 1 2\nf 1 1 2\n")
     with pytest.warns(adumbra.SceneWarning) as caught:
-        scene = adumbra.Scene.load(path)
+        scene = adumbra.Scene(path)
     said = " ".join(str(warning.message) for warning in caught)
     assert "lines.obj" in said and "left out" in said and "1 degenerate triangles skipped" in said
+    assert all(text in said for text in scene.warnings) and len(scene.warnings) == len(caught)
     assert scene.triangles == 1
     with pytest.raises(adumbra.AdumbraError, match="not all of it can be loaded"):
-        adumbra.Scene.load(path, strict=True)
+        adumbra.Scene(path, strict=True)
 
 
 def test_broken_scenes_are_refused(tmp_path: Path) -> None:
@@ -55,10 +66,10 @@ def test_broken_scenes_are_refused(tmp_path: Path) -> None:
     ]:
         path = tmp_path / name
         path.write_text(text)
-        for use in (adumbra.bake, adumbra.rays, adumbra.Scene.load):
+        for use in USES:
             with pytest.raises(error, match=message):
                 use(path)
-    for use in (adumbra.bake, adumbra.rays, adumbra.Scene.load):
+    for use in USES:
         with pytest.raises(FileNotFoundError) as missing:
             use(tmp_path / "none.glb")
         assert missing.value.filename == str(tmp_path / "none.glb")
@@ -66,16 +77,165 @@ def test_broken_scenes_are_refused(tmp_path: Path) -> None:
 
 def test_options_of_loading_are_checked(city: Path, mesh: Mesh) -> None:
     with pytest.raises(ValueError, match="is not a valid glob"):
-        adumbra.Scene.load(city, only=["["])
+        adumbra.Scene(city, only=["["])
     with pytest.raises(ValueError, match="after the name filter"):
-        adumbra.Scene.load(city, only=["no such name"])
+        adumbra.Scene(city, only=["no such name"])
     with pytest.raises(TypeError, match=r"only: give a list of patterns, such as \['a'\]"):
-        adumbra.Scene.load(city, only="a")
+        adumbra.Scene(city, only="a")
     with pytest.raises(TypeError, match="'onyl' is not an option"):
-        adumbra.Scene.load(city, onyl=["a"])  # type: ignore[call-arg]
-    with pytest.raises(TypeError, match="the scene is a path"):
-        adumbra.bake(city, mesh[1])
-    with pytest.raises(TypeError, match="has been loaded"):
-        adumbra.bake(adumbra.Scene.from_mesh(*mesh), mesh[1])
-    with pytest.raises(TypeError, match="give a path, a Scene, or vertices and faces"):
-        adumbra.bake(mesh[0])
+        adumbra.Scene(city, onyl=["a"])  # type: ignore[call-arg]
+    wrong: Any = "x"
+    with pytest.raises(ValueError, match="up: 'x' is not an axis; it must be 'y' or 'z'"):
+        adumbra.Scene(city, up=wrong)
+    with pytest.raises(ValueError, match="up: 'x' is not an axis"):
+        adumbra.Scene.from_arrays(*mesh, up=wrong)
+
+
+def test_arrays_in_place_of_a_scene_are_refused_with_the_remedy(mesh: Mesh, shadows: adumbra.ShadowFile) -> None:
+    arrays: list[Any] = [mesh, mesh[0]]
+    for given in arrays:
+        remedy = rf"not a {type(given).__name__}; Scene.from_arrays\(vertices, faces, up=…\)"
+        with pytest.raises(TypeError, match=f"give a path or an adumbra.Scene, {remedy}"):
+            adumbra.bake(given)
+        with pytest.raises(TypeError, match=remedy):
+            shadows.verify(given)
+        with pytest.raises(TypeError, match=remedy):
+            adumbra.sky(given, [[0, 1, 0]])
+
+
+def test_faces_with_low_alpha_cast_nothing() -> None:
+    plain = adumbra.Scene.from_arrays(CORNERS, FACES, up="z")
+    assert plain.sunlit(BELOW, None, [0, 0, 1]).tolist() == [False, False]
+    cases: list[tuple[Any, list[bool]]] = [
+        ([1, 0.49], [False, True]),
+        ([0.0, 0.5], [True, False]),
+        (np.array([True, False]), [False, True]),
+    ]
+    for alpha, lit in cases:
+        scene = adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=alpha)
+        assert scene.triangles == 1
+        assert scene.sunlit(BELOW, None, [0, 0, 1]).tolist() == lit
+        assert scene.visibility(BELOW, None, [0, 0, 1]).tolist() == lit
+    assert adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=np.full(2, 0.5, np.float32)).triangles == 2
+
+
+def test_wrong_alpha_is_refused() -> None:
+    wrong: list[tuple[Any, type[Exception], str]] = [
+        ([1], ValueError, r"alpha: an array of shape \(2,\) is needed, one number for each face, not \(1,\)"),
+        (0.5, ValueError, r"alpha: an array of shape \(2,\)"),
+        ([[1], [1]], ValueError, r"alpha: an array of shape \(2,\)"),
+        ([1, 1.5], ValueError, "alpha: a number is out of range; they must be from 0 to 1"),
+        ([-0.1, 1], ValueError, "alpha: a number is out of range"),
+        ([np.nan, 1], ValueError, "alpha: a number is out of range"),
+        ([0, 0.4], ValueError, "contains no triangles"),
+        (["a", "b"], TypeError, "alpha: real numbers are needed"),
+    ]
+    for alpha, error, message in wrong:
+        with pytest.raises(error, match=message):
+            adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=alpha)
+
+
+PADDED = np.array([3, 0, 1, 2, 3, 0, 2, 3])
+"""The two triangles as PyVista lists them."""
+
+
+def test_padded_lists_of_faces_are_taken() -> None:
+    expected = adumbra.Scene.from_arrays(CORNERS, FACES, up="z").mesh()
+    forms: list[Any] = [PADDED, PADDED.astype(np.int32), PADDED.tolist()]
+    for faces in forms:
+        found = adumbra.Scene.from_arrays(CORNERS, faces, up="z").mesh()
+        assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
+    for wrong in ([4, 0, 1, 2, 3], [3, 0, 1, 2, 2, 0, 2, 3], [3, 0, 1, 2, 3]):
+        with pytest.raises(ValueError, match=r"faces: an array of shape \(M, 3\) is needed, .* triangulate other polygons first"):
+            adumbra.Scene.from_arrays(CORNERS, wrong, up="z")
+
+
+class Trimesh:
+    """Has what ``trimesh.Trimesh`` has."""
+
+    vertices = np.array(CORNERS, np.float64)
+    faces = np.array(FACES)
+
+
+class TrimeshScene:
+    """Has what ``trimesh.Scene`` has."""
+
+    def to_mesh(self) -> Trimesh:
+        return Trimesh()
+
+
+class PolyData:
+    """Has what ``pyvista.PolyData`` has: a quadrilateral, until it is triangulated."""
+
+    points = np.array(CORNERS, np.float32)
+    faces = np.array([4, 0, 1, 2, 3])
+    is_all_triangles = False
+
+    def extract_surface(self) -> PolyData:
+        raise AssertionError("it is a surface already")
+
+    def triangulate(self) -> PolyData:
+        done = PolyData()
+        done.faces = PADDED
+        return done
+
+
+class Grid:
+    """Has what ``pyvista.UnstructuredGrid`` has."""
+
+    def extract_surface(self) -> PolyData:
+        return PolyData()
+
+
+def test_meshes_of_other_packages_are_taken() -> None:
+    expected = adumbra.Scene.from_arrays(CORNERS, FACES, up="z").mesh()
+    for scene in (
+        adumbra.Scene.from_trimesh(Trimesh(), up="z"),
+        adumbra.Scene.from_trimesh(TrimeshScene(), up="z"),
+        adumbra.Scene.from_pyvista(PolyData(), up="z"),
+        adumbra.Scene.from_pyvista(Grid(), up="z"),
+    ):
+        found = scene.mesh()
+        assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
+        assert scene.up == "z"
+
+
+def test_objects_that_are_no_meshes_are_refused() -> None:
+    with pytest.raises(TypeError, match="mesh: a dict has no vertices and faces"):
+        adumbra.Scene.from_trimesh({}, up="y")
+    with pytest.raises(TypeError, match="mesh: a Trimesh is no data set of pyvista"):
+        adumbra.Scene.from_pyvista(Trimesh(), up="y")
+
+
+@pytest.mark.parametrize("up", ["y", "z"])
+def test_scenes_of_arrays_can_be_pickled(up: Any, mesh: Mesh) -> None:
+    alpha = np.ones(len(mesh[1]))
+    alpha[:12] = 0
+    scene = adumbra.Scene.from_arrays(*mesh, up=up, alpha=alpha)
+    again = pickle.loads(pickle.dumps(scene))
+    assert (again.up, again.triangles, again.bounds) == (up, len(mesh[1]) - 12, scene.bounds)
+    expected, found = scene.mesh(), again.mesh()
+    assert np.array_equal(found[0], expected[0]) and np.array_equal(found[1], expected[1])
+    assert adumbra.bake(again, to_sun=SUN, resolution=256) == adumbra.bake(scene, to_sun=SUN, resolution=256)
+
+
+def test_scenes_of_files_are_loaded_again_when_they_are_unpickled(tmp_path: Path) -> None:
+    path = tmp_path / "lines.obj"
+    path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\nl 1 2\no other\nf 1 3 2\n")
+    with pytest.warns(adumbra.SceneWarning):
+        scene = adumbra.Scene(path, up="z", exclude=["other"])
+    # The warnings have been shown, and are errors in these tests.
+    again = pickle.loads(pickle.dumps(scene))
+    assert (again.up, again.triangles, again.bounds) == ("z", 1, scene.bounds)
+    assert again.warnings == scene.warnings != ()
+
+
+def test_notebooks_show_the_figures_of_a_scene(tmp_path: Path, mesh: Mesh, scene: adumbra.Scene) -> None:
+    shown = scene._repr_html_()
+    for figure in ("adumbra.Scene", f"<td>{len(mesh[1])}</td>", "<td>y</td>", "<td>0, 0, 0</td>", " × "):
+        assert figure in shown
+    path = tmp_path / "lines.obj"
+    path.write_text(TRIANGLE + "l 1 2\n")
+    with pytest.warns(adumbra.SceneWarning):
+        lines = adumbra.Scene(path)
+    assert "left out" in lines._repr_html_()

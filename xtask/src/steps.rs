@@ -69,8 +69,12 @@ impl<'a> Cargo<'a> {
     }
 
     pub(crate) fn run(&self, arguments: &[&str]) -> Result<(), String> {
-        let variables: Vec<(&str, &str)> = self.variables.iter().map(|(n, v)| (*n, v.as_str())).collect();
-        run(self.folder, "cargo", arguments, &variables)
+        run(self.folder, "cargo", arguments, &self.variables())
+    }
+
+    /// The environment variables for a program that runs Cargo.
+    pub(crate) fn variables(&self) -> Vec<(&str, &str)> {
+        self.variables.iter().map(|(name, value)| (*name, value.as_str())).collect()
     }
 
     /// Returns what a command prints.

@@ -1,32 +1,7 @@
-//! The program `adumbra`: bakes a scene's sun shadows into a file, and verifies the file's answers against
-//! rays.
-
-// These macros panic if the stream cannot be written.
-#![deny(clippy::print_stdout, clippy::print_stderr)]
-
-mod args;
-mod cmd;
+//! The program `adumbra`.
 
 use std::process::ExitCode;
 
-use adumbra_program::exit::{Code, Outcome};
-use adumbra_program::{signals, start};
-
-use crate::args::{Args, Verb};
-
-impl start::Program for Args {
-    fn checks_arguments_only(&self) -> bool {
-        self.check_arguments
-    }
-
-    fn run(self) -> Outcome {
-        // A follower ends only when interrupted, so that counts as success.
-        let is_follower = matches!(&self.verb, Verb::Bake(bake) if bake.watch);
-        signals::end_when_interrupted(if is_follower { Code::Fine } else { Code::Interrupted });
-        cmd::run(self.verb)
-    }
-}
-
 fn main() -> ExitCode {
-    start::main::<Args>()
+    adumbra_cli::main()
 }

@@ -1,7 +1,11 @@
 //! The life of a program: it parses its arguments, runs a verb, prints its error if it fails, and ends with
 //! an exit code.
 
+use std::ffi::OsString;
+use std::io;
+use std::path::{Path, PathBuf, absolute};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::Parser;
 
@@ -21,12 +25,36 @@ pub trait Program: Parser {
     fn run(self) -> Outcome;
 }
 
+/// The file that a person runs to run this program, if that is not the process's own.
+static STARTED_AS: OnceLock<PathBuf> = OnceLock::new();
+
+/// Returns the absolute path of the file that runs this program again.
+///
+/// # Errors
+///
+/// Returns the error of the operating system, if it does not know.
+pub fn program_file() -> io::Result<PathBuf> {
+    STARTED_AS.get().map_or_else(std::env::current_exe, absolute)
+}
+
 /// Runs a program: its whole `main`. Fails if its output did not reach stdout.
 pub fn main<P: Program>() -> ExitCode {
     environment::set_runtime_folder();
+    run::<P>(std::env::args_os()).into()
+}
+
+/// Runs a program as [`main`] does, in the process of another one, which a person started by the file
+/// `program`. The process then has to end with the code.
+pub fn run_within<P: Program>(program: &Path, words: impl IntoIterator<Item = OsString>) -> Code {
+    let program = STARTED_AS.get_or_init(|| program.to_owned());
+    run::<P>(std::iter::once(program.clone().into_os_string()).chain(words))
+}
+
+/// Runs a program with these words, of which the first is its name.
+fn run<P: Program>(words: impl IntoIterator<Item = OsString>) -> Code {
     allocator::return_large_blocks();
     signals::survive_file_size_limit();
-    let program = match P::try_parse() {
+    let program = match P::try_parse_from(words) {
         Ok(program) => program,
         Err(error) => {
             let code = if error.use_stderr() { Code::Usage } else { Code::Fine };
@@ -35,17 +63,17 @@ pub fn main<P: Program>() -> ExitCode {
             {
                 console::fail(unprinted);
             }
-            return ended(code).into();
+            return ended(code);
         }
     };
     if program.checks_arguments_only() {
-        return Code::Fine.into();
+        return Code::Fine;
     }
     match program.run() {
-        Ok(code) => ended(code).into(),
+        Ok(code) => ended(code),
         Err(error) => {
             note!("error: {error}");
-            error.code().into()
+            error.code()
         }
     }
 }

@@ -139,6 +139,14 @@ pub enum Error {
         /// Why there are none.
         reason: EmptyReason,
     },
+    /// A raster of heights is faulty.
+    #[error("{name}: the raster has {what}")]
+    Raster {
+        /// The raster.
+        name: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A vertex or a node transform is NaN or infinite.
     #[error("{path:?}: {what} is NaN or infinite; repair the mesh in the program that made it", path = path.display(), what = one_line(what))]
     NotFinite {

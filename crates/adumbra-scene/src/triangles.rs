@@ -5,16 +5,21 @@ use std::path::Path;
 use crate::far_origin::{FarOrigin, placed_at};
 use crate::ply::{drop_unused, point};
 use crate::validate::{Sieve, finish};
-use crate::{Counts, Error, Instance, LoadOptions, Material, Mesh, Result, Scene};
+use crate::{Counts, Error, Instance, LoadOptions, Material, Mesh, Result, Scene, UpAxis};
 
-/// Creates a scene of one opaque mesh from vertices in world space and the vertices of each triangle. The
-/// scene equals the one that [`load`](crate::load) returns for a PLY file of the same triangles. Errors name
-/// `name` in place of a file.
+/// Creates a scene of one opaque mesh from vertices and the vertices of each triangle. `up` is the axis of
+/// the vertices that points up. The scene equals the one that [`load`](crate::load) returns for a PLY file of
+/// the same triangles with that axis. Errors name `name` in place of a file.
 ///
 /// # Errors
 /// Returns [`Error::IndexOutOfRange`] if a vertex does not exist, [`Error::NotFinite`] if a used vertex is
 /// not finite as an `f32`, and [`Error::NoTriangles`] or [`Error::ZeroExtent`] if nothing casts a shadow.
-pub fn from_triangles(name: &str, vertices: &[[f64; 3]], triangles: &[[u32; 3]]) -> Result<Scene> {
+pub fn from_triangles(
+    name: &str,
+    vertices: &[[f64; 3]],
+    triangles: &[[u32; 3]],
+    up: UpAxis,
+) -> Result<Scene> {
     let path = Path::new(name);
     let count = vertices.len();
     if let Some(&index) = triangles.iter().flatten().find(|&&index| index as usize >= count) {
@@ -38,7 +43,9 @@ pub fn from_triangles(name: &str, vertices: &[[f64; 3]], triangles: &[[u32; 3]])
     scene.meshes.push(mesh);
     let name = name.to_owned();
     scene.instances.push(Instance { name, mesh: 0, world_from_mesh: placed_at(offset), casts: true });
-    finish(path, scene, &sieve, &LoadOptions::default())
+    let mut scene = finish(path, scene, &sieve, &LoadOptions::default())?;
+    scene.turn_up(up);
+    Ok(scene)
 }
 
 #[cfg(test)]
@@ -56,20 +63,23 @@ mod tests {
             property double z\nelement face 3\nproperty list uchar int vertex_indices\nend_header\n";
         let rows: String = VERTICES.iter().map(|[x, y, z]| format!("{x} {y} {z}\n")).collect();
         std::fs::write(&path, format!("{header}{rows}3 0 1 3\n3 0 4 1\n3 0 0 1\n")).unwrap();
-        let loaded = crate::load(&path, &LoadOptions::default()).unwrap();
-        let made = from_triangles("mesh", &VERTICES, &[[0, 1, 3], [0, 4, 1], [0, 0, 1]]).unwrap();
-        assert_eq!(format!("{made:?}"), format!("{loaded:?}"));
-        assert_eq!((made.notes.degenerate_triangles, made.meshes[0].positions.len()), (1, 4));
+        for up in [UpAxis::Y, UpAxis::Z] {
+            let loaded = crate::load(&path, &LoadOptions { up: Some(up), ..LoadOptions::default() }).unwrap();
+            let made = from_triangles("mesh", &VERTICES, &[[0, 1, 3], [0, 4, 1], [0, 0, 1]], up).unwrap();
+            assert_eq!(format!("{made:?}"), format!("{loaded:?}"));
+            assert_eq!((made.notes.degenerate_triangles, made.meshes[0].positions.len()), (1, 4));
+        }
     }
 
     #[test]
     fn from_triangles_validates_its_input() {
-        let of = |triangles: &[[u32; 3]]| from_triangles("mesh", &VERTICES, triangles).unwrap_err();
+        let of =
+            |triangles: &[[u32; 3]]| from_triangles("mesh", &VERTICES, triangles, UpAxis::Y).unwrap_err();
         assert!(matches!(of(&[[0, 1, 5]]), Error::IndexOutOfRange { index: 5, vertices: 5, .. }));
         assert!(matches!(of(&[]), Error::NoTriangles { .. }));
         assert!(matches!(of(&[[0, 0, 0]]), Error::ZeroExtent { .. }));
         let infinite = [[0.0; 3], [1.0, f64::INFINITY, 0.0], [0.0, 0.0, 1.0]];
-        let error = from_triangles("mesh", &infinite, &[[0, 1, 2]]).unwrap_err();
+        let error = from_triangles("mesh", &infinite, &[[0, 1, 2]], UpAxis::Y).unwrap_err();
         assert!(error.to_string().contains("vertex 1 of mesh \"mesh\""), "{error}");
     }
 }

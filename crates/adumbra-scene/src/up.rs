@@ -22,12 +22,20 @@ pub enum UpAxis {
 const FROM_Z_UP: Affine = [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0]];
 
 impl UpAxis {
-    /// Converts a direction from a file with this up axis to the scene: (x, z, −y) for Z.
+    /// Converts coordinates from a file with this up axis to the scene: (x, z, −y) for Z.
     pub fn to_scene(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         match self {
             Self::Y => [x, y, z],
             // Subtracting from 0 never gives -0.
             Self::Z => [x, z, 0.0 - y],
+        }
+    }
+
+    /// Converts coordinates from the scene to a file with this up axis: (x, −z, y) for Z.
+    pub fn to_file(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
+        match self {
+            Self::Y => [x, y, z],
+            Self::Z => [x, 0.0 - z, y],
         }
     }
 }
@@ -66,7 +74,8 @@ mod tests {
         let p = [1.0, 2.0, 3.0];
         assert_eq!(UpAxis::Z.to_scene(p), FROM_Z_UP.map(|row| (0..3).map(|c| row[c] * p[c]).sum::<f64>()));
         assert_eq!(UpAxis::Z.to_scene([0.0, 0.0, 1.0]).map(f64::to_bits), [0.0, 1.0, 0.0].map(f64::to_bits));
-        assert_eq!(UpAxis::Y.to_scene(p), p);
+        assert_eq!((UpAxis::Y.to_scene(p), UpAxis::Y.to_file(p)), (p, p));
+        assert_eq!(UpAxis::Z.to_file(UpAxis::Z.to_scene(p)), p);
     }
 
     #[test]

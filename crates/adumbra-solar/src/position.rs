@@ -50,7 +50,7 @@ impl Position {
     /// Returns the unit vector towards the sun's centre; y is negative below the horizon.
     pub fn towards(&self) -> [f64; 3] {
         let (azimuth, elevation) = (self.azimuth_degrees.to_radians(), self.elevation_degrees.to_radians());
-        let flat = libm::cos(elevation);
+        let flat = if self.elevation_degrees == 90.0 { 0.0 } else { libm::cos(elevation) };
         [flat * libm::sin(azimuth), libm::sin(elevation), -flat * libm::cos(azimuth)]
     }
 }

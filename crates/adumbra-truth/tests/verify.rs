@@ -1,6 +1,8 @@
 //! Tests of `verify` itself: whether it draws its points uniformly, omits none, and finds each kind of wrong
 //! answer.
 
+use std::sync::atomic::AtomicBool;
+
 use adumbra::query::{Receiver, receiver};
 use adumbra::{Filter, Sampler as FileSampler, ShadowFile, Sun};
 use adumbra_bake::{AssumeGround, Bake, BakeOptions, Size};
@@ -286,4 +288,20 @@ fn too_few_points_do_not_pass_verification() {
     assert!(interior.points > 50 && interior.agreement == 1.0 && !interior.checked, "{few:?}");
     assert!(!few.holds());
     assert!(verify(&scene, &baked, 1, 3_000).holds());
+}
+
+#[test]
+fn cancelled_comparison_compares_nothing_more() {
+    let scene = posts_on_a_floor();
+    let sun = Sun::from_angles(37.0, 40.0).expect("above the horizon");
+    let baked = bake_quietly(&scene, &BakeOptions::new(sun, Size::Resolution(256)));
+    let (tracer, solids) = (Tracer::build(&scene, TraceOptions::default()), Solids::of(&scene));
+    let sampler = Sampler::Surface(SurfaceSampler::new(&scene, &solids, sun.towards(), false));
+    let answers = LightAnswers::of(&baked, baked.sampler(Filter::Nearest));
+    for is_cancelled in [false, true] {
+        let cancel = AtomicBool::new(is_cancelled);
+        let verifier = Verifier::new(&answers, &tracer, &solids).with_cancel(&cancel);
+        let found = verifier.run(&sampler, &VerifyOptions { samples: 5_000, seed: 5 });
+        assert_eq!(found.samples == 0, is_cancelled, "{found:?}");
+    }
 }

@@ -4,27 +4,28 @@ A bake stores which points of a scene see the sun in one file of a few megabytes
 
     import adumbra
 
-    shadows = adumbra.bake("city.glb", azimuth=140, elevation=35)
+    scene = adumbra.Scene("city.glb")
+    shadows = adumbra.bake(scene, azimuth=140, elevation=35)
     shadows.save("city.adumbra")
-    lit = shadows.visibility(points, normals)
+    share = shadows.visibility(points, normals)
 
 Rays answer the same question exactly, for any number of suns::
 
-    lit = adumbra.rays("city.glb").visibility(points, suns, normals)
+    sun = adumbra.SunPath(lat=48.14, lon=11.58, times=times)
+    lit = scene.sunlit(points, normals, sun)
 
-*Visibility* is 1 where a point sees the sun, and 0 where it does not. World space is right-handed with Y up, in the scene's
-unit; where a unit is needed, that unit is called a metre.
+*Visibility* is 1 where a point sees the sun, and 0 where it does not. Coordinates are those of the scene's own file or arrays,
+right-handed, with Y or Z up, in the scene's unit; where a unit is needed, that unit is called a metre.
 """
 
 from ._bake import BakeOptions, bake
 from ._errors import AdumbraError, FormatError, MemoryLimitError, MissingPartsError, SceneWarning
 from ._file import ShadowFile
-from ._path import SunPath, bake_path
+from ._path import SunPathFile, bake_path
 from ._plan import BakedPart, Part, Plan
-from ._rays import Rays, rays
 from ._scene import LoadOptions, Scene, SceneLike
-from ._sun import sun_direction
-from ._sunlight import Skies, SunHours, SunPositions, sky, sun_hours, sun_positions
+from ._sun import SunPath, sun_direction
+from ._sunlight import Skies, SunHours, sky, sun_hours
 from ._verify import ClassResult, Verification
 
 __all__ = [
@@ -38,7 +39,6 @@ __all__ = [
     "MissingPartsError",
     "Part",
     "Plan",
-    "Rays",
     "Scene",
     "SceneLike",
     "SceneWarning",
@@ -46,13 +46,11 @@ __all__ = [
     "Skies",
     "SunHours",
     "SunPath",
-    "SunPositions",
+    "SunPathFile",
     "Verification",
     "bake",
     "bake_path",
-    "rays",
     "sky",
     "sun_direction",
     "sun_hours",
-    "sun_positions",
 ]

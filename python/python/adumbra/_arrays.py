@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 def triples(name: str, values: ArrayLike, *, double: bool = False) -> NDArray[Any]:
     """Return ``values`` as a contiguous array of N x 3 floats. Keep single precision unless ``double``."""
+    if np.ma.is_masked(values):
+        raise ValueError(f"{name}: some values are masked; leave those rows out")
     array = np.asarray(values)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name}: real numbers are needed, not an array of {array.dtype}")

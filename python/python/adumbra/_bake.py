@@ -24,7 +24,7 @@ DEFAULT_RESOLUTION = 8192
 class BakeOptions(LoadOptions, total=False):
     """Options of a bake of a scene that is given by its path: those of :func:`bake`, and those of the loader."""
 
-    sun: ArrayLike | None
+    to_sun: ArrayLike | None
     azimuth: float | None
     elevation: float | None
     resolution: int
@@ -43,10 +43,9 @@ class BakeOptions(LoadOptions, total=False):
 
 
 def bake(
-    scene: SceneLike | ArrayLike,
-    faces: ArrayLike | None = None,
+    scene: SceneLike,
     *,
-    sun: ArrayLike | None = None,
+    to_sun: ArrayLike | None = None,
     azimuth: float | None = None,
     elevation: float | None = None,
     resolution: int = DEFAULT_RESOLUTION,
@@ -74,13 +73,11 @@ def bake(
     meanwhile. Ctrl-C stops the bake, and leaves an earlier output unchanged.
 
     Args:
-        scene: The path of a ``.glb``, ``.gltf``, ``.obj`` or ``.ply`` file, a :class:`Scene`, or vertices: positions in world
-            space, shape (N, 3), of any real type.
-        faces: The vertices of each triangle, shape (M, 3), of any integer type, if vertices are given.
-        sun: Direction towards the sun in world space, three numbers, of any length, with y above 0. If
-            neither it nor ``elevation`` is given, it is that of the scene's first directional light that
-            shines, or else (0.5, 0.8, 0.35).
-        azimuth: Azimuth of the sun in degrees, clockwise from -Z as seen from above: 90 is +X. 0 unless it is given.
+        scene: A :class:`Scene`, or the path of a ``.glb``, ``.gltf``, ``.obj`` or ``.ply`` file.
+        to_sun: Direction towards the sun, three numbers, of any length, above the horizon. If neither it nor ``elevation`` is
+            given, it is :attr:`Scene.to_sun`.
+        azimuth: Azimuth of the sun in degrees, clockwise from the scene's north as seen from above: 90 is +X. North is -Z where Y
+            points up, and +Y where Z points up. 0 unless it is given.
         elevation: Elevation of the sun in degrees above the horizon, above 0 and at most 90.
         resolution: Texels on the longest side of the scene as the sun sees it: a power of two, 8 to 262144.
         voxel_size: Edge of a voxel in world units, above 0, instead of a resolution.
@@ -100,8 +97,8 @@ def bake(
             sun still cast shadows into it.
         frame: ``"light"``: columns along the light, in a plane across it. ``"oblique"``: over level ground. ``"auto"``:
             the frame that is predicted to give the smaller file, and light if the sun is below 5 degrees.
-        yaw: Oblique frame: turn of the grid in degrees, -180 to 180, from +X to the grid's x axis, towards +Z. Without it,
-            along most of the scene's edges.
+        yaw: Oblique frame: turn of the grid in degrees, -180 to 180, from +X to the grid's x axis, clockwise as seen from above.
+            Without it, along most of the scene's edges.
         encoding: How ``output`` is stored, and how :meth:`ShadowFile.save` stores it by default. ``"coded"`` is about a third
             of the bytes of ``"raw"``.
         output: The shadow file to write. An earlier file is replaced as a whole, once the bake has succeeded.
@@ -119,17 +116,24 @@ def bake(
         The shadow file, in memory.
 
     Raises:
-        ValueError: A value is out of its range, an index is out of range, or ``output`` is part of the scene.
-        TypeError: An array has the wrong kind of numbers, or options do not belong together.
+        ValueError: A value is out of its range, or ``output`` is part of the scene.
+        TypeError: A value has the wrong type, or there is no such option.
         FormatError: The scene's file is broken, or holds nothing that casts a shadow.
         OSError: A file cannot be read or written.
         MemoryLimitError: The bake does not fit its memory limit.
         KeyboardInterrupt: Ctrl-C was pressed.
+
+    Example:
+        >>> import adumbra
+        >>> roof = adumbra.Scene.from_arrays([[0, 0, 3], [4, 0, 3], [0, 4, 3]], [[0, 1, 2]], up="z")
+        >>> shadows = adumbra.bake(roof, to_sun=(0, 0, 1), resolution=64, assume_ground=False)
+        >>> shadows.visibility([[1, 1, 0], [1, 1, 5]], filter=1)
+        array([0., 1.], dtype=float32)
     """
-    loaded = scene_of(scene, faces, dict(loading))
+    loaded = scene_of(scene, dict(loading))
     options = options_of(
         loaded,
-        sun=sun,
+        to_sun=to_sun,
         azimuth=azimuth,
         elevation=elevation,
         resolution=resolution,
@@ -161,7 +165,7 @@ def bake(
 def options_of(
     scene: Scene,
     *,
-    sun: ArrayLike | None = None,
+    to_sun: ArrayLike | None = None,
     azimuth: float | None = None,
     elevation: float | None = None,
     resolution: int = DEFAULT_RESOLUTION,
@@ -182,7 +186,7 @@ def options_of(
     if voxel_size is not None and resolution != DEFAULT_RESOLUTION:
         raise ValueError("voxel_size: give it or a resolution, not both")
     return {
-        "sun": choose_sun(scene, sun, azimuth, elevation),
+        "to_sun": choose_sun(scene, to_sun, azimuth, elevation),
         "resolution": whole("resolution", resolution, 0, 2**63),
         "voxel_size": None if voxel_size is None else float(voxel_size),
         "thickness": float(thickness),
@@ -207,4 +211,7 @@ def memory_of(max_memory: int | None) -> int | None:
 def _corners(bounds: ArrayLike) -> tuple[tuple[float, ...], tuple[float, ...]]:
     box = np.asarray(bounds)
     six = numbers("bounds", box.reshape(-1) if box.shape == (2, 3) else box, 6)
-    return six[:3], six[3:]
+    low, high = six[:3], six[3:]
+    if not all(np.isfinite(six)) or not all(a < b for a, b in zip(low, high, strict=True)):
+        raise ValueError(f"bounds: the box from {low} to {high} is out of range; it must be finite, and its minimum below its maximum")
+    return low, high

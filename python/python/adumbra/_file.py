@@ -13,50 +13,44 @@ from numpy.typing import ArrayLike, NDArray
 from . import _native
 from ._arrays import same_length, triples, whole
 from ._errors import SceneWarning
-from ._scene import LoadOptions, SceneLike, as_baked, scene_of, threads_of
+from ._scene import LoadOptions, SceneLike, Up, Vector, as_baked, scene_of, threads_of
+from ._show import table
 from ._verify import Verification
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 Stored = Literal["coded", "raw"]
-Vector = tuple[float, float, float]
 
 
 class ShadowFile:
     """A baked sun's shadows: which points see the sun.
 
-    :func:`bake` and :meth:`open` return one. It never changes, may be used from any number of threads, and can be pickled.
+    :func:`bake` and :meth:`open` return one. All coordinates are those of the scene's file or arrays, in which :attr:`up` points
+    up. It never changes, may be used from any number of threads, and can be pickled.
     """
 
     def __init__(self, native: _native.File) -> None:
         self._native = native
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str], *, timeout: float = 60.0) -> ShadowFile:
+    def open(cls, source: str | os.PathLike[str] | bytes | bytearray | memoryview, *, timeout: float = 60.0) -> ShadowFile:
         """Read a shadow file.
 
         Args:
-            path: The file, or an address that begins with ``http://`` or ``https://``.
+            source: The file's path, an address that begins with ``http://`` or ``https://``, or the file's bytes.
             timeout: Seconds to wait for an answer of the server.
 
         Raises:
             OSError: The file cannot be read; ``FileNotFoundError`` if there is none, ``urllib.error.URLError`` for an address.
-            FormatError: The data is not a complete and valid shadow file.
+            FormatError: The data is not exactly one valid shadow file.
         """
-        if isinstance(path, str) and path.lower().startswith(("http://", "https://")):
-            with urlopen(Request(path, headers={"User-Agent": "adumbra"}), timeout=timeout) as answer:
-                return cls.from_bytes(answer.read())
-        return cls(_native.File.read(os.fspath(path)))
-
-    @classmethod
-    def from_bytes(cls, data: bytes) -> ShadowFile:
-        """Decode the bytes of a shadow file.
-
-        Raises:
-            FormatError: The bytes are not exactly one valid shadow file.
-        """
-        return cls(_native.File.from_bytes(bytes(data)))
+        if isinstance(source, (bytes, bytearray, memoryview)):
+            return cls(_native.File.from_bytes(bytes(source)))
+        if isinstance(source, str) and source.lower().startswith(("http://", "https://")):
+            with urlopen(Request(source, headers={"User-Agent": "adumbra"}), timeout=timeout) as answer:
+                return cls(_native.File.from_bytes(answer.read()))
+        return cls(_native.File.read(os.fspath(source)))
 
     def to_bytes(self, encoding: Stored | None = None) -> bytes:
         """Return the bytes that :meth:`save` writes."""
@@ -107,8 +101,8 @@ class ShadowFile:
         time.
 
         Args:
-            points: Positions in world space, shape (N, 3), of any real type. Far from the origin, float32 rounds them to whole
-                voxels. A point that is not finite is lit.
+            points: Positions, shape (N, 3), of any real type. Far from the origin, float32 rounds them to whole voxels. A point
+                that is not finite is lit.
             normals: Unit normals of the surfaces that the points are on, shape (N, 3). They determine the
                 slope bias and the plane that the filter follows. A normal that is not finite is ignored.
                 Leave them out for points in free space.
@@ -149,7 +143,7 @@ class ShadowFile:
     ) -> Verification:
         """Compare the file with rays at random points, as ``adumbra verify`` does.
 
-        Other Python threads run meanwhile. Ctrl-C takes effect only at the end; 100,000 samples take seconds.
+        Other Python threads run meanwhile. Ctrl-C stops it.
 
         Args:
             scene: The scene that the file was baked from, loaded with the same options.
@@ -160,7 +154,7 @@ class ShadowFile:
             bias_constant: See :meth:`visibility`.
             bias_slope: See :meth:`visibility`.
             bias_normal: See :meth:`visibility`.
-            min_interior: Agreement of interior points, 0 to 1, below which :attr:`Verification.holds` is false. 0.999, or 0.995
+            min_interior: Agreement of interior points, 0 to 1, below which :attr:`Verification.passed` is false. 0.999, or 0.995
                 with a filter, unless it is given.
             threads: Number of threads, 1 to 1024. All cores unless it is given.
             **loading: Options for a scene that is given by its path, see :class:`LoadOptions`.
@@ -189,18 +183,23 @@ class ShadowFile:
             "threads": threads_of(threads),
         }
         look_up = _look_up(filter, bias_constant, bias_slope, bias_normal)
-        loaded = scene_of(scene, None, as_baked(scene, dict(loading), self._native.up))
+        loaded = scene_of(scene, as_baked(scene, dict(loading), self._native.up))
         if loaded._native.casting_triangles != self.triangles:
             said = f"the file was baked from {self.triangles} triangles, and the scene has {loaded._native.casting_triangles}"
             warnings.warn(said, SceneWarning, stacklevel=2)
-        json, checked, holds = _native.verify(self._native, loaded._native, look_up, options)
-        return Verification._of(json, checked, holds)
+        json, checked, passed = _native.verify(self._native, loaded._native, look_up, options)
+        return Verification._of(json, checked, passed)
 
     @property
-    def sun(self) -> Vector:
-        """The unit vector towards the sun, in world space."""
-        x, y, z = self._native.sun
+    def to_sun(self) -> Vector:
+        """The unit vector towards the sun."""
+        x, y, z = self._native.to_sun
         return x, y, z
+
+    @property
+    def up(self) -> Up:
+        """The axis that points up: ``"y"`` or ``"z"``."""
+        return self._native.up
 
     @property
     def resolution(self) -> int:
@@ -240,7 +239,7 @@ class ShadowFile:
 
     @property
     def yaw(self) -> float | None:
-        """Turn of an oblique grid in degrees, from +X to its x axis, towards +Z."""
+        """Turn of an oblique grid in degrees, from +X to its x axis, clockwise as seen from above."""
         return self._native.yaw
 
     @property
@@ -263,10 +262,16 @@ class ShadowFile:
         return self._native.triangles
 
     @property
-    def settings(self) -> dict[str, Any]:
-        """The other settings of the bake, named as the arguments of :func:`bake`."""
-        names = ("thickness", "switch_within", "assume_ground", "closed_regions", "receivers", "ignore_alpha", "up")
-        return {name: getattr(self._native, name) for name in names}
+    def info(self) -> dict[str, Any]:
+        """All that the file says about itself: the properties of this class, and the other settings of the bake."""
+        names = ("to_sun", "up", "resolution", "size", "voxel_size", "levels", "bytes", "encoding", "frame", "yaw", "bounds")
+        settings = ("thickness", "switch_within", "assume_ground", "closed_regions", "receivers", "ignore_alpha")
+        return {
+            **{name: getattr(self, name) for name in names},
+            "bias": self.bias,
+            "triangles": self.triangles,
+            **{name: getattr(self._native, name) for name in settings},
+        }
 
     def __eq__(self, other: object) -> bool:
         return self._native == other._native if isinstance(other, ShadowFile) else NotImplemented
@@ -274,16 +279,24 @@ class ShadowFile:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _with_bytes, (self.to_bytes(),)
+        return _opened, (self.to_bytes(),)
 
     def __repr__(self) -> str:
-        sun = ", ".join(f"{c:.4g}" for c in self.sun)
+        sun = ", ".join(f"{c:.4g}" for c in self.to_sun)
         return f"<adumbra.ShadowFile of {self.resolution} texels for the sun ({sun}), voxels of {self.voxel_size:.4g}>"
 
+    def _repr_html_(self) -> str:
+        def text(value: Any) -> str:
+            if isinstance(value, tuple):
+                return ", ".join(map(text, value))
+            return f"{value:.6g}" if isinstance(value, float) else str(value)
 
-def _with_bytes(data: bytes) -> ShadowFile:
+        return table("adumbra.ShadowFile", [(name.replace("_", " "), text(value)) for name, value in self.info.items()])
+
+
+def _opened(data: bytes) -> ShadowFile:
     """Rebuild a file from its bytes when it is unpickled."""
-    return ShadowFile.from_bytes(data)
+    return ShadowFile.open(data)
 
 
 def _look_up(

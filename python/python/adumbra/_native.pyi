@@ -12,14 +12,14 @@ __all__ = [
     "File",
     "Path",
     "Plan",
-    "Rays",
     "Scene",
     "bake",
     "check_path",
+    "run_program",
     "sky",
-    "sun_from_angles",
+    "sun_angles",
+    "sun_directions",
     "sun_hours",
-    "sun_positions",
     "verify",
 ]
 
@@ -34,7 +34,13 @@ class Scene:
     @staticmethod
     def load(path: str, options: dict[str, Any]) -> Scene: ...
     @staticmethod
-    def from_mesh(vertices: NDArray[np.float64], faces: NDArray[np.uint32]) -> Scene: ...
+    def from_arrays(vertices: NDArray[np.float64], faces: NDArray[np.uint32], up: str) -> Scene: ...
+    @staticmethod
+    def from_heights(
+        heights: _Numbers, cell: float, corner: tuple[float, ...], walls: bool, up: str
+    ) -> Scene: ...
+    @property
+    def up(self) -> Literal["y", "z"]: ...
     @property
     def bounds(self) -> tuple[list[float], list[float]]: ...
     @property
@@ -42,9 +48,25 @@ class Scene:
     @property
     def casting_triangles(self) -> int: ...
     @property
-    def sun(self) -> list[float]: ...
+    def to_sun(self) -> list[float]: ...
     @property
     def notes(self) -> list[str]: ...
+    def sunlit(
+        self,
+        points: NDArray[Any],
+        normals: NDArray[Any] | None,
+        suns: _Numbers,
+        lift: float,
+    ) -> NDArray[np.bool_]: ...
+    def visibility(
+        self,
+        points: NDArray[Any],
+        normals: NDArray[Any] | None,
+        suns: _Numbers,
+        sun_degrees: float,
+        lift: float,
+    ) -> NDArray[np.float32]: ...
+    def nearest(self, points: NDArray[Any], direction: tuple[float, ...]) -> tuple[_Numbers, _Numbers]: ...
     def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]]: ...
 
 @final
@@ -60,7 +82,7 @@ class File:
         self, points: NDArray[Any], normals: NDArray[Any] | None, given: _LookUp
     ) -> NDArray[np.float32]: ...
     @property
-    def sun(self) -> list[float]: ...
+    def to_sun(self) -> list[float]: ...
     @property
     def resolution(self) -> int: ...
     @property
@@ -127,20 +149,6 @@ class Path:
     ) -> NDArray[np.float32]: ...
 
 @final
-class Rays:
-    def __new__(cls, scene: Scene) -> Rays: ...
-    def visibility(
-        self,
-        points: NDArray[Any],
-        suns: NDArray[np.float64],
-        normals: NDArray[Any] | None,
-        lift: float,
-    ) -> NDArray[np.float32]: ...
-    def nearest(
-        self, points: NDArray[Any], direction: tuple[float, ...]
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
-
-@final
 class Plan:
     @staticmethod
     def new(
@@ -179,12 +187,13 @@ def bake(
     threads: int | None,
     report: _Report | None,
 ) -> File: ...
+def run_program(program: str, words: list[str]) -> int: ...
 def check_path(scene: Scene, output: str) -> None: ...
 def verify(file: File, scene: Scene, look_up: _LookUp, options: dict[str, Any]) -> tuple[str, bool, bool]: ...
-def sun_from_angles(azimuth: float, elevation: float) -> NDArray[np.float64]: ...
-def sun_positions(
+def sun_angles(
     place: tuple[float, float, float], times: _Numbers, refraction: bool
 ) -> tuple[_Numbers, _Numbers, _Numbers]: ...
+def sun_directions(azimuths: _Numbers, elevations: _Numbers, up: str) -> _Numbers: ...
 def sun_hours(
     scene: Scene, places: _Places, day: str, every_step: bool, threads: int | None, report: _Report | None
 ) -> tuple[_Numbers, NDArray[np.int64], _Numbers, _Numbers, str]: ...

@@ -1,4 +1,4 @@
-"""Paths of a sun."""
+"""Files of a moving sun."""
 
 from __future__ import annotations
 
@@ -12,20 +12,21 @@ from . import _native
 from ._arrays import same_length, triples, whole
 from ._bake import DEFAULT_RESOLUTION, options_of
 from ._scene import LoadOptions, SceneLike, scene_of, threads_of
-from ._sunlight import day_of, seconds_of
+from ._sun import seconds_of
+from ._sunlight import day_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 
-class SunPath:
+class SunPathFile:
     """The suns of a day, and which points see the sun at any moment of it. :func:`bake_path` and :meth:`open` return one."""
 
     def __init__(self, native: _native.Path) -> None:
         self._native = native
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> SunPath:
+    def open(cls, path: str | os.PathLike[str]) -> SunPathFile:
         """Read a sun path.
 
         Raises:
@@ -47,7 +48,7 @@ class SunPath:
         """Return the unit vector towards the sun at a moment, or ``None`` at night and outside the path.
 
         Args:
-            time: A ``datetime``, a pandas ``Timestamp`` or a ``datetime64``. Without a zone it is UTC.
+            time: A ``datetime`` or a pandas ``Timestamp`` with a zone, or a ``datetime64`` of UTC.
         """
         found = self._native.sun_at(_moment(time))
         return None if found is None else (found[0], found[1], found[2])
@@ -66,7 +67,7 @@ class SunPath:
         Runs on all cores; other Python threads run meanwhile.
 
         Args:
-            points: Positions in world space, shape (N, 3), of any real type.
+            points: Positions, shape (N, 3), of any real type.
             time: A moment of the path, see :meth:`sun_at`. At night no point sees the sun.
             normals: Unit normals of the surfaces that the points are on, shape (N, 3).
             filter: Texels along the side of the square whose mean is returned: 1, 3, 5, 9 or 17.
@@ -88,7 +89,7 @@ class SunPath:
         return self._native.visibility(places, upright, seconds, whole("filter", filter, 0, 2**32 - 1), bool(quick))
 
     def __repr__(self) -> str:
-        return f"<adumbra.SunPath of {len(self._native.keys)} keys>"
+        return f"<adumbra.SunPathFile of {len(self._native.keys)} keys>"
 
 
 def bake_path(
@@ -106,11 +107,11 @@ def bake_path(
     resolution: int = DEFAULT_RESOLUTION,
     threads: int | None = None,
     **loading: Unpack[LoadOptions],
-) -> SunPath:
+) -> SunPathFile:
     """Bake the path of a sun, as ``adumbra bake --sun-path`` does. Ctrl-C stops it.
 
     Args:
-        scene: The path of a scene, a :class:`Scene`, or vertices and faces. North is -Z, and east is +X.
+        scene: A :class:`Scene`, or the path of its file. North is -Z where Y points up, and +Y where Z points up.
         lat: See :func:`sun_hours`.
         lon: See :func:`sun_hours`.
         date: See :func:`sun_hours`.
@@ -133,12 +134,14 @@ def bake_path(
     if not 0.5 <= lowest_sun < 90.0:
         raise ValueError(f"lowest_sun: {lowest_sun} is out of range; it must be from 0.5 to below 90")
     day = day_of(lat, lon, date, from_, to, tz, step)
-    loaded = scene_of(scene, None, dict(loading))
+    loaded = scene_of(scene, dict(loading))
     # Each key has its own sun, so this elevation has no effect.
     options = options_of(loaded, elevation=45.0, resolution=resolution)
     limits = float(path_error), float(lowest_sun)
-    return SunPath(_native.Path.bake(loaded._native, day, options, limits, threads_of(threads)))
+    return SunPathFile(_native.Path.bake(loaded._native, day, options, limits, threads_of(threads)))
 
 
 def _moment(time: Any) -> float:
+    if isinstance(time, np.datetime64):
+        return float(seconds_of(np.array([time]), "UTC")[0])
     return float(seconds_of([time])[0])

@@ -242,7 +242,7 @@ def planned(
     if not isinstance(scene, (str, os.PathLike)):
         raise TypeError("scene: a plan needs the path of a file that every process can read")
     loading: Any = {name: options.pop(name) for name in LoadOptions.__annotations__ if name in options}
-    loaded = Scene.load(scene, **loading)
+    loaded = Scene(scene, **loading)
     if output is not None:
         _native.check_path(loaded._native, os.fspath(output))
     return _native.Plan.new(

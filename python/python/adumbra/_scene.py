@@ -1,4 +1,4 @@
-"""Scenes."""
+"""Scenes, and rays through them."""
 
 from __future__ import annotations
 
@@ -11,11 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import triples, whole
+from ._arrays import numbers, same_length, triples, whole
 from ._errors import SceneWarning
+from ._show import table
+from ._sun import SunPath
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+Up = Literal["y", "z"]
+Vector = tuple[float, float, float]
 
 
 class LoadOptions(TypedDict, total=False):
@@ -29,9 +34,9 @@ class LoadOptions(TypedDict, total=False):
     """Treat masked and blended materials as opaque."""
     include_animated: bool
     """Load animated instances as static ones, in their first pose. Without it they are skipped."""
-    up: Literal["y", "z"] | None
-    """The axis that points up in an OBJ or PLY file. With ``"z"`` the scene is turned: its (x, y, z) is (x, z, -y) in the world, in
-    which Y points up. ``None`` takes Y, and warns if the scene looks otherwise. glTF is Y up by definition."""
+    up: Up | None
+    """The axis that points up in an OBJ or PLY file. ``None`` takes Y, and warns if the scene looks otherwise. In glTF, Y points
+    up by definition."""
     allow_outside: bool
     """Also read files outside the scene's folder. Only for scenes that you trust."""
     strict: bool
@@ -41,25 +46,29 @@ class LoadOptions(TypedDict, total=False):
 class Scene:
     """A scene: triangles, loaded once for any number of bakes and rays.
 
-    Every function that needs a scene takes a path too, or vertices and faces, and loads them itself.
+    All coordinates are those of its file or arrays, in which :attr:`up` points up. Where Y points up, north is -Z; where Z points
+    up, north is +Y; east is +X. The unit of length is the scene's own; where a unit is needed, it is called a metre.
+
+    A scene never changes, may be used from any number of threads, and can be pickled. One of a file is loaded again when it is
+    unpickled.
+
+        >>> import numpy as np
+        >>> import adumbra
+        >>> roof = np.array([[0, 0, 3], [4, 0, 3], [4, 4, 3], [0, 4, 3]])
+        >>> scene = adumbra.Scene.from_arrays(roof, [[0, 1, 2], [0, 2, 3]], up="z")
+        >>> scene.sunlit([[2, 2, 0], [9, 2, 0]], None, [0, 0, 1])
+        array([False,  True])
     """
 
-    def __init__(self, native: _native.Scene) -> None:
-        self._native = native
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str], **options: Unpack[LoadOptions]) -> Scene:
+    def __init__(self, path: str | os.PathLike[str], **options: Unpack[LoadOptions]) -> None:
         """Load a scene from a ``.glb``, ``.gltf``, ``.obj`` or ``.ply`` file.
 
         Args:
             path: The file.
             **options: See :class:`LoadOptions`.
 
-        Returns:
-            The scene.
-
         Warns:
-            SceneWarning: Parts of the file were left out or changed.
+            SceneWarning: Parts of the file were left out or changed; :attr:`warnings` has the texts.
 
         Raises:
             OSError: A file cannot be read; ``FileNotFoundError`` if there is none.
@@ -67,48 +76,157 @@ class Scene:
             ValueError: The ending is unknown, or a pattern is wrong.
             AdumbraError: The scene names files outside its folder, needs an extension that is not read, or takes too much memory.
         """
-        native = _native.Scene.load(os.fspath(path), {**loading_of(dict(options)), "max_memory": None})
-        for note in native.notes:
+        self._native = _native.Scene.load(os.fspath(path), {**loading_of(dict(options)), "max_memory": None})
+        self._source: tuple[Any, ...] = (_loaded, os.path.abspath(path), dict(options))
+        for note in self._native.notes:
             warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=2)
-        return cls(native)
 
     @classmethod
-    def from_mesh(cls, vertices: ArrayLike, faces: ArrayLike) -> Scene:
+    def from_arrays(
+        cls, vertices: ArrayLike, faces: ArrayLike, *, up: Up, alpha: ArrayLike | None = None
+    ) -> Scene:
         """Make a scene of triangles.
 
         Args:
-            vertices: Positions in world space, shape (N, 3), of any real type. They are kept in single precision, relative to
-                an origin near them if they are far from 0.
-            faces: The vertices of each triangle, shape (M, 3), of any integer type. Triangles without area are skipped.
-
-        Returns:
-            The scene: one opaque mesh.
+            vertices: Positions, shape (N, 3), of any real type. They are kept in single precision, relative to an origin near
+                them if they are far from 0.
+            faces: The vertices of each triangle, shape (M, 3), of any integer type, or PyVista's list of faces, shape (4 M,), with
+                a 3 before each triangle. Triangles without area are skipped.
+            up: The axis that points up: ``"y"`` or ``"z"``.
+            alpha: Opacity of each triangle, shape (M,), 0 to 1. Those below 0.5 cast no shadow.
 
         Raises:
             ValueError: A shape is wrong, an index is out of range, a vertex is not finite, or nothing casts a shadow.
             TypeError: The vertices are not real numbers, or the faces are not integers.
+
+        Warns:
+            SceneWarning: The vertices look like degrees of longitude and latitude.
         """
         positions = triples("vertices", vertices, double=True)
-        corners = np.asarray(faces)
-        if corners.dtype.kind not in "iu":
-            raise TypeError(f"faces: integers are needed, not an array of {corners.dtype}")
-        if corners.ndim != 2 or corners.shape[1] != 3:
-            raise ValueError(f"faces: an array of shape (M, 3) is needed, not {corners.shape}")
+        corners = _corners_of(faces)
         if corners.size and not (corners.min() >= 0 and corners.max() < len(positions)):
             row, column = np.argwhere((corners < 0) | (corners >= len(positions)))[0]
             raise ValueError(
                 f"faces[{row}, {column}] is {corners[row, column]}, which is out of range; it must be from 0 to "
                 f"{len(positions) - 1}, because there are {len(positions)} vertices"
             )
-        used = positions[corners.ravel()] if corners.size else positions[:0]
-        if not np.isfinite(used).all():
-            row = corners.ravel()[np.argwhere(~np.isfinite(used).all(axis=1))[0, 0]]
-            raise ValueError(f"vertices[{row}] is {positions[row]}, but a vertex that a face uses must be finite")
-        return cls(_native.Scene.from_mesh(positions, np.require(corners, np.uint32, ["C", "A"])))
+        if alpha is not None:
+            corners = corners[_opacities(alpha, len(corners)) >= 0.5]
+        if not np.isfinite(positions).all():
+            is_used = np.zeros(len(positions), bool)
+            is_used[corners.ravel()] = True
+            wrong = is_used & ~np.isfinite(positions).all(axis=1)
+            if wrong.any():
+                row = int(np.argmax(wrong))
+                raise ValueError(f"vertices[{row}] is {positions[row]}, but a vertex that a face uses must be finite")
+        scene = cls.__new__(cls)
+        scene._native = _native.Scene.from_arrays(
+            positions, np.require(corners, np.uint32, ["C", "A"]), axis_of(up)
+        )
+        scene._source = (_from_arrays,)
+        if scene._looks_geographic():
+            said = "vertices: they look like degrees with heights in metres, in which shadows are wrong; project them to metres first"
+            warnings.warn(said, SceneWarning, stacklevel=2)
+        return scene
+
+    @classmethod
+    def from_heights(
+        cls,
+        heights: ArrayLike,
+        cell: float,
+        *,
+        walls: bool,
+        corner: ArrayLike = (0.0, 0.0),
+        nodata: float | None = None,
+        up: Up = "z",
+    ) -> Scene:
+        """Make a scene of a raster of heights, such as a digital surface model.
+
+        Args:
+            heights: The heights, shape (rows, columns), of any real type. The first row is the northernmost, the first column the
+                westernmost. Cells that are NaN or masked have no data: in them there is nothing. A cell takes about 500 bytes while
+                the scene is made.
+            cell: Side of a cell, which is square, in the unit of the heights, above 0.
+            walls: ``True``: each cell is level, with upright walls on the borders between cells, as buildings have. ``False``: a
+                surface through the centres of the cells, as for terrain.
+            corner: The northwest corner of the first cell: x and y where Z points up, x and z where Y points up. For a raster of
+                ``rasterio``, ``(transform.c, transform.f)`` where Z points up, and ``(transform.c, -transform.f)`` where Y does.
+            nodata: The number that marks cells without data, such as -9999.
+            up: The axis that points up: ``"y"`` or ``"z"``.
+
+        Raises:
+            ValueError: A shape is wrong, the cell is not above 0, there are no data, a number is infinite, or the raster is in
+                degrees.
+            TypeError: The heights are not real numbers.
+
+        Example:
+            >>> import adumbra
+            >>> tower = adumbra.Scene.from_heights([[0, 0, 0], [0, 5, 0], [0, 0, 0]], cell=2, walls=True)
+            >>> tower.bounds
+            ((0.0, -6.0, 0.0), (6.0, 0.0, 5.0))
+            >>> tower.sunlit([[5, -3, 0], [1, -3, 0]], None, [1, 0, 1])
+            array([ True, False])
+        """
+        raster: Any = heights
+        given = np.ma.getdata(raster)
+        if given.dtype.kind not in "iuf":
+            raise TypeError(f"heights: real numbers are needed, not an array of {given.dtype}")
+        if given.ndim != 2:
+            raise ValueError(f"heights: an array of shape (rows, columns) is needed, not {given.shape}")
+        has_none = np.ma.getmaskarray(raster) if nodata is None else np.ma.getmaskarray(raster) | (given == nodata)
+        values = np.where(has_none, np.nan, given)
+        place = numbers("corner", corner, 2)
+        is_on_globe = place != (0.0, 0.0) and abs(place[0]) <= 180.0 and abs(place[1]) <= 90.0
+        if is_on_globe and 0.0 < cell < 0.01:
+            raise ValueError(
+                f"cell: {cell} with a corner at {place} looks like degrees, in which no shadow has a length; project the raster to "
+                "metres first, or give a corner relative to an origin of your own"
+            )
+        scene = cls.__new__(cls)
+        scene._native = _native.Scene.from_heights(
+            np.require(values, np.float64, ["C", "A"]), float(cell), place, bool(walls), axis_of(up)
+        )
+        scene._source = (_from_arrays,)
+        return scene
+
+    @classmethod
+    def from_trimesh(cls, mesh: Any, *, up: Up) -> Scene:
+        """Make a scene of a mesh or a scene of ``trimesh``, or of anything else with ``vertices`` and ``faces``.
+
+        Args:
+            mesh: The mesh. A ``trimesh.Scene`` is taken with all its instances.
+            up: The axis that points up: ``"y"`` or ``"z"``.
+
+        Raises:
+            TypeError: It has no vertices and faces.
+            ValueError: See :meth:`from_arrays`.
+        """
+        if hasattr(mesh, "to_mesh"):
+            mesh = mesh.to_mesh()
+        if not (hasattr(mesh, "vertices") and hasattr(mesh, "faces")):
+            raise TypeError(f"mesh: a {type(mesh).__name__} has no vertices and faces; give a mesh of trimesh")
+        return cls.from_arrays(mesh.vertices, mesh.faces, up=up)
+
+    @classmethod
+    def from_pyvista(cls, mesh: Any, *, up: Up) -> Scene:
+        """Make a scene of a mesh of ``pyvista``.
+
+        Args:
+            mesh: A ``PolyData``, or another data set, whose surface is taken. Its faces are triangulated.
+            up: The axis that points up: ``"y"`` or ``"z"``.
+
+        Raises:
+            TypeError: It is not a data set of PyVista.
+            ValueError: See :meth:`from_arrays`.
+        """
+        if not hasattr(mesh, "extract_surface"):
+            raise TypeError(f"mesh: a {type(mesh).__name__} is no data set of pyvista; for arrays, call Scene.from_arrays")
+        surface = (mesh if hasattr(mesh, "is_all_triangles") else mesh.extract_surface()).triangulate()
+        return cls.from_arrays(surface.points, surface.faces, up=up)
 
     @property
-    def bounds(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """The smallest and the largest coordinates, in world units."""
+    def bounds(self) -> tuple[Vector, Vector]:
+        """The smallest and the largest coordinates."""
         low, high = self._native.bounds
         return (low[0], low[1], low[2]), (high[0], high[1], high[2])
 
@@ -118,47 +236,241 @@ class Scene:
         return self._native.triangles
 
     @property
-    def sun(self) -> tuple[float, float, float]:
+    def up(self) -> Up:
+        """The axis that points up: ``"y"`` or ``"z"``."""
+        return self._native.up
+
+    @property
+    def to_sun(self) -> Vector:
         """The unit vector towards the sun that a bake uses by default.
 
-        It is that of the scene's first directional light that shines and is above the horizon, or else of (0.5, 0.8, 0.35).
+        It is that of the scene's first directional light that shines and is above the horizon, or else a sun in the southeast, at
+        an elevation of 53 degrees.
         """
-        x, y, z = self._native.sun
+        x, y, z = self._native.to_sun
         return x, y, z
 
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Sentences about what the loader left out or changed."""
+        return tuple(self._native.notes)
+
     def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
-        """Return all triangles in world space: vertices of shape (N, 3) and faces of shape (M, 3).
+        """Return all triangles: vertices of shape (N, 3) and faces of shape (M, 3).
 
         Raises:
             ValueError: The instances have more than 2**32 vertices.
         """
         return self._native.mesh()
 
+    def sunlit(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike | None,
+        to_sun: ArrayLike | SunPath,
+        *,
+        lift: float = 1e-3,
+    ) -> NDArray[np.bool_]:
+        """Return which points see the centre of the sun, by one ray each.
+
+        Runs on all cores, at about a microsecond per ray and core; other Python threads run meanwhile. Ctrl-C stops it.
+
+        Args:
+            points: Positions, shape (N, 3), of any real type. A point that is not finite is lit.
+            normals: Unit normals of the surfaces that the points are on, shape (N, 3), or ``None`` for points in the air or on
+                any side of a surface. A point with a normal is dark if the sun is behind its surface.
+            to_sun: The direction towards a sun, shape (3,), or towards each of T suns, shape (T, 3), of any length; or a
+                :class:`SunPath`, at whose nights all points are dark.
+            lift: Distance at which rays start, along the normal or else towards the sun, in the scene's unit, finite. Surfaces
+                that are nearer to a point do not shadow it, so that its own does not.
+
+        Returns:
+            Whether each point is lit, bool, shape (N,) for one direction, and (N, T) for several or a path.
+
+        Raises:
+            ValueError: A shape is wrong; a direction is not finite, has no length or points below the horizon; a normal is not a unit
+                vector; or the lift is not finite.
+            TypeError: An array does not hold real numbers.
+
+        Example:
+            >>> import adumbra
+            >>> scene = adumbra.Scene.from_arrays([[0, 0, 3], [4, 0, 3], [0, 4, 3]], [[0, 1, 2]], up="z")
+            >>> scene.sunlit([[1, 1, 0]], None, [[0, 0, 1], [1, 0, 0]])
+            array([[False,  True]])
+        """
+        places, upright, suns, is_one = self._rays(points, normals, to_sun, lift)
+        found = self._native.sunlit(places, upright, suns, float(lift))
+        return found[:, 0] if is_one else found
+
+    def visibility(
+        self,
+        points: ArrayLike,
+        normals: ArrayLike | None,
+        to_sun: ArrayLike | SunPath,
+        *,
+        sun_degrees: float = 0.53,
+        lift: float = 1e-3,
+    ) -> NDArray[np.float32]:
+        """Return the share of the sun's disc that points see, by 256 rays each.
+
+        Args:
+            points: See :meth:`sunlit`.
+            normals: See :meth:`sunlit`. A point is dark if the centre of the disc is behind its surface.
+            to_sun: See :meth:`sunlit`: the centres of the discs.
+            sun_degrees: Width of the disc in degrees, 0 to 180. The sun has 0.53.
+            lift: See :meth:`sunlit`.
+
+        Returns:
+            Shares, 0 to 1, float32, shape (N,) for one direction, and (N, T) for several or a path.
+
+        Raises:
+            ValueError: See :meth:`sunlit`, or the width is out of range.
+            TypeError: An array does not hold real numbers.
+        """
+        if not 0.0 <= sun_degrees <= 180.0:
+            raise ValueError(f"sun_degrees: {sun_degrees} is out of range; it must be from 0 to 180")
+        places, upright, suns, is_one = self._rays(points, normals, to_sun, lift)
+        found = self._native.visibility(places, upright, suns, float(sun_degrees), float(lift))
+        return found[:, 0] if is_one else found
+
+    def nearest(
+        self, points: ArrayLike, direction: ArrayLike
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Find the nearest surface from each point in one direction.
+
+        Rays straight down from above the scene find the points of a map and their normals.
+
+        Args:
+            points: Positions, shape (N, 3), of any real type.
+            direction: The direction, three numbers, of any length.
+
+        Returns:
+            The distances, shape (N,), in lengths of the direction, and infinite where there is no surface. The unit normals
+            on the side that the ray comes from, shape (N, 3), and 0 where there is no surface.
+
+        Raises:
+            ValueError: A shape is wrong, or the direction is not finite or has no length.
+            TypeError: An array does not hold real numbers.
+        """
+        along = numbers("direction", direction, 3)
+        if not np.isfinite(along).all() or not any(along):
+            raise ValueError(f"direction: {along} is not a direction; give finite numbers, not all 0")
+        return self._native.nearest(triples("points", points), along)
+
+    def _rays(
+        self, points: ArrayLike, normals: ArrayLike | None, to_sun: ArrayLike | SunPath, lift: float
+    ) -> tuple[NDArray[Any], NDArray[Any] | None, NDArray[np.float64], bool]:
+        """Return the checked inputs of rays, and whether the result has one column that must be dropped."""
+        places = triples("points", points)
+        upright = None if normals is None else triples("normals", normals)
+        same_length(places, upright)
+        if not np.isfinite(lift):
+            raise ValueError(f"lift: {lift} is out of range; it must be finite")
+        if isinstance(to_sun, SunPath):
+            # The native part takes a sun without length as one at night.
+            return places, upright, to_sun.to_sun(self.up) * to_sun.is_up[:, np.newaxis], False
+        directions = np.asarray(to_sun)
+        if directions.ndim not in (1, 2) or directions.shape[-1] != 3:
+            raise ValueError(f"to_sun: an array of shape (3,) or (T, 3) is needed, not {directions.shape}")
+        is_one = directions.ndim == 1
+        suns = triples("to_sun", directions[np.newaxis] if is_one else directions, double=True)
+        wrong = ~(np.isfinite(suns).all(axis=1) & (suns != 0).any(axis=1))
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            raise ValueError(f"to_sun[{row}] is {suns[row]}, which is not a direction; give finite numbers, not all 0")
+        down = suns[:, "xyz".index(self.up)] < 0.0
+        if down.any():
+            row = int(np.argmax(down))
+            raise ValueError(
+                f"to_sun[{row}] is {suns[row]}, which points below the horizon, as {self.up} points up; leave nights out, and negate "
+                "vectors that point away from the sun"
+            )
+        return places, upright, suns, is_one
+
+    def _looks_geographic(self) -> bool:
+        """Return whether the triangles lie on the globe's degrees and are much higher than they are wide."""
+        low, high = np.array(self.bounds)
+        upward = "xyz".index(self.up)
+        (x, y), height = np.delete(np.abs([low, high]).max(axis=0), upward), (high - low)[upward]
+        return bool(x <= 180.0 and y <= 90.0 and height > 100.0 * np.delete(high - low, upward).max())
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        rebuild, *arguments = self._source
+        if rebuild is _from_arrays:
+            arguments = [*self.mesh(), self.up]
+        return rebuild, tuple(arguments)
+
     def __repr__(self) -> str:
-        return f"<adumbra.Scene of {self.triangles} triangles from {self.bounds[0]} to {self.bounds[1]}>"
+        return f"<adumbra.Scene of {self.triangles} triangles from {self.bounds[0]} to {self.bounds[1]}, {self.up} up>"
+
+    def _repr_html_(self) -> str:
+        low, high = self.bounds
+        size = " × ".join(f"{b - a:.4g}" for a, b in zip(low, high, strict=True))
+        rows = [
+            ("triangles", f"{self.triangles:,}"),
+            ("size", size),
+            ("from", _text(low)),
+            ("to", _text(high)),
+            ("up", self.up),
+        ]
+        return table("adumbra.Scene", rows + [("warning", text) for text in self.warnings])
 
 
-SceneLike = Union[Scene, str, "os.PathLike[str]", "tuple[ArrayLike, ArrayLike]"]
-"""A scene, the path of its file, or vertices and faces."""
+def _text(vector: Vector) -> str:
+    return ", ".join(f"{c:.6g}" for c in vector)
 
 
-def scene_of(scene: Any, faces: ArrayLike | None, options: dict[str, Any]) -> Scene:
-    """Return a scene: load it from its path, or make it from its triangles."""
+def _loaded(path: str, options: dict[str, Any]) -> Scene:
+    """Load a scene again when it is unpickled. Its warnings have been shown."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        return Scene(path, **options)
+
+
+def _from_arrays(vertices: NDArray[np.float64], faces: NDArray[np.uint32], up: Up) -> Scene:
+    """Make a scene again when it is unpickled."""
+    return Scene.from_arrays(vertices, faces, up=up)
+
+
+def _corners_of(faces: ArrayLike) -> NDArray[Any]:
+    corners = np.asarray(faces)
+    if corners.dtype.kind not in "iu":
+        raise TypeError(f"faces: integers are needed, not an array of {corners.dtype}")
+    if corners.ndim == 1 and corners.size % 4 == 0 and (corners[::4] == 3).all():
+        corners = corners.reshape(-1, 4)[:, 1:]
+    if corners.ndim != 2 or corners.shape[1] != 3:
+        raise ValueError(f"faces: an array of shape (M, 3) is needed, not {corners.shape}; triangulate other polygons first")
+    return corners
+
+
+def _opacities(alpha: ArrayLike, count: int) -> NDArray[Any]:
+    opacities = np.asarray(alpha)
+    if opacities.dtype.kind not in "iufb":
+        raise TypeError(f"alpha: real numbers are needed, not an array of {opacities.dtype}")
+    if opacities.shape != (count,):
+        raise ValueError(f"alpha: an array of shape ({count},) is needed, one number for each face, not {opacities.shape}")
+    if not ((opacities >= 0) & (opacities <= 1)).all():
+        raise ValueError("alpha: a number is out of range; they must be from 0 to 1")
+    return opacities
+
+
+SceneLike = Union[Scene, str, "os.PathLike[str]"]
+"""A scene, or the path of its file."""
+
+
+def scene_of(scene: Any, options: dict[str, Any]) -> Scene:
+    """Return a scene. Load it if a path is given."""
     if isinstance(scene, (str, os.PathLike)):
-        if faces is not None:
-            raise TypeError("faces: they belong to vertices, but the scene is a path")
-        return Scene.load(scene, **options)
+        return Scene(scene, **options)
     if options:
+        loading_of(options)
         raise TypeError(f"{sorted(options)[0]}: this is an option of loading, but the scene is not a path")
     if isinstance(scene, Scene):
-        if faces is not None:
-            raise TypeError("faces: they belong to vertices, but the scene has been loaded")
         return scene
-    if faces is not None:
-        return Scene.from_mesh(scene, faces)
-    if isinstance(scene, tuple) and len(scene) == 2:
-        return Scene.from_mesh(scene[0], scene[1])
-    raise TypeError("scene: give a path, a Scene, or vertices and faces")
+    raise TypeError(
+        f"scene: give a path or an adumbra.Scene, not a {type(scene).__name__}; Scene.from_arrays(vertices, faces, up=…) makes "
+        "one from arrays"
+    )
 
 
 def as_baked(scene: Any, options: dict[str, Any], up: str) -> dict[str, Any]:
@@ -172,19 +484,26 @@ def loading_of(options: dict[str, Any]) -> dict[str, Any]:
     """Return the options of the loader as the native part takes them."""
     unknown = sorted(options.keys() - LoadOptions.__annotations__.keys())
     if unknown:
-        raise TypeError(f"{unknown[0]!r} is not an option; the loader has {', '.join(LoadOptions.__annotations__)}")
+        raise TypeError(f"{unknown[0]!r} is not an option; those of loading are {', '.join(LoadOptions.__annotations__)}")
     up = options.get("up")
-    if up not in (None, "y", "z"):
-        raise ValueError(f"up: {up!r} is not an axis; it must be 'y' or 'z'")
     return {
         "only": _patterns("only", options.get("only", ())),
         "exclude": _patterns("exclude", options.get("exclude", ())),
         "ignore_alpha": bool(options.get("ignore_alpha", False)),
         "include_animated": bool(options.get("include_animated", False)),
-        "up": up,
+        "up": None if up is None else axis_of(up),
         "allow_outside": bool(options.get("allow_outside", False)),
         "strict": bool(options.get("strict", False)),
     }
+
+
+def axis_of(up: Any) -> Up:
+    """Return an axis that points up."""
+    if up == "y":
+        return "y"
+    if up == "z":
+        return "z"
+    raise ValueError(f"up: {up!r} is not an axis; it must be 'y' or 'z'")
 
 
 def _patterns(name: str, patterns: Sequence[str]) -> list[str]:

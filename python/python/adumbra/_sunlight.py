@@ -1,10 +1,9 @@
-"""Where the sun is, hours of sun, and the visible sky."""
+"""Hours of sun, and the visible sky."""
 
 from __future__ import annotations
 
 import importlib
 from dataclasses import dataclass
-from datetime import datetime, timezone
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -17,18 +16,6 @@ from ._scene import LoadOptions, SceneLike, scene_of, threads_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-
-@dataclass(frozen=True)
-class SunPositions:
-    """Where the sun is at N times."""
-
-    azimuth: NDArray[np.float64]
-    """Degrees clockwise from north, shape (N,)."""
-    elevation: NDArray[np.float64]
-    """Degrees above the horizon, negative below it, shape (N,)."""
-    direction: NDArray[np.float64]
-    """Unit vectors towards the sun in world space, shape (N, 3): north is -Z, east is +X, up is +Y."""
 
 
 @dataclass(frozen=True)
@@ -73,30 +60,6 @@ class Skies:
     """Share of the sky's solid angle that is hidden, shape (N,): 0 on an open plain."""
 
 
-def sun_positions(
-    lat: float, lon: float, times: Any, *, height: float = 0.0, refraction: bool = True
-) -> SunPositions:
-    """Return where the sun is at a place.
-
-    NREL's Solar Position Algorithm, to about 0.001 degrees in the centuries around the present. It takes
-    about 5 microseconds per time.
-
-    Args:
-        lat: Latitude in degrees, -90 to 90, positive in the north.
-        lon: Longitude in degrees, -180 to 180, positive in the east.
-        times: A pandas ``DatetimeIndex``, NumPy ``datetime64`` of shape (N,), or a list of ``datetime``. Times without a zone
-            are UTC.
-        height: Metres above the sea, -500 to 9000.
-        refraction: Whether the air bends light, as a standard atmosphere of 1013.25 hPa and 15 degrees Celsius does.
-
-    Raises:
-        ValueError: A value is out of range, a time is missing, or the years are not within 1 to 2999.
-        TypeError: The values are not times.
-    """
-    place = (float(lat), float(lon), float(height))
-    return SunPositions(*_native.sun_positions(place, seconds_of(times), bool(refraction)))
-
-
 def sun_hours(
     scene: SceneLike,
     points: ArrayLike,
@@ -122,8 +85,8 @@ def sun_hours(
     Runs on all cores; other Python threads run meanwhile. Ctrl-C stops it.
 
     Args:
-        scene: The path of a scene, a :class:`Scene`, or vertices and faces. North is -Z, and east is +X.
-        points: Positions in world space, shape (N, 3), of any real type.
+        scene: A :class:`Scene`, or the path of its file. North is -Z where Y points up, and +Y where Z points up.
+        points: Positions, shape (N, 3), of any real type.
         normals: Unit normals of the surfaces that the points are on, shape (N, 3): a point is dark if the sun
             is behind its surface. Without normals, points are in space.
         lat: Latitude in degrees, -90 to 90, positive in the north.
@@ -149,7 +112,7 @@ def sun_hours(
     """
     places = _places(points, normals, lift)
     day = day_of(lat, lon, date, from_, to, tz, step, height, refraction)
-    loaded = scene_of(scene, None, dict(loading))
+    loaded = scene_of(scene, dict(loading))
     with reporting(progress, "block") as report:
         hours, of_points, starts, ends, zone = _native.sun_hours(
             loaded._native, places, day, bool(every_step), threads_of(threads), report
@@ -173,8 +136,8 @@ def sky(
     Runs on all cores; other Python threads run meanwhile. Ctrl-C stops it.
 
     Args:
-        scene: The path of a scene, a :class:`Scene`, or vertices and faces. North is -Z, and east is +X.
-        points: Positions in world space, shape (N, 3), of any real type.
+        scene: A :class:`Scene`, or the path of its file. North is -Z where Y points up, and +Y where Z points up.
+        points: Positions, shape (N, 3), of any real type.
         normals: Unit normals of the surfaces that the points are on, shape (N, 3). Without them, points measure light as a
             level surface does.
         patches: ``"tregenza"``: 145 patches. ``"reinhart"``: 577.
@@ -191,7 +154,7 @@ def sky(
     if patches not in ("tregenza", "reinhart"):
         raise ValueError(f'patches: {patches!r} must be "tregenza" or "reinhart"')
     places = _places(points, normals, lift)
-    loaded = scene_of(scene, None, dict(loading))
+    loaded = scene_of(scene, dict(loading))
     with reporting(progress, "block") as report:
         found = _native.sky(loaded._native, places, patches == "reinhart", threads_of(threads), report)
     return Skies(*found)
@@ -224,25 +187,3 @@ def _places(
     if not np.isfinite(lift):
         raise ValueError(f"lift: {lift} is out of range; it must be finite")
     return places, upright, float(lift)
-
-
-def seconds_of(times: Any) -> NDArray[np.float64]:
-    """Return times as seconds after 1970, UTC."""
-    if getattr(times, "tz", None) is not None:
-        times = times.tz_convert("UTC").tz_localize(None)
-    array = np.asarray(times)
-    if array.dtype.kind == "O":
-        array = np.array([_utc(time) for time in array.ravel()], "datetime64[us]").reshape(array.shape)
-    if array.dtype.kind != "M":
-        raise TypeError(f"times: datetime64 or datetimes are needed, not an array of {array.dtype}")
-    if array.ndim != 1:
-        raise ValueError(f"times: an array of shape (N,) is needed, not {array.shape}")
-    if np.isnat(array).any():
-        raise ValueError("times: NaT is no time; leave missing times out")
-    return array.astype("datetime64[us]").astype(np.int64) / 1e6
-
-
-def _utc(time: Any) -> datetime:
-    if not isinstance(time, datetime):
-        raise TypeError(f"times: datetimes are needed, not {time!r}")
-    return time if time.tzinfo is None else time.astimezone(timezone.utc).replace(tzinfo=None)

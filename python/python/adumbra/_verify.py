@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 from dataclasses import dataclass
 
+from ._show import table
+
 
 @dataclass(frozen=True)
 class ClassResult:
@@ -28,7 +30,7 @@ class ClassResult:
     """The largest share of misplaced points that is promised, if any."""
     checked: bool
     """Whether something is promised, and there are enough points to check it."""
-    holds: bool
+    passed: bool
     """Whether the promises are kept; true if the class is not checked."""
 
 
@@ -60,11 +62,23 @@ class Verification:
     """The results of all classes."""
     checked: bool
     """Whether there are enough points to check the file."""
-    holds: bool
+    passed: bool
     """Whether the file is checked, and every class keeps its promises."""
 
     @classmethod
-    def _of(cls, text: str, checked: bool, holds: bool) -> Verification:
+    def _of(cls, text: str, checked: bool, passed: bool) -> Verification:
         fields = json.loads(text)
-        classes = tuple(ClassResult(name=row.pop("class"), **row) for row in fields.pop("classes"))
-        return cls(**fields, classes=classes, checked=checked, holds=holds)
+        classes = tuple(
+            ClassResult(name=row.pop("class"), passed=row.pop("holds"), **row) for row in fields.pop("classes")
+        )
+        return cls(**fields, classes=classes, checked=checked, passed=passed)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("passed", "yes" if self.passed else "no" if self.checked else "too few points to check"),
+            ("points", f"{self.samples:,}"),
+            ("agreement", f"{100 * self.agreement:.4f} %"),
+            ("agreement inside and outside shadows", f"{100 * self.interior_agreement:.4f} %"),
+        ]
+        classes = [(f"{c.name}, {c.points:,} points", f"{100 * c.agreement:.4f} %") for c in self.classes if c.points]
+        return table("adumbra.Verification", rows + classes)

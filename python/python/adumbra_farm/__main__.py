@@ -97,7 +97,7 @@ def _add_options(verb: argparse.ArgumentParser) -> None:
     unset: Any = {"default": argparse.SUPPRESS}
     number: Any = {"type": float, **unset}
     group = verb.add_argument_group("the bake", "The options of `adumbra bake`; `adumbra bake --help` describes them.")
-    group.add_argument("--sun", type=_numbers(3), metavar="X,Y,Z", **unset)
+    group.add_argument("--sun", dest="to_sun", type=_numbers(3), metavar="X,Y,Z", **unset)
     group.add_argument("--azimuth", metavar="DEGREES", **number)
     group.add_argument("--elevation", metavar="DEGREES", **number)
     group.add_argument("--resolution", type=int, metavar="N", **unset)
@@ -148,7 +148,7 @@ def _run(given: dict[str, Any]) -> None:
         raise ValueError("--workers, --threads: a scheduler has its own workers; remove them or --scheduler")
     if verb == "bake":
         name = given.pop("scene")
-        plan = plan_of(name, output, given)
+        plan = plan_of(name, output, _in_file_axes(given))
         folder = os.path.splitext(output)[0] + ".cache"
     else:
         name = given.pop("plan")
@@ -183,6 +183,21 @@ def _run(given: dict[str, Any]) -> None:
             f"{name} -> {output} ({done.shadows.bytes / 1e6:.1f} MB): {baked} parts baked, {len(done.parts) - baked} were there, "
             f"{done.tasks} tasks on {done.workers} workers, in {seconds:.1f} s"
         )
+
+
+def _in_file_axes(given: dict[str, Any]) -> dict[str, Any]:
+    """Return the options with directions and corners as the package takes them. The command line gives them in the world, in which
+    Y points up, as that of ``adumbra`` does."""
+    if given.get("up") != "z":
+        return given
+    turned = dict(given)
+    if "to_sun" in given:
+        x, y, z = given["to_sun"]
+        turned["to_sun"] = (x, -z, y)
+    if "bounds" in given:
+        x0, y0, z0, x1, y1, z1 = given["bounds"]
+        turned["bounds"] = (x0, -z1, y0, x1, -z0, y1)
+    return turned
 
 
 def _warn(

@@ -73,6 +73,8 @@ fn position_gives_a_sun_only_above_the_horizon() {
     assert!(position(&location, at("2024-03-20T00:00:00Z"), None).unwrap().sun().is_none());
     let noon = position(&location, at("2024-03-20T12:07:00Z"), None).unwrap().sun().unwrap();
     assert!(noon.towards()[1] > 0.999);
+    let zenith = Position { azimuth_degrees: 0.0, elevation_degrees: 90.0 };
+    assert_eq!(zenith.towards(), [0.0, 1.0, 0.0]);
     assert!(Position { azimuth_degrees: 0.0, elevation_degrees: 0.0 }.sun().is_none());
     // In the morning the sun is in the east, which is +X.
     let morning = position(&location, at("2024-03-20T08:00:00Z"), None).unwrap().sun().unwrap();

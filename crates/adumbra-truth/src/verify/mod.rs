@@ -24,6 +24,8 @@ mod classes;
 mod points;
 mod sample;
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use adumbra_scene::random::Random;
 use adumbra_scene::{Scene, topology};
 use rayon::prelude::*;
@@ -132,6 +134,7 @@ pub struct Verifier<'a, A> {
     solids: &'a Solids,
     ground: Option<GroundSampler>,
     promises: Promises,
+    cancel: Option<&'a AtomicBool>,
 }
 
 impl<'a, A: Answers> Verifier<'a, A> {
@@ -139,7 +142,14 @@ impl<'a, A: Answers> Verifier<'a, A> {
     /// from the scene that was baked.
     pub fn new(answers: &'a A, tracer: &'a Tracer<'a>, solids: &'a Solids) -> Self {
         let promises = Promises { ground: None, ..answers.promises() };
-        Self { answers, tracer, solids, ground: None, promises }
+        Self { answers, tracer, solids, ground: None, promises, cancel: None }
+    }
+
+    /// Stops the comparison within a batch of 4096 points of each thread once `cancel` is set. The result is
+    /// then that of the points so far.
+    #[must_use]
+    pub fn with_cancel(self, cancel: &'a AtomicBool) -> Self {
+        Self { cancel: Some(cancel), ..self }
     }
 
     /// Compares points on ground just below the scene too, one for every [`SURFACE_POINTS_PER_GROUND_POINT`]
@@ -182,6 +192,9 @@ impl<'a, A: Answers> Verifier<'a, A> {
         let of_batch = |batch: u64| {
             let mut random = Random::for_batch(seed, batch);
             let mut counts = Counts::default();
+            if self.cancel.is_some_and(|cancel| cancel.load(Ordering::Relaxed)) {
+                return counts;
+            }
             (0..BATCH.min(points - batch * BATCH)).for_each(|_| one(&mut random, &mut counts));
             counts
         };

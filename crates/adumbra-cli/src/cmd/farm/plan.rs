@@ -1,6 +1,5 @@
 //! `adumbra plan`: writes the parts of a bake to a plan.
 
-use std::env;
 use std::io::Write;
 use std::path::{Path, PathBuf, absolute};
 
@@ -13,6 +12,7 @@ use adumbra_program::glance::{AtAGlance, look, warn_of_large_voxels};
 use adumbra_program::output::{SCENE, print_json, refuse_inputs, refuse_read, refuse_same};
 use adumbra_program::say;
 use adumbra_program::scene::load_scene_within;
+use adumbra_program::start::program_file;
 use adumbra_program::sun::{SunOrigin, warn_of_low_sun};
 use adumbra_program::threads::with_threads;
 use schemars::JsonSchema;
@@ -118,7 +118,7 @@ pub(crate) fn run(args: &Plan) -> Outcome {
 
 /// Writes the job of a plan.
 fn export(args: &Plan, output: &Path, format: ExportFormat) -> Result<PathBuf, Failure> {
-    let program = env::current_exe().map_err(IoError::at("find", "the program"))?;
+    let program = program_file().map_err(IoError::at("find", "the program"))?;
     let shadow_file = args.shadow_file.clone().unwrap_or_else(|| args.scene.with_extension("adumbra"));
     let cache = cache_of(args.cache.as_ref(), output);
     let cache = if url_of(&cache).is_some() { cache } else { whole(&cache)? };
