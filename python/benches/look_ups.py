@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -21,19 +22,8 @@ from numpy.typing import NDArray
 
 import adumbra
 
-
-def points_on(scene: adumbra.Scene, count: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return random points on the scene's surfaces by area, and their normals."""
-    random = np.random.default_rng(1)
-    vertices, faces = scene.mesh()
-    corners = vertices[faces]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    area = np.linalg.norm(across, axis=1)
-    chosen = random.choice(len(area), count, p=area / area.sum())
-    u, v = np.sqrt(random.random(count)), random.random(count)
-    weights = np.stack([1 - u, u * (1 - v), u * v], 1)
-    points = np.einsum("nk,nkc->nc", weights, corners[chosen])
-    return points, (across / np.maximum(area, 1e-300)[:, None])[chosen]
+sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
+from conftest import points_of  # noqa: E402
 
 
 def least(shadows: adumbra.ShadowFile, points: NDArray[Any], normals: NDArray[Any]) -> float:
@@ -52,7 +42,7 @@ def main() -> None:
     options = parser.parse_args()
     scene = adumbra.Scene(options.scene)
     shadows = adumbra.bake(scene, progress=False)
-    points, normals = points_on(scene, options.points)
+    points, normals = points_of(scene.mesh(), options.points)
     orders: list[tuple[Any, str]] = [(slice(None), "as drawn"), (np.lexsort(np.floor(points.T[[0, 2]])), "sorted")]
     for order, name in orders:
         points, normals = points[order], normals[order]

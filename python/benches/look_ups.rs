@@ -3,11 +3,14 @@
 //! `look_ups FILE POINTS NORMALS REPEATS`: a shadow file, its points and normals as little-endian float64
 //! triples. Prints the seconds of each repeat, from an empty result to a full one.
 
+mod triples;
+
 use std::error::Error;
-use std::path::Path;
 use std::time::Instant;
 
 use adumbra::{Filter, ShadowFile};
+
+use triples::triples;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -23,10 +26,4 @@ fn main() -> Result<(), Box<dyn Error>> {
         println!("{}", start.elapsed().as_secs_f64());
     }
     Ok(())
-}
-
-fn triples(path: &Path) -> std::io::Result<Vec<[f64; 3]>> {
-    let bytes = std::fs::read(path)?;
-    let triples = bytes.as_chunks::<8>().0.as_chunks::<3>().0.iter();
-    Ok(triples.map(|triple| triple.map(f64::from_le_bytes)).collect())
 }

@@ -3,6 +3,7 @@
 use std::fmt::Debug;
 use std::ops::Range;
 
+use adumbra::grid::vec3::dot;
 use adumbra_scene::UpAxis;
 use numpy::ndarray::Dimension;
 use numpy::{Element, PyArray, PyReadonlyArray2, PyUntypedArrayMethods};
@@ -107,6 +108,12 @@ impl<'a> Triples<'a> {
     }
 }
 
+/// Points and normals, as Python gives them.
+pub(crate) type GivenPlaces<'py> = (TriplesArray<'py>, Option<TriplesArray<'py>>);
+
+/// Points and normals, and how far from the points rays start, along the normals or else towards the sun.
+pub(crate) type GivenOrigins<'py> = (GivenPlaces<'py>, f64);
+
 /// Returns the number and the text of the first row of which something holds.
 fn first<T: Copy + Debug>(rows: &[[T; 3]], holds: impl Fn([T; 3]) -> bool) -> Option<(usize, String)> {
     let row = rows.iter().position(|&row| holds(row))?;
@@ -128,13 +135,9 @@ impl<'a> Places<'a> {
     ///
     /// # Errors
     /// Returns `ValueError` unless there is one normal for each point.
-    pub(crate) fn new(
-        points: &'a TriplesArray<'_>,
-        normals: Option<&'a TriplesArray<'_>>,
-        up: UpAxis,
-    ) -> PyResult<Self> {
+    pub(crate) fn new((points, normals): &'a GivenPlaces<'_>, up: UpAxis) -> PyResult<Self> {
         let points = points.rows(up)?;
-        let normals = normals.map(|normals| normals.rows(up)).transpose()?;
+        let normals = normals.as_ref().map(|normals| normals.rows(up)).transpose()?;
         if let Some(other) = normals.map(Triples::len).filter(|&n| n != points.len()) {
             let what = format!("normals: {other} rows for {} points; give one for each point", points.len());
             return Err(Failure::Value(what).into());
@@ -147,7 +150,7 @@ impl<'a> Places<'a> {
     /// # Errors
     /// Returns `ValueError`, which names the first one.
     pub(crate) fn with_unit_normals(self) -> PyResult<Self> {
-        let length = |normal: [f64; 3]| normal.iter().map(|c| c * c).sum::<f64>().sqrt();
+        let length = |normal: [f64; 3]| dot(normal, normal).sqrt();
         let is_wrong = |length: f64| !(0.99..=1.01).contains(&length);
         let wrong = self.normals.and_then(|normals| match normals.rows {
             Rows::F32(rows) => first(rows, |row| is_wrong(length(row.map(f64::from)))),

@@ -2,6 +2,7 @@
 //! points up.
 
 use adumbra::Bounds;
+use adumbra::grid::vec3::normalize;
 use adumbra_scene::UpAxis;
 use pyo3::prelude::*;
 
@@ -47,7 +48,5 @@ pub(crate) fn unit(vector: [f64; 3]) -> [f64; 3] {
         return vector;
     }
     // Divided by the largest, no square overflows.
-    let scaled = vector.map(|c| c / largest);
-    let length = scaled.iter().map(|c| c * c).sum::<f64>().sqrt();
-    scaled.map(|c| c / length)
+    normalize(vector.map(|c| c / largest))
 }

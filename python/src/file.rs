@@ -7,13 +7,14 @@ use adumbra::file::sections::read_file;
 use adumbra::file::{HEADER_BYTES, Header};
 use adumbra::{Bias, Encoding, Filter, Frame, IoError, Receivers, Sampler, ShadowFile};
 use adumbra_files::replace_file;
-use adumbra_scene::UpAxis;
+use adumbra_scene::{LoadedAs, UpAxis};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
+use rayon::ThreadPool;
 use rayon::prelude::*;
 
-use crate::arrays::{Places, Rooms, TriplesArray};
+use crate::arrays::{GivenPlaces, Places, Rooms, zeros};
 use crate::axes::{bounds_in_file, name_of};
 use crate::errors::Failure;
 use crate::pool::pool;
@@ -123,13 +124,15 @@ impl File {
     fn visibility<'py>(
         &self,
         py: Python<'py>,
-        points: TriplesArray<'py>,
-        normals: Option<TriplesArray<'py>>,
+        places: GivenPlaces<'py>,
         given: LookUp,
+        threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let sampler = self.sampler(given)?;
-        let places = Places::new(&points, normals.as_ref(), up_of(&self.file))?;
-        look_up(py, places, |points, normals, out| sampler.visibilities(points, normals, out))
+        let places = Places::new(&places, up_of(&self.file))?;
+        look_up(py, &*pool(threads)?, places, |points, normals, out| {
+            sampler.visibilities(points, normals, out)
+        })
     }
 
     /// The unit vector towards the sun.
@@ -268,17 +271,17 @@ impl File {
 
 /// Returns the axis that points up in the scene's file.
 pub(crate) fn up_of(file: &ShadowFile) -> UpAxis {
-    if file.settings.scene_is_z_up { UpAxis::Z } else { UpAxis::Y }
+    LoadedAs::from(&file.settings).up.unwrap_or_default()
 }
 
-/// Looks up the visibility of points on all cores. `fill` looks up consecutive points.
+/// Looks up the visibility of points on the threads of a pool. `fill` looks up consecutive points.
 pub(crate) fn look_up<'py>(
     py: Python<'py>,
+    pool: &ThreadPool,
     places: Places<'_>,
     fill: impl Fn(&[[f64; 3]], Option<&[[f64; 3]]>, &mut [f32]) -> adumbra::Result<()> + Sync,
 ) -> PyResult<Bound<'py, PyArray1<f32>>> {
-    let pool = pool(None)?;
-    let array = PyArray1::<f32>::zeros(py, places.len(), false);
+    let array: Bound<'py, PyArray1<f32>> = zeros(py, places.len())?;
     let mut out = array.readwrite();
     for (block, out) in out.as_slice_mut()?.chunks_mut(BLOCK).enumerate() {
         let batches = out.par_chunks_mut(BATCH).enumerate();

@@ -13,8 +13,10 @@ use adumbra_path::{PathOptions, bake_path};
 use adumbra_scene::UpAxis;
 use adumbra_solar::Day;
 use pyo3::prelude::*;
+use pyo3::types::PyBytes;
 
-use crate::arrays::{Places, TriplesArray};
+use crate::arrays::{GivenPlaces, Places};
+use crate::axes::name_of;
 use crate::bake::Options;
 use crate::errors::Failure;
 use crate::file::{look_up, up_of};
@@ -43,6 +45,23 @@ impl Path {
 
 #[pymethods]
 impl Path {
+    /// Decodes the bytes of a file.
+    #[staticmethod]
+    fn from_bytes(py: Python<'_>, data: Vec<u8>) -> PyResult<Self> {
+        watched(py, None, |_| pool(None)?.install(|| Self::decode(data, "the data")))
+    }
+
+    /// Returns the bytes of the file.
+    fn to_bytes<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
+        PyBytes::new(py, &self.source.0)
+    }
+
+    /// The axis that points up: "y" or "z".
+    #[getter(up)]
+    fn up_name(&self) -> &'static str {
+        name_of(self.up)
+    }
+
     /// Reads a file.
     #[staticmethod]
     fn read(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
@@ -116,13 +135,14 @@ impl Path {
     fn visibility<'py>(
         &self,
         py: Python<'py>,
-        points: TriplesArray<'py>,
-        normals: Option<TriplesArray<'py>>,
+        places: GivenPlaces<'py>,
         seconds: f64,
         filter: u32,
         quick: bool,
+        threads: Option<usize>,
     ) -> PyResult<Bound<'py, numpy::PyArray1<f32>>> {
         let filter = Filter::try_from(filter).map_err(Failure::from)?;
+        let pool = pool(threads)?;
         let sampler = watched(py, None, |_| {
             let (Some(sun), Some([first, second])) = (self.path.sun_at(seconds), self.path.keys_at(seconds))
             else {
@@ -134,14 +154,14 @@ impl Path {
                 let second_file = if second == first { first_file.clone() } else { self.path.key(second)? };
                 Ok::<_, Failure>([first_file, second_file])
             };
-            let [first_file, second_file] = pool(None)?.install(keys)?;
+            let [first_file, second_file] = pool.install(keys)?;
             let sampler = PathSampler::new([&first_file, &second_file], sun, filter);
             let too_far = || Failure::Value("time: the sun is too far from the nearest key".to_owned());
             let sampler = sampler.ok_or_else(too_far)?;
             Ok(Some(if quick { sampler.quick() } else { sampler }))
         })?;
-        let places = Places::new(&points, normals.as_ref(), self.up)?;
-        look_up(py, places, |points, normals, out| {
+        let places = Places::new(&places, self.up)?;
+        look_up(py, &pool, places, |points, normals, out| {
             if let Some(sampler) = &sampler {
                 out.copy_from_slice(&PointVisibility::visibilities(sampler, points, normals));
             }

@@ -7,11 +7,11 @@ use adumbra_scene::UpAxis;
 use adumbra_truth::trace::{Hit, Ray, TraceOptions, Tracer};
 use numpy::{Element, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 use rayon::prelude::*;
 use self_cell::self_cell;
 
 use crate::arrays::{Places, Rooms, Triples, zeros};
-use crate::pool::pool;
 
 /// Number of rays per batch.
 const BATCH: usize = 1 << 10;
@@ -43,6 +43,7 @@ impl Traced {
 /// Returns `ValueError` for normals that are not unit vectors, and `MemoryError`.
 pub(crate) fn each_sun<'py, T: Element + Copy + Default + Send>(
     py: Python<'py>,
+    pool: &ThreadPool,
     places: Places<'_>,
     suns: &[[f64; 3]],
     lift: f64,
@@ -50,7 +51,6 @@ pub(crate) fn each_sun<'py, T: Element + Copy + Default + Send>(
     answer: impl Fn([f64; 3], [f64; 3]) -> T + Sync,
 ) -> PyResult<Bound<'py, PyArray2<T>>> {
     let places = places.with_unit_normals()?;
-    let pool = pool(None)?;
     let array: Bound<'py, PyArray2<T>> = zeros(py, (places.len(), suns.len()))?;
     let of_batch = BATCH.div_ceil(rays);
     let of_block = of_batch * BLOCK;
@@ -85,12 +85,12 @@ pub(crate) fn each_sun<'py, T: Element + Copy + Default + Send>(
 #[allow(clippy::type_complexity, reason = "the two arrays of a hit")]
 pub(crate) fn nearest<'py>(
     py: Python<'py>,
+    pool: &ThreadPool,
     tracer: &Tracer<'_>,
     points: Triples<'_>,
     up: UpAxis,
     direction: [f64; 3],
 ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
-    let pool = pool(None)?;
     let direction = up.to_scene(direction);
     let distances: Bound<'py, PyArray1<f64>> = zeros(py, points.len())?;
     let normals: Bound<'py, PyArray2<f64>> = zeros(py, (points.len(), 3))?;

@@ -13,7 +13,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, P
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
-use crate::arrays::{Places, TriplesArray, in_order, rows};
+use crate::arrays::{GivenOrigins, Places, TriplesArray, in_order, rows};
 use crate::axes::{axis, bounds_in_file, name_of, unit, up_axis};
 use crate::errors::Failure;
 use crate::pool::pool;
@@ -36,13 +36,16 @@ pub(crate) struct Scene {
     pub(crate) ignore_alpha: bool,
     /// The file that it was loaded from.
     pub(crate) path: Option<PathBuf>,
+    /// The smallest and the largest coordinates, in the scene's own axes.
+    bounds: ([f64; 3], [f64; 3]),
     /// Made when rays are traced for the first time.
     traced: OnceLock<Traced>,
 }
 
 impl Scene {
     fn new(scene: adumbra_scene::Scene, ignore_alpha: bool, path: Option<PathBuf>) -> Self {
-        Self { scene: Arc::new(scene), ignore_alpha, path, traced: OnceLock::new() }
+        let bounds = bounds_in_file(scene.up, &scene.bounds());
+        Self { scene: Arc::new(scene), ignore_alpha, path, bounds, traced: OnceLock::new() }
     }
 
     /// The axis that points up in the scene's file.
@@ -71,7 +74,6 @@ struct Loading {
     up: Option<UpAxis>,
     allow_outside: bool,
     strict: bool,
-    max_memory: Option<u64>,
 }
 
 #[pymethods]
@@ -79,20 +81,20 @@ impl Scene {
     /// Loads a file.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf, options: Loading) -> PyResult<Self> {
-        let scene = watched(py, None, |_| {
+        watched(py, None, |_| {
+            let ignore_alpha = options.ignore_alpha;
             let options = LoadOptions {
                 filter: NameFilter::new(&options.only, &options.exclude)?,
                 ignore_alpha: options.ignore_alpha,
                 movers: if options.include_animated { MoverPolicy::Freeze } else { MoverPolicy::Skip },
                 up: options.up,
                 allow_outside: options.allow_outside,
-                max_memory_bytes: options.max_memory,
                 strict: options.strict,
                 ..LoadOptions::default()
             };
-            Ok(pool(None)?.install(|| load(&path, &options))?)
-        })?;
-        Ok(Self::new(scene, options.ignore_alpha, Some(path)))
+            let scene = pool(None)?.install(|| load(&path, &options))?;
+            Ok(Self::new(scene, ignore_alpha, Some(path.clone())))
+        })
     }
 
     /// Makes a scene from N × 3 vertices and M × 3 faces.
@@ -106,9 +108,8 @@ impl Scene {
         let (vertices, faces) = (rows(&vertices)?, rows(&faces)?);
         // Arrays are not a broken file, so report a wrong value.
         let wrong = |error: adumbra_scene::Error| Failure::Value(error.to_string());
-        let scene =
-            watched(py, None, |_| from_triangles("arrays", vertices, faces, axis(up)).map_err(wrong))?;
-        Ok(Self::new(scene, false, None))
+        let make = || from_triangles("arrays", vertices, faces, axis(up)).map_err(wrong);
+        watched(py, None, |_| Ok(Self::new(make()?, false, None)))
     }
 
     /// Makes a scene from rows of heights.
@@ -128,8 +129,8 @@ impl Scene {
         let surface = if walls { HeightSurface::Blocks } else { HeightSurface::Centres };
         let raster = Heights { heights: in_order(&heights)?, size: [columns, rows], cell, corner, surface };
         let wrong = |error: adumbra_scene::Error| Failure::Value(error.to_string());
-        let scene = watched(py, None, |_| from_heights("heights", &raster, axis(up)).map_err(wrong))?;
-        Ok(Self::new(scene, false, None))
+        let make = || from_heights("heights", &raster, axis(up)).map_err(wrong);
+        watched(py, None, |_| Ok(Self::new(make()?, false, None)))
     }
 
     /// The axis that points up: "y" or "z".
@@ -141,7 +142,7 @@ impl Scene {
     /// The smallest and the largest coordinates.
     #[getter]
     fn bounds(&self) -> ([f64; 3], [f64; 3]) {
-        bounds_in_file(self.up(), &self.scene.bounds())
+        self.bounds
     }
 
     /// The number of triangles, counting every instance.
@@ -174,14 +175,16 @@ impl Scene {
     fn sunlit<'py>(
         &self,
         py: Python<'py>,
-        points: TriplesArray<'py>,
-        normals: Option<TriplesArray<'py>>,
+        origins: GivenOrigins<'py>,
         suns: PyReadonlyArray2<'py, f64>,
-        lift: f64,
+        threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArray2<bool>>> {
-        let places = Places::new(&points, normals.as_ref(), self.up())?;
-        let tracer = watched(py, None, |_| self.tracer(&*pool(None)?))?;
-        each_sun(py, places, &self.suns(&suns)?, lift, 1, |origin, sun| tracer.sun_visible(origin, sun))
+        let (places, lift) = (Places::new(&origins.0, self.up())?, origins.1);
+        let pool = pool(threads)?;
+        let tracer = watched(py, None, |_| self.tracer(&pool))?;
+        each_sun(py, &pool, places, &self.suns(&suns)?, lift, 1, |origin, sun| {
+            tracer.sun_visible(origin, sun)
+        })
     }
 
     /// Returns the share of each sun's disc that each point sees, N × K. A sun without length is one at
@@ -189,15 +192,15 @@ impl Scene {
     fn visibility<'py>(
         &self,
         py: Python<'py>,
-        points: TriplesArray<'py>,
-        normals: Option<TriplesArray<'py>>,
+        origins: GivenOrigins<'py>,
         suns: PyReadonlyArray2<'py, f64>,
         sun_degrees: f64,
-        lift: f64,
+        threads: Option<usize>,
     ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        let places = Places::new(&points, normals.as_ref(), self.up())?;
-        let tracer = watched(py, None, |_| self.tracer(&*pool(None)?))?;
-        each_sun(py, places, &self.suns(&suns)?, lift, DISC_RAYS as usize, |origin, sun| {
+        let (places, lift) = (Places::new(&origins.0, self.up())?, origins.1);
+        let pool = pool(threads)?;
+        let tracer = watched(py, None, |_| self.tracer(&pool))?;
+        each_sun(py, &pool, places, &self.suns(&suns)?, lift, DISC_RAYS as usize, |origin, sun| {
             tracer.sun_disc_visibility(origin, sun, sun_degrees, DISC_RAYS, DISC_SEED)
         })
     }
@@ -210,9 +213,11 @@ impl Scene {
         py: Python<'py>,
         points: TriplesArray<'py>,
         direction: [f64; 3],
+        threads: Option<usize>,
     ) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)> {
-        let tracer = watched(py, None, |_| self.tracer(&*pool(None)?))?;
-        nearest(py, tracer, points.rows(self.up())?, self.up(), direction)
+        let pool = pool(threads)?;
+        let tracer = watched(py, None, |_| self.tracer(&pool))?;
+        nearest(py, &pool, tracer, points.rows(self.up())?, self.up(), direction)
     }
 
     /// The triangles of all instances: vertices and faces.

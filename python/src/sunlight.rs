@@ -3,14 +3,14 @@
 use std::sync::atomic::Ordering;
 
 use adumbra_scene::UpAxis;
-use adumbra_solar::{Atmosphere, Day, Location, Position, position};
+use adumbra_solar::{Atmosphere, Day, Location, Position, positions};
 use adumbra_sunlight::points::Facing;
 use adumbra_sunlight::{DayOptions, Patches, Receiver, SunDay, sky_views};
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, ToPyArray};
 use pyo3::prelude::*;
 use rayon::prelude::*;
 
-use crate::arrays::{Places, Rooms, TriplesArray};
+use crate::arrays::{GivenOrigins, Places, Rooms};
 use crate::axes::axis;
 use crate::errors::Failure;
 use crate::pool::pool;
@@ -19,9 +19,6 @@ use crate::watch::watched;
 
 /// Seconds of an hour.
 const HOUR_SECONDS: f64 = 3600.0;
-
-/// Points, their normals, and how far rays start above them.
-type Given<'py> = (TriplesArray<'py>, Option<TriplesArray<'py>>, f64);
 
 type Numbers<'py> = Bound<'py, PyArray1<f64>>;
 
@@ -37,17 +34,14 @@ pub(crate) fn sun_angles<'py>(
     let times = times.as_slice()?;
     let found: Vec<[f64; 3]> = watched(py, None, |watch| {
         let location = Location::new(place.0, place.1, place.2)?;
+        let air = refraction.then_some(Atmosphere::STANDARD);
         let angles = |&time: &f64| {
             // Python is interrupted, and does not wait for the result.
             if watch.cancel.load(Ordering::Relaxed) {
                 return Ok([0.0; 3]);
             }
-            let Position { azimuth_degrees, elevation_degrees } = position(&location, time, None)?;
-            let apparent = match refraction {
-                true => position(&location, time, Some(&Atmosphere::STANDARD))?.elevation_degrees,
-                false => elevation_degrees,
-            };
-            Ok([azimuth_degrees, elevation_degrees, apparent])
+            let [bare, seen] = positions(&location, time, [None, air.as_ref()])?;
+            Ok([bare.azimuth_degrees, bare.elevation_degrees, seen.elevation_degrees])
         };
         pool(None)?.install(|| times.par_iter().map(angles).collect())
     })?;
@@ -81,13 +75,13 @@ pub(crate) fn sun_directions<'py>(
 pub(crate) fn sun_hours<'py>(
     py: Python<'py>,
     scene: &Scene,
-    places: Given<'py>,
+    origins: GivenOrigins<'py>,
     day: &str,
     every_step: bool,
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(Numbers<'py>, Bound<'py, PyArray1<i64>>, Numbers<'py>, Numbers<'py>, String)> {
-    let receivers = receivers(&places, scene.up())?;
+    let receivers = receivers(&origins, scene.up())?;
     let day: Day = day.parse().map_err(Failure::from)?;
     let found = watched(py, report, |watch| {
         let options = if every_step { DayOptions { key_degrees: 0.0 } } else { DayOptions::default() };
@@ -115,12 +109,12 @@ pub(crate) fn sun_hours<'py>(
 pub(crate) fn sky<'py>(
     py: Python<'py>,
     scene: &Scene,
-    places: Given<'py>,
+    origins: GivenOrigins<'py>,
     fine: bool,
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(Bound<'py, PyArray2<bool>>, Numbers<'py>, Numbers<'py>)> {
-    let receivers = receivers(&places, scene.up())?;
+    let receivers = receivers(&origins, scene.up())?;
     let patches = if fine { Patches::reinhart_577() } else { Patches::tregenza() };
     let views = watched(py, report, |watch| {
         let pool = pool(threads)?;
@@ -135,8 +129,8 @@ pub(crate) fn sky<'py>(
     Ok((seen, factors.to_pyarray(py), shades.to_pyarray(py)))
 }
 
-fn receivers((points, normals, lift_world): &Given<'_>, up: UpAxis) -> PyResult<Vec<Receiver>> {
-    let places = Places::new(points, normals.as_ref(), up)?.with_unit_normals()?;
+fn receivers((places, lift_world): &GivenOrigins<'_>, up: UpAxis) -> PyResult<Vec<Receiver>> {
+    let places = Places::new(places, up)?.with_unit_normals()?;
     let mut rooms = Rooms::default();
     let (points, normals) = places.range(0..places.len(), &mut rooms);
     let receiver = |(number, &p_world): (usize, &[f64; 3])| {

@@ -6,6 +6,7 @@ import os
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,10 +14,13 @@ from numpy.typing import NDArray
 
 import adumbra
 
-Mesh = tuple[NDArray[np.float64], NDArray[np.int64]]
+Mesh = tuple[NDArray[np.float64], NDArray[Any]]
 Program = Callable[..., str]
 
 SUN = (0.5, 0.8, 0.35)
+
+DAY: Any = {"lat": 48.14, "lon": 11.58, "date": "2026-03-20", "from_": 8, "to": "18:00", "tz": "Europe/Berlin"}
+"""A day for hours of sun."""
 
 
 def boxes(corners: NDArray[np.float64], sizes: NDArray[np.float64]) -> Mesh:

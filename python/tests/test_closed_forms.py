@@ -48,13 +48,18 @@ def suns(count: int) -> Array:
     return adumbra.sun_direction(steps * 360.0 / count + 1.7, elevations, up="z")
 
 
+def centres_of_ground(heights: Array, cell: float) -> tuple[Array, Array]:
+    """Return the centres of the cells of a raster that are at 0, and their normals."""
+    rows, columns = np.nonzero(heights == 0.0)
+    points = np.column_stack([(columns + 0.5) * cell, (-rows - 0.5) * cell, np.zeros(len(rows))])
+    return points, np.tile([0.0, 0.0, 1.0], (len(points), 1))
+
+
 def wrong_points(side: int, boxes: int, sun_count: int) -> tuple[int, int]:
     """Return how many answers of rays are wrong, and how many were compared."""
     heights, corners = plain_with_boxes(side, boxes)
     scene = adumbra.Scene.from_heights(heights, cell=1.0, walls=True)
-    rows, columns = np.nonzero(heights == 0.0)
-    points = np.column_stack([columns + 0.5, -rows - 0.5, np.zeros(len(rows))])
-    up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    points, up = centres_of_ground(heights, 1.0)
     directions = suns(sun_count)
     lit: Any = scene.sunlit(points, up, directions, lift=1e-4)
     wrong = compared = 0

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import pickle
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -14,7 +17,7 @@ TOWER = np.array([[1, 1, 1, 1], [1, 6, 1, 1], [1, 1, 1, 1]], np.float64)
 """A tower of 6 m on a plain at 1 m, three rows of four cells."""
 
 
-def test_rows_go_south_and_walls_stand_between_cells() -> None:
+def test_rows_go_south_and_walls_are_between_cells() -> None:
     z = adumbra.Scene.from_heights(TOWER, cell=2, walls=True, corner=(100, 50))
     y = adumbra.Scene.from_heights(TOWER, cell=2, walls=True, corner=(100, -50), up="y")
     assert (z.up, z.bounds) == ("z", ((100, 44, 1), (108, 50, 6)))
@@ -63,6 +66,8 @@ def test_cells_without_data_are_empty_however_they_are_marked() -> None:
         (np.ma.masked_equal(numbered.astype(np.int32), -9999), None),
         (np.ma.masked_invalid(hole), None),
         (np.where(numbered == -9999, np.float32(-3.4e38), numbered).astype(np.float32), np.float32(-3.4e38)),
+        (np.where(numbered == -9999, np.float32(-3.4e38), numbered).astype(np.float32), np.float64(-3.4e38)),
+        (np.where(numbered == -9999, -9999.9, numbered).astype(np.float32), -9999.9),
     ]
     for heights, nodata in marked:
         found = adumbra.Scene.from_heights(heights, 1, walls=True, nodata=nodata)
@@ -79,7 +84,6 @@ def test_faulty_rasters_are_refused() -> None:
         (TOWER, {"corner": (0, np.nan)}, ValueError, "a corner at .*NaN"),
         (TOWER, {"corner": 3}, ValueError, "corner: 2 numbers"),
         (TOWER, {"up": "x"}, ValueError, "up: 'x' is not an axis"),
-        (TOWER, {"cell": 1 / 3600, "corner": (11.57, 48.13)}, ValueError, "looks like degrees.*; project the raster"),
         (infinite, {}, ValueError, "an infinite height in row 2, column 3"),
         (empty, {}, ValueError, "no cell with data"),
         (np.zeros((0, 4)), {}, ValueError, "no cell with data"),
@@ -95,7 +99,22 @@ def test_faulty_rasters_are_refused() -> None:
 
 def test_arrays_in_degrees_are_a_warning() -> None:
     degrees = [[11.57, 48.13, 500.0], [11.58, 48.13, 500.0], [11.58, 48.14, 530.0]]
-    with pytest.warns(adumbra.SceneWarning, match="look like degrees with heights in metres"):
-        adumbra.Scene.from_arrays(degrees, [[0, 1, 2]], up="z")
+    raster = 500 + 40 * np.random.default_rng(1).random((30, 30))
+    made: list[Callable[[], adumbra.Scene]] = [
+        lambda: adumbra.Scene.from_arrays(degrees, [[0, 1, 2]], up="z"),
+        lambda: adumbra.Scene.from_heights(raster, 1 / 3600, walls=True, corner=(11.57, 48.13)),
+        lambda: adumbra.Scene.from_heights(raster, 1 / 3600, walls=False, corner=(-71.1, -33.4)),
+        lambda: adumbra.Scene.from_trimesh(SimpleNamespace(vertices=degrees, faces=[[0, 1, 2]]), up="z"),
+    ]
+    for make in made:
+        with pytest.warns(adumbra.SceneWarning, match="look like degrees with heights in metres") as caught:
+            scene = make()
+        assert [Path(warning.filename).name for warning in caught] == ["test_heights.py"]
+        # Warnings are errors in these tests.
+        assert pickle.loads(pickle.dumps(scene)).bounds == scene.bounds
+    pole = [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 12.0]]
+    adumbra.Scene.from_arrays(pole, [[0, 1, 2]], up="z")
+    adumbra.Scene.from_heights(raster / 1000, 0.001, walls=True, corner=(11.5, 48.1))
+    adumbra.Scene.from_heights(raster / 100, 0.005, walls=True, corner=(-0.05, 0.05))
     with pytest.raises(ValueError, match="vertices: some values are masked"):
         adumbra.Scene.from_arrays(np.ma.masked_equal(degrees, 530.0), [[0, 1, 2]], up="z")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -31,15 +32,21 @@ def test_path_and_its_answers_match_the_program(solids: Path, program: Program, 
     sun = path.sun_at(time)
     assert sun is not None and sun[1] > 0.5
     assert path.sun_at(datetime(2026, 3, 20, 20, 0, tzinfo=timezone.utc)) is None
-    assert path.sun_at(np.datetime64("2026-03-20T11:13")) == sun
-    assert np.array_equal(path.visibility(points, np.datetime64("2026-03-20T11:13")), path.visibility(points, time))
+    assert path.sun_at(np.datetime64("2026-03-20T11:13"), tz="UTC") == sun
+    assert np.array_equal(path.visibility(points, datetime(2026, 3, 20, 12, 13), tz="Europe/Berlin"), path.visibility(points, time))
     assert (path.visibility(points, time, filter=1, quick=True) == path.visibility(points, time, filter=1)).mean() > 0.99
     with pytest.raises(ValueError, match="not on the path"):
         path.visibility(points, datetime(2026, 3, 21, tzinfo=timezone.utc))
     naive = datetime(2026, 3, 20, 11, 13)
-    with pytest.raises(ValueError, match="no time zone"):
-        path.visibility(points, naive)
-    with pytest.raises(ValueError, match="no time zone"):
-        path.sun_at(naive)
+    for moment in (naive, np.datetime64(naive)):
+        with pytest.raises(ValueError, match='no time zone, .* such as tz="Europe/Berlin"'):
+            path.visibility(points, moment)
+        with pytest.raises(ValueError, match="no time zone"):
+            path.sun_at(moment)
+    for read in (pickle.loads(pickle.dumps(path)), adumbra.SunPathFile.open(path.to_bytes())):
+        assert read.up == "y" and read.sun_at(time) == sun
+        assert np.array_equal(read.visibility(points, time, threads=1), path.visibility(points, time))
+    with pytest.raises(adumbra.FormatError, match="the data"):
+        adumbra.SunPathFile.open(path.to_bytes()[:200])
     with pytest.raises(ValueError, match="path_error"):
         adumbra.bake_path(solids, lat=48, lon=11, date="2026-03-20", from_=12, to=13, path_error=0)

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import SUN, Mesh, points_of
-from test_sunlight import DAY
+from conftest import DAY, SUN, Mesh, points_of
 
 import adumbra
 
@@ -125,7 +124,7 @@ def test_errors_name_wrong_suns(scene: adumbra.Scene) -> None:
     wrong: list[tuple[Any, float, str]] = [
         ([[0, 1, 0], [0, 0, 0]], 0.0, r"to_sun\[1\] is"),
         ([0, np.nan, 1], 0.0, r"to_sun\[0\] is"),
-        ([[1, 0, 0], [0.3, -1e-9, 0]], 0.0, r"to_sun\[1\] is .* below the horizon"),
+        ([[1, 0, 0], [0.3, -1e-8, 0]], 0.0, r"to_sun\[1\] is .* below the horizon"),
         ([0, 1], 0.0, r"to_sun: an array of shape \(3,\) or \(T, 3\) is needed, not \(2,\)"),
         ([0, 1, 0], np.inf, "lift: inf is out of range"),
     ]
@@ -136,6 +135,16 @@ def test_errors_name_wrong_suns(scene: adumbra.Scene) -> None:
             scene.visibility(points, None, suns, lift=lift)
     with pytest.raises(ValueError, match="normals: 1 rows for 2 points"):
         scene.sunlit(points, points[:1], SUN)
+    with pytest.raises(TypeError, match="to_sun: real numbers are needed"):
+        scene.sunlit(points, None, ["a", "b", "c"])
+    masked = np.ma.masked_equal([[0.0, 1.0, 0.5], [1.0, 1.0, 0.0]], 0.5)
+    for ask in (lambda: scene.sunlit(points, None, masked), lambda: scene.nearest(points, masked[0])):
+        with pytest.raises(ValueError, match="some values are masked"):
+            ask()
+    with pytest.raises(ValueError, match="to_sun: some values are masked"):
+        adumbra.bake(scene, to_sun=masked[0])
+    turned = scene.sunlit([[20, 90, 20]], None, [1, -1e-17, 0])
+    assert turned.tolist() == [True]
 
 
 @pytest.mark.parametrize("type", [np.float32, np.float64])
@@ -165,8 +174,6 @@ def test_few_points_and_many_suns_are_answered_like_many_points(scene: adumbra.S
         assert np.array_equal(found[:, some], scene.sunlit(points, normals, suns[some]))
     shares = scene.visibility(points, normals, suns[:1500], sun_degrees=4)
     assert np.array_equal(shares[:, 700:703], scene.visibility(points, normals, suns[700:703], sun_degrees=4))
-    with pytest.raises(TypeError, match="to_sun: real numbers are needed"):
-        scene.sunlit(points, None, ["a", "b", "c"])
 
 
 def test_sun_directions_run_clockwise_from_north() -> None:

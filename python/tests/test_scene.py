@@ -200,6 +200,20 @@ def test_meshes_of_other_packages_are_taken() -> None:
         assert scene.up == "z"
 
 
+def test_meshes_and_scenes_of_trimesh_are_taken() -> None:
+    trimesh = pytest.importorskip("trimesh")
+    box = trimesh.creation.box(extents=(2, 3, 4))
+    one = adumbra.Scene.from_trimesh(box, up="z")
+    assert (one.triangles, one.bounds) == (12, ((-1, -1.5, -2), (1, 1.5, 2)))
+    several = trimesh.Scene()
+    for x in (0, 10):
+        several.add_geometry(box, transform=trimesh.transformations.translation_matrix((x, 0, 2)))
+    both = adumbra.Scene.from_trimesh(several, up="z")
+    assert (both.triangles, both.bounds) == (24, ((-1, -1.5, 0), (11, 1.5, 4)))
+    assert both.sunlit(np.array([[4.5, 0, 0], [2, 0, 0]]), None, [1, 0, 1]).tolist() == [True, True]
+    assert both.sunlit([[8, 0, 0], [-2, 0, 0]], None, [1, 0, 1]).tolist() == [False, False]
+
+
 def test_objects_that_are_no_meshes_are_refused() -> None:
     with pytest.raises(TypeError, match="mesh: a dict has no vertices and faces"):
         adumbra.Scene.from_trimesh({}, up="y")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from datetime import datetime, timedelta, timezone, tzinfo
 from typing import Any
 from zoneinfo import ZoneInfo
@@ -35,8 +36,11 @@ def test_positions_match_the_worked_example_of_nrel() -> None:
     assert sun.elevation[0] == pytest.approx(39.872046, abs=0.0003)
     assert 0.01 < sun.apparent_elevation[0] - sun.elevation[0] < 0.03
     assert sun.times.tolist() == [datetime(2003, 10, 17, 19, 30, 30)]
-    assert sun.to_sun("y") == pytest.approx(adumbra.sun_direction(sun.solar_azimuth, sun.apparent_elevation, up="y"))
-    assert sun.to_sun("z") == pytest.approx(adumbra.sun_direction(sun.solar_azimuth, sun.apparent_elevation, up="z"))
+    azimuth, elevation = np.radians([194.340241, 39.872046])
+    east, north, up = np.cos(elevation) * np.sin(azimuth), np.cos(elevation) * np.cos(azimuth), np.sin(elevation)
+    bare = adumbra.SunPath(lat=39.742476, lon=-105.1786, times=[time], height=1830.14, refraction=False)
+    assert bare.to_sun("z")[0] == pytest.approx([east, north, up], abs=1e-5)
+    assert bare.to_sun("y")[0] == pytest.approx([east, up, -north], abs=1e-5)
 
 
 def test_positions_match_pvlib() -> None:
@@ -54,6 +58,7 @@ def test_the_sun_rises_and_sets_in_the_seconds_of_pvlib() -> None:
     pandas, pvlib = pytest.importorskip("pandas"), pytest.importorskip("pvlib")
     days = pandas.DatetimeIndex(["2015-01-02", "2015-08-02"], tz="America/Denver")
     events = pvlib.solarposition.sun_rise_set_transit_spa(days, 39.742476, -105.1786)
+    compared = 0
     for name, sign in [("sunrise", 1), ("sunset", -1)]:
         for event in events[name]:
             if event.day != event.tz_convert("UTC").day:
@@ -64,6 +69,8 @@ def test_the_sun_rises_and_sets_in_the_seconds_of_pvlib() -> None:
             # The upper rim of the refracted sun is at the horizon, in NREL's algorithm as seen from the centre of the earth.
             is_up = sign * (sun.elevation + 0.0024 + 0.8333) > 0
             assert not is_up[0] and is_up[2], (name, event)
+            compared += 1
+    assert compared == 3
     transit = pandas.DatetimeIndex(events["transit"]).round("1s")
     for moment in transit:
         around = moment + pandas.to_timedelta([-1, 1], unit="s")
@@ -187,10 +194,22 @@ def test_times_with_zones_are_those_of_their_clock() -> None:
         datetime(2026, 6, 21, 12, tzinfo=timezone(timedelta(hours=2))),
     ):
         assert adumbra.SunPath(**MUNICH, times=[time]).times.astype("M8[s]").astype(int).tolist() == [noon]
+    pandas = pytest.importorskip("pandas")
+    half_hours = pandas.date_range("2026-10-24 22:00", periods=12, freq="30min", tz="UTC")
+    for zone in (pytz.timezone("Europe/Berlin"), "Europe/Berlin", tz.gettz("Europe/Berlin")):
+        local = half_hours.tz_convert(zone)
+        for form in (local, list(local), pandas.Series(local)):
+            found = adumbra.SunPath(**MUNICH, times=form).times
+            assert np.array_equal(found, half_hours.tz_localize(None).to_numpy().astype("M8[us]")), zone
+    for early in ([datetime(1, 1, 1, tzinfo=timezone(timedelta(hours=2)))], [datetime(9999, 12, 31, 23, tzinfo=timezone(-timedelta(hours=5)))]):
+        with pytest.raises(ValueError, match="year"):
+            adumbra.SunPath(**MUNICH, times=early)
+    with pytest.raises(ValueError, match="year must be from 1 to 2999"):
+        adumbra.SunPath(**MUNICH, times=[datetime(1, 1, 1)], tz="Asia/Tokyo")
     twice = [datetime(2026, 10, 25, 2, 30, tzinfo=berlin, fold=fold) for fold in (0, 1)]
     assert np.diff(adumbra.SunPath(**MUNICH, times=twice).times).astype("m8[s]").astype(int).tolist() == [3600]
     wrong = {
-        datetime(2026, 6, 21, 12, tzinfo=pytz.timezone("Europe/Berlin")): r"write zone\.localize",
+        datetime(2026, 6, 21, 12, tzinfo=pytz.timezone("Europe/Berlin")): r"has an offset that Europe/Berlin does not have then; write zone\.localize",
         datetime(2026, 3, 29, 2, 30, tzinfo=berlin): "does not exist on the clock",
         datetime(2026, 3, 29, 2, 30, tzinfo=tz.gettz("Europe/Berlin")): "does not exist on the clock",
     }
@@ -208,11 +227,13 @@ def test_a_path_is_cut_by_slices_masks_and_numbers() -> None:
         part = sun[index]
         assert len(part) == 6 and part.north_angle == 30 and np.array_equal(part.times, sun.times[3:9])
         assert np.array_equal(part.to_sun("z"), sun.to_sun("z")[3:9])
-    wrong: list[Any] = [3, np.int64(3), None, np.ones((2, 3), int)]
+    wrong: list[Any] = [3, np.int64(3), None, np.ones((2, 3), int), (3,), (3, 4), (slice(0, 3), 0)]
     for index in wrong:
         with pytest.raises(TypeError, match=r"give a slice or an array, or take one direction, sun\.to_sun\(up\)\[number\]"):
             sun[index]
-    for change in (sun.solar_azimuth, sun.elevation, sun.apparent_elevation, sun[:3].elevation):
+    again = pickle.loads(pickle.dumps(sun))
+    assert np.array_equal(again.to_sun("z"), sun.to_sun("z")) and np.array_equal(again.times, sun.times)
+    for change in (sun.solar_azimuth, sun.elevation, sun.apparent_elevation, sun[:3].elevation, again.elevation):
         with pytest.raises(ValueError, match="read-only"):
             change[0] = 5
     plate = adumbra.Scene.from_arrays([[0, 0, 3], [4, 0, 3], [0, 4, 3]], [[0, 1, 2]], up="z")

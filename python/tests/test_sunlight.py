@@ -8,11 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import Mesh, Program, points_of
+from conftest import DAY, Mesh, Program, points_of
 
 import adumbra
-
-DAY: Any = {"lat": 48.14, "lon": 11.58, "date": "2026-03-20", "from_": 8, "to": "18:00", "tz": "Europe/Berlin"}
 
 
 def test_sun_hours_match_the_program(city: Path, program: Program, tmp_path: Path) -> None:

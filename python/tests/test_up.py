@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
-from conftest import Mesh, points_of, write_ply
+from conftest import DAY, Mesh, points_of, write_ply
 from numpy.typing import NDArray
-from test_sunlight import DAY
 
 import adumbra
 
@@ -160,7 +160,7 @@ def test_hours_of_sun_and_skies_are_those_of_the_turned_scene(pair: Pair) -> Non
 def test_files_of_a_moving_sun_answer_in_the_scenes_coordinates(pair: Pair) -> None:
     day: Any = {"lat": 48, "lon": 11, "date": "2026-03-20", "from_": 12, "to": "12:30", "resolution": 256}
     z, y = (adumbra.bake_path(scene, **day) for scene in (pair.z, pair.y))
-    time = np.datetime64("2026-03-20T11:13")
+    time = datetime(2026, 3, 20, 11, 13, tzinfo=timezone.utc)
     sun = z.sun_at(time)
     assert sun is not None and sun[2] > 0.5
     assert to_y_up(sun) == pytest.approx(np.array([y.sun_at(time)]))

@@ -46,8 +46,8 @@ pub fn main<P: Program>() -> ExitCode {
 /// Runs a program as [`main`] does, in the process of another one, which a person started by the file
 /// `program`. The process then has to end with the code.
 pub fn run_within<P: Program>(program: &Path, words: impl IntoIterator<Item = OsString>) -> Code {
-    let program = STARTED_AS.get_or_init(|| program.to_owned());
-    run::<P>(std::iter::once(program.clone().into_os_string()).chain(words))
+    STARTED_AS.get_or_init(|| program.to_owned());
+    run::<P>(std::iter::once(P::command().get_name().into()).chain(words))
 }
 
 /// Runs a program with these words, of which the first is its name.

@@ -37,5 +37,5 @@ pub use day::{Day, SunStep};
 pub use error::{Error, Result};
 pub use list::read_suns;
 pub use location::Location;
-pub use position::{Atmosphere, Position, position};
+pub use position::{Atmosphere, Position, position, positions};
 pub use zone::Zone;

@@ -71,13 +71,24 @@ const DAY_SECONDS: f64 = 86_400.0;
 /// Returns [`Error::DateRange`] outside the years 1 to 2999, and [`Error::Range`] for an atmosphere out of
 /// range.
 pub fn position(location: &Location, unix_seconds: f64, atmosphere: Option<&Atmosphere>) -> Result<Position> {
+    positions(location, unix_seconds, [atmosphere]).map(|[position]| position)
+}
+
+/// Returns what [`position`] does for each of some atmospheres, at the cost of one position.
+///
+/// # Errors
+/// See [`position`].
+pub fn positions<const N: usize>(
+    location: &Location,
+    unix_seconds: f64,
+    atmospheres: [Option<&Atmosphere>; N],
+) -> Result<[Position; N]> {
     let out_of_range = || Error::DateRange { date: format!("{unix_seconds} s after 1970") };
     let whole = Timestamp::from_second(unix_seconds.floor() as i64).map_err(|_| out_of_range())?;
     let date = Offset::UTC.to_datetime(whole).date();
     if !unix_seconds.is_finite() || date.year() < YEARS[0] || date.year() > YEARS[1] {
         return Err(out_of_range());
     }
-    let correction = atmosphere.map(Atmosphere::correction).transpose()?;
     let delta_seconds =
         delta_t::estimate_from_date(date.year().into(), u32::from(date.month().unsigned_abs()))
             .map_err(|_| out_of_range())?;
@@ -87,10 +98,14 @@ pub fn position(location: &Location, unix_seconds: f64, atmosphere: Option<&Atmo
         latitude: location.latitude_degrees(),
         longitude: location.longitude_degrees(),
     };
-    let found = SolarPositions::new()
-        .at_from_julian(julian, on_map, location.height_m(), correction)
-        .map_err(|_| out_of_range())?;
-    Ok(Position { azimuth_degrees: found.azimuth(), elevation_degrees: found.elevation_angle() })
+    let prepared = SolarPositions::new().for_time_from_julian(julian).map_err(|_| out_of_range())?;
+    let mut positions = [Position { azimuth_degrees: 0.0, elevation_degrees: 0.0 }; N];
+    for (position, atmosphere) in positions.iter_mut().zip(atmospheres) {
+        let correction = atmosphere.map(Atmosphere::correction).transpose()?;
+        let found = prepared.at(on_map, location.height_m(), correction).map_err(|_| out_of_range())?;
+        *position = Position { azimuth_degrees: found.azimuth(), elevation_degrees: found.elevation_angle() };
+    }
+    Ok(positions)
 }
 
 #[cfg(test)]

@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def triples(name: str, values: ArrayLike, *, double: bool = False) -> NDArray[Any]:
-    """Return ``values`` as a contiguous array of N x 3 floats. Keep single precision unless ``double``."""
+def plain(name: str, values: ArrayLike) -> NDArray[Any]:
+    """Return ``values`` as an array, of which no value is masked."""
     if np.ma.is_masked(values):
         raise ValueError(f"{name}: some values are masked; leave those rows out")
-    array = np.asarray(values)
+    return np.asarray(values)
+
+
+def triples(name: str, values: ArrayLike, *, double: bool = False) -> NDArray[Any]:
+    """Return ``values`` as a contiguous array of N x 3 floats. Keep single precision unless ``double``."""
+    array = plain(name, values)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name}: real numbers are needed, not an array of {array.dtype}")
     if array.ndim != 2 or array.shape[1] != 3:
@@ -23,7 +28,7 @@ def triples(name: str, values: ArrayLike, *, double: bool = False) -> NDArray[An
 
 def numbers(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
     """Return ``count`` numbers as floats."""
-    array = np.asarray(values)
+    array = plain(name, values)
     if array.dtype.kind not in "iuf":
         raise TypeError(f"{name}: {count} numbers are needed, not an array of {array.dtype}")
     if array.shape != (count,):
@@ -31,10 +36,26 @@ def numbers(name: str, values: ArrayLike, count: int) -> tuple[float, ...]:
     return tuple(float(value) for value in array)
 
 
-def same_length(points: NDArray[Any], normals: NDArray[Any] | None) -> None:
-    """Reject normals unless there is one for each point."""
-    if normals is not None and len(normals) != len(points):
-        raise ValueError(f"normals: {len(normals)} rows for {len(points)} points; give one for each point")
+Places = tuple[NDArray[Any], Union[NDArray[Any], None]]
+"""Points, and the normals of the surfaces that they are on, if these are known."""
+
+
+def places_of(points: ArrayLike, normals: ArrayLike | None) -> Places:
+    """Return points and normals as contiguous arrays, with one normal for each point."""
+    places = triples("points", points)
+    if normals is None:
+        return places, None
+    upright = triples("normals", normals)
+    if len(upright) != len(places):
+        raise ValueError(f"normals: {len(upright)} rows for {len(places)} points; give one for each point")
+    return places, upright
+
+
+def origins_of(points: ArrayLike, normals: ArrayLike | None, lift: float) -> tuple[Places, float]:
+    """Return points and normals, and how far from the points rays start."""
+    if not np.isfinite(lift):
+        raise ValueError(f"lift: {lift} is out of range; it must be finite")
+    return places_of(points, normals), float(lift)
 
 
 def whole(name: str, value: int, least: int, most: int) -> int:

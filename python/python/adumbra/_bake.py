@@ -13,7 +13,7 @@ from ._arrays import numbers, whole
 from ._file import ShadowFile
 from ._progress import Progress, reporting
 from ._scene import LoadOptions, Scene, SceneLike, scene_of, threads_of
-from ._sun import choose_sun
+from ._sun import SunPath, sun_direction
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -186,7 +186,7 @@ def options_of(
     if voxel_size is not None and resolution != DEFAULT_RESOLUTION:
         raise ValueError("voxel_size: give it or a resolution, not both")
     return {
-        "to_sun": choose_sun(scene, to_sun, azimuth, elevation),
+        "to_sun": _sun_of(scene, to_sun, azimuth, elevation),
         "resolution": whole("resolution", resolution, 0, 2**63),
         "voxel_size": None if voxel_size is None else float(voxel_size),
         "thickness": float(thickness),
@@ -201,6 +201,28 @@ def options_of(
         "encoding": encoding,
         "max_memory": memory_of(max_memory),
     }
+
+
+def _sun_of(
+    scene: Scene, to_sun: ArrayLike | None, azimuth: float | None, elevation: float | None
+) -> tuple[float, ...]:
+    """Return the given direction towards the sun, or else that of the scene."""
+    if to_sun is not None:
+        if azimuth is not None or elevation is not None:
+            raise ValueError("to_sun: give a direction or angles, not both")
+        if isinstance(to_sun, SunPath):
+            raise TypeError("to_sun: a file has one sun; give sun.to_sun(scene.up)[number], or bake a path with bake_path")
+        direction = numbers("to_sun", to_sun, 3)
+        if not np.isfinite(direction).all() or not any(direction):
+            raise ValueError(f"to_sun: {direction} is not a direction; give finite numbers, not all 0")
+        if not direction["xyz".index(scene.up)] > 0.0:
+            raise ValueError(f"to_sun: {direction} is not above the horizon; its {scene.up} must be above 0, as {scene.up} points up")
+        return direction
+    if elevation is not None:
+        return tuple(float(c) for c in sun_direction(0.0 if azimuth is None else azimuth, elevation, up=scene.up))
+    if azimuth is not None:
+        raise ValueError("azimuth: give an elevation too")
+    return scene.to_sun
 
 
 def memory_of(max_memory: int | None) -> int | None:

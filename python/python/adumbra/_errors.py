@@ -1,5 +1,10 @@
 """The package's own exceptions and warnings."""
 
+from __future__ import annotations
+
+import sys
+import warnings
+
 
 class AdumbraError(Exception):
     """Any error without a suitable built-in exception, such as a bake that does not fit its memory limit."""
@@ -18,7 +23,15 @@ class MissingPartsError(AdumbraError):
 
 
 class SceneWarning(UserWarning):
-    """A scene was loaded, but parts of its file were left out or changed."""
+    """A scene was loaded or made, but parts were left out or changed, or it looks wrong. The message says which."""
+
+
+def warn(text: str) -> None:
+    """Warn of a scene, at the line that called the package."""
+    level, frame = 1, sys._getframe()
+    while frame.f_back is not None and frame.f_globals.get("__name__", "").startswith("adumbra."):
+        level, frame = level + 1, frame.f_back
+    warnings.warn(text, SceneWarning, stacklevel=level)
 
 
 for _class in (AdumbraError, FormatError, MemoryLimitError, MissingPartsError, SceneWarning):

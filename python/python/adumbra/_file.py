@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from typing import TYPE_CHECKING, Any, Literal
 from urllib.request import Request, urlopen
 
@@ -11,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import same_length, triples, whole
-from ._errors import SceneWarning
+from ._arrays import places_of, whole
+from ._errors import warn
 from ._scene import LoadOptions, SceneLike, Up, Vector, as_baked, scene_of, threads_of
 from ._show import table
 from ._verify import Verification
@@ -93,6 +92,7 @@ class ShadowFile:
         bias_constant: float | None = None,
         bias_slope: float | None = None,
         bias_normal: float | None = None,
+        threads: int | None = None,
     ) -> NDArray[np.float32]:
         """Look up which points see the sun.
 
@@ -112,6 +112,7 @@ class ShadowFile:
             bias_slope: Distance towards the sun per unit of slope, 0 to 16 texels. By default, the value of
                 the file.
             bias_normal: Distance along the normal, 0 to 16 texels. By default, the value of the file.
+            threads: Number of threads, 1 to 1024. All cores unless it is given.
 
         Returns:
             Visibilities, shape (N,), float32: 1 sees the sun, 0 does not.
@@ -120,11 +121,8 @@ class ShadowFile:
             ValueError: A shape, the filter or a bias is out of range.
             TypeError: An array does not hold real numbers.
         """
-        places = triples("points", points)
-        upright = None if normals is None else triples("normals", normals)
-        same_length(places, upright)
         look_up = _look_up(filter, bias_constant, bias_slope, bias_normal)
-        return self._native.visibility(places, upright, look_up)
+        return self._native.visibility(places_of(points, normals), look_up, threads_of(threads))
 
     def verify(
         self,
@@ -186,7 +184,7 @@ class ShadowFile:
         loaded = scene_of(scene, as_baked(scene, dict(loading), self._native.up))
         if loaded._native.casting_triangles != self.triangles:
             said = f"the file was baked from {self.triangles} triangles, and the scene has {loaded._native.casting_triangles}"
-            warnings.warn(said, SceneWarning, stacklevel=2)
+            warn(said)
         json, checked, passed = _native.verify(self._native, loaded._native, look_up, options)
         return Verification._of(json, checked, passed)
 
@@ -279,7 +277,7 @@ class ShadowFile:
     __hash__ = None  # type: ignore[assignment]
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _opened, (self.to_bytes(),)
+        return ShadowFile.open, (self.to_bytes(),)
 
     def __repr__(self) -> str:
         sun = ", ".join(f"{c:.4g}" for c in self.to_sun)
@@ -292,11 +290,6 @@ class ShadowFile:
             return f"{value:.6g}" if isinstance(value, float) else str(value)
 
         return table("adumbra.ShadowFile", [(name.replace("_", " "), text(value)) for name, value in self.info.items()])
-
-
-def _opened(data: bytes) -> ShadowFile:
-    """Rebuild a file from its bytes when it is unpickled."""
-    return ShadowFile.open(data)
 
 
 def _look_up(

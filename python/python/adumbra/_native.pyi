@@ -25,7 +25,8 @@ __all__ = [
 
 _Limits = tuple[int | None, int | None]
 _Report = Callable[[int, int], object]
-_Places = tuple[NDArray[Any], NDArray[Any] | None, float]
+_Places = tuple[NDArray[Any], NDArray[Any] | None]
+_Origins = tuple[_Places, float]
 _Numbers = NDArray[np.float64]
 _LookUp = tuple[int, tuple[float | None, float | None, float | None]]
 
@@ -53,20 +54,20 @@ class Scene:
     def notes(self) -> list[str]: ...
     def sunlit(
         self,
-        points: NDArray[Any],
-        normals: NDArray[Any] | None,
+        origins: _Origins,
         suns: _Numbers,
-        lift: float,
+        threads: int | None,
     ) -> NDArray[np.bool_]: ...
     def visibility(
         self,
-        points: NDArray[Any],
-        normals: NDArray[Any] | None,
+        origins: _Origins,
         suns: _Numbers,
         sun_degrees: float,
-        lift: float,
+        threads: int | None,
     ) -> NDArray[np.float32]: ...
-    def nearest(self, points: NDArray[Any], direction: tuple[float, ...]) -> tuple[_Numbers, _Numbers]: ...
+    def nearest(
+        self, points: NDArray[Any], direction: tuple[float, ...], threads: int | None
+    ) -> tuple[_Numbers, _Numbers]: ...
     def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.uint32]]: ...
 
 @final
@@ -79,7 +80,7 @@ class File:
     def write(self, path: str, stored: str) -> int: ...
     def level(self, level: int) -> File | None: ...
     def visibility(
-        self, points: NDArray[Any], normals: NDArray[Any] | None, given: _LookUp
+        self, places: _Places, given: _LookUp, threads: int | None
     ) -> NDArray[np.float32]: ...
     @property
     def to_sun(self) -> list[float]: ...
@@ -133,7 +134,12 @@ class Path:
         limits: tuple[float, float],
         threads: int | None,
     ) -> Path: ...
+    @staticmethod
+    def from_bytes(data: bytes) -> Path: ...
+    def to_bytes(self) -> bytes: ...
     def write(self, path: str) -> int: ...
+    @property
+    def up(self) -> Literal["y", "z"]: ...
     @property
     def span(self) -> tuple[float, float]: ...
     @property
@@ -141,11 +147,11 @@ class Path:
     def sun_at(self, seconds: float) -> list[float] | None: ...
     def visibility(
         self,
-        points: NDArray[Any],
-        normals: NDArray[Any] | None,
+        places: _Places,
         seconds: float,
         filter: int,
         quick: bool,
+        threads: int | None,
     ) -> NDArray[np.float32]: ...
 
 @final
@@ -195,8 +201,8 @@ def sun_angles(
 ) -> tuple[_Numbers, _Numbers, _Numbers]: ...
 def sun_directions(azimuths: _Numbers, elevations: _Numbers, up: str) -> _Numbers: ...
 def sun_hours(
-    scene: Scene, places: _Places, day: str, every_step: bool, threads: int | None, report: _Report | None
+    scene: Scene, origins: _Origins, day: str, every_step: bool, threads: int | None, report: _Report | None
 ) -> tuple[_Numbers, NDArray[np.int64], _Numbers, _Numbers, str]: ...
 def sky(
-    scene: Scene, places: _Places, fine: bool, threads: int | None, report: _Report | None
+    scene: Scene, origins: _Origins, fine: bool, threads: int | None, report: _Report | None
 ) -> tuple[NDArray[np.bool_], _Numbers, _Numbers]: ...

@@ -3,54 +3,74 @@
 from __future__ import annotations
 
 import os
+from datetime import tzinfo
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import same_length, triples, whole
+from ._arrays import places_of, whole
 from ._bake import DEFAULT_RESOLUTION, options_of
-from ._scene import LoadOptions, SceneLike, scene_of, threads_of
-from ._sun import seconds_of
+from ._scene import LoadOptions, SceneLike, Up, Vector, scene_of, threads_of
 from ._sunlight import day_of
+from ._times import seconds_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 
 class SunPathFile:
-    """The suns of a day, and which points see the sun at any moment of it. :func:`bake_path` and :meth:`open` return one."""
+    """The suns of a day, and which points see the sun at any moment of it. :func:`bake_path` and :meth:`open` return one.
+
+    All coordinates are those of the scene, in which :attr:`up` points up. It never changes, may be used from any number of threads,
+    and can be pickled.
+    """
 
     def __init__(self, native: _native.Path) -> None:
         self._native = native
 
     @classmethod
-    def open(cls, path: str | os.PathLike[str]) -> SunPathFile:
-        """Read a sun path.
+    def open(cls, source: str | os.PathLike[str] | bytes | bytearray | memoryview) -> SunPathFile:
+        """Read a sun path from its file, or from the file's bytes.
 
         Raises:
             OSError: The file cannot be read.
             FormatError: It is not a valid sun path.
         """
-        return cls(_native.Path.read(os.fspath(path)))
+        if isinstance(source, (bytes, bytearray, memoryview)):
+            return cls(_native.Path.from_bytes(bytes(source)))
+        return cls(_native.Path.read(os.fspath(source)))
+
+    def to_bytes(self) -> bytes:
+        """Return the bytes that :meth:`save` writes."""
+        return self._native.to_bytes()
 
     def save(self, path: str | os.PathLike[str]) -> int:
         """Write the file, and return its length in bytes. An earlier file is replaced as a whole."""
         return self._native.write(os.fspath(path))
 
     @property
+    def up(self) -> Up:
+        """The axis that points up: ``"y"`` or ``"z"``."""
+        return self._native.up
+
+    @property
     def keys(self) -> NDArray[np.datetime64]:
         """The moments of the keys, UTC, shape (K,)."""
         return np.array(self._native.keys).astype("datetime64[s]")
 
-    def sun_at(self, time: Any) -> tuple[float, float, float] | None:
+    def sun_at(self, time: Any, *, tz: str | tzinfo | None = None) -> Vector | None:
         """Return the unit vector towards the sun at a moment, or ``None`` at night and outside the path.
 
         Args:
-            time: A ``datetime`` or a pandas ``Timestamp`` with a zone, or a ``datetime64`` of UTC.
+            time: A ``datetime``, a pandas ``Timestamp`` or a ``datetime64``.
+            tz: The zone of the clock that shows ``time``, if it has none itself, see :class:`SunPath`.
+
+        Raises:
+            ValueError: The time has no zone, or does not exist on the clock or exists twice.
         """
-        found = self._native.sun_at(_moment(time))
+        found = self._native.sun_at(_moment(time, tz))
         return None if found is None else (found[0], found[1], found[2])
 
     def visibility(
@@ -60,7 +80,9 @@ class SunPathFile:
         normals: ArrayLike | None = None,
         filter: int = 5,
         *,
+        tz: str | tzinfo | None = None,
         quick: bool = False,
+        threads: int | None = None,
     ) -> NDArray[np.float32]:
         """Look up which points see the sun at a moment, as ``adumbra query --time`` does.
 
@@ -71,22 +93,26 @@ class SunPathFile:
             time: A moment of the path, see :meth:`sun_at`. At night no point sees the sun.
             normals: Unit normals of the surfaces that the points are on, shape (N, 3).
             filter: Texels along the side of the square whose mean is returned: 1, 3, 5, 9 or 17.
+            tz: See :meth:`sun_at`.
             quick: March only where the two keys' own answers differ, which is less exact.
+            threads: Number of threads, 1 to 1024. All cores unless it is given.
 
         Returns:
             Visibilities, shape (N,), float32: 1 sees the sun, 0 does not.
 
         Raises:
-            ValueError: The moment is not on the path, or a shape or the filter is out of range.
+            ValueError: The moment is not on the path or has no zone, or a shape or the filter is out of range.
         """
-        places = triples("points", points)
-        upright = None if normals is None else triples("normals", normals)
-        same_length(places, upright)
-        seconds = _moment(time)
+        places = places_of(points, normals)
+        seconds = _moment(time, tz)
         first, last = self._native.span
         if not first <= seconds <= last:
             raise ValueError(f"time: {time} is not on the path; give a moment of its day")
-        return self._native.visibility(places, upright, seconds, whole("filter", filter, 0, 2**32 - 1), bool(quick))
+        width = whole("filter", filter, 0, 2**32 - 1)
+        return self._native.visibility(places, seconds, width, bool(quick), threads_of(threads))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SunPathFile.open, (self.to_bytes(),)
 
     def __repr__(self) -> str:
         return f"<adumbra.SunPathFile of {len(self._native.keys)} keys>"
@@ -141,7 +167,5 @@ def bake_path(
     return SunPathFile(_native.Path.bake(loaded._native, day, options, limits, threads_of(threads)))
 
 
-def _moment(time: Any) -> float:
-    if isinstance(time, np.datetime64):
-        return float(seconds_of(np.array([time]), "UTC")[0])
-    return float(seconds_of([time])[0])
+def _moment(time: Any, tz: str | tzinfo | None) -> float:
+    return float(seconds_of(np.array([time]) if isinstance(time, np.datetime64) else [time], tz)[0])

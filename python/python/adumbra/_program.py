@@ -13,7 +13,3 @@ def main() -> int:
     # The program has its own way to end when it is interrupted.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _native.run_program(sys.argv[0], sys.argv[1:])
-
-
-if __name__ == "__main__":
-    sys.exit(main())

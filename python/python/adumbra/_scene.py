@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import numbers, same_length, triples, whole
-from ._errors import SceneWarning
+from ._arrays import numbers, origins_of, plain, triples, whole
+from ._errors import SceneWarning, warn
 from ._show import table
 from ._sun import SunPath
 
@@ -76,10 +76,10 @@ class Scene:
             ValueError: The ending is unknown, or a pattern is wrong.
             AdumbraError: The scene names files outside its folder, needs an extension that is not read, or takes too much memory.
         """
-        self._native = _native.Scene.load(os.fspath(path), {**loading_of(dict(options)), "max_memory": None})
+        self._native = _native.Scene.load(os.fspath(path), loading_of(dict(options)))
         self._source: tuple[Any, ...] = (_loaded, os.path.abspath(path), dict(options))
         for note in self._native.notes:
-            warnings.warn(f"{os.fspath(path)}: {note}", SceneWarning, stacklevel=2)
+            warn(f"{os.fspath(path)}: {note}")
 
     @classmethod
     def from_arrays(
@@ -100,7 +100,7 @@ class Scene:
             TypeError: The vertices are not real numbers, or the faces are not integers.
 
         Warns:
-            SceneWarning: The vertices look like degrees of longitude and latitude.
+            SceneWarning: The coordinates look like degrees of longitude and latitude with heights in metres.
         """
         positions = triples("vertices", vertices, double=True)
         corners = _corners_of(faces)
@@ -119,15 +119,7 @@ class Scene:
             if wrong.any():
                 row = int(np.argmax(wrong))
                 raise ValueError(f"vertices[{row}] is {positions[row]}, but a vertex that a face uses must be finite")
-        scene = cls.__new__(cls)
-        scene._native = _native.Scene.from_arrays(
-            positions, np.require(corners, np.uint32, ["C", "A"]), axis_of(up)
-        )
-        scene._source = (_from_arrays,)
-        if scene._looks_geographic():
-            said = "vertices: they look like degrees with heights in metres, in which shadows are wrong; project them to metres first"
-            warnings.warn(said, SceneWarning, stacklevel=2)
-        return scene
+        return cls._of(_native.Scene.from_arrays(positions, np.require(corners, np.uint32, ["C", "A"]), axis_of(up)))
 
     @classmethod
     def from_heights(
@@ -155,9 +147,11 @@ class Scene:
             up: The axis that points up: ``"y"`` or ``"z"``.
 
         Raises:
-            ValueError: A shape is wrong, the cell is not above 0, there are no data, a number is infinite, or the raster is in
-                degrees.
+            ValueError: A shape is wrong, the cell is not above 0, there are no data, or a number is infinite.
             TypeError: The heights are not real numbers.
+
+        Warns:
+            SceneWarning: See :meth:`from_arrays`.
 
         Example:
             >>> import adumbra
@@ -167,26 +161,27 @@ class Scene:
             >>> tower.sunlit([[5, -3, 0], [1, -3, 0]], None, [1, 0, 1])
             array([ True, False])
         """
-        raster: Any = heights
-        given = np.ma.getdata(raster)
+        marked: Any = heights if isinstance(heights, np.ma.MaskedArray) else np.asarray(heights)
+        given = np.ma.getdata(marked)
         if given.dtype.kind not in "iuf":
             raise TypeError(f"heights: real numbers are needed, not an array of {given.dtype}")
         if given.ndim != 2:
             raise ValueError(f"heights: an array of shape (rows, columns) is needed, not {given.shape}")
-        has_none = np.ma.getmaskarray(raster) if nodata is None else np.ma.getmaskarray(raster) | (given == nodata)
-        values = np.where(has_none, np.nan, given)
+        values = np.ma.filled(marked.astype(np.float64), np.nan)
+        if nodata is not None:
+            # A number of Python is rounded as the heights are.
+            values[given == float(nodata)] = np.nan
         place = numbers("corner", corner, 2)
-        is_on_globe = place != (0.0, 0.0) and abs(place[0]) <= 180.0 and abs(place[1]) <= 90.0
-        if is_on_globe and 0.0 < cell < 0.01:
-            raise ValueError(
-                f"cell: {cell} with a corner at {place} looks like degrees, in which no shadow has a length; project the raster to "
-                "metres first, or give a corner relative to an origin of your own"
-            )
+        raster = np.require(values, np.float64, ["C", "A"])
+        return cls._of(_native.Scene.from_heights(raster, float(cell), place, bool(walls), axis_of(up)))
+
+    @classmethod
+    def _of(cls, native: _native.Scene) -> Scene:
+        """Return a scene that is not of a file."""
         scene = cls.__new__(cls)
-        scene._native = _native.Scene.from_heights(
-            np.require(values, np.float64, ["C", "A"]), float(cell), place, bool(walls), axis_of(up)
-        )
+        scene._native = native
         scene._source = (_from_arrays,)
+        scene._warn_of_degrees()
         return scene
 
     @classmethod
@@ -270,10 +265,11 @@ class Scene:
         to_sun: ArrayLike | SunPath,
         *,
         lift: float = 1e-3,
+        threads: int | None = None,
     ) -> NDArray[np.bool_]:
         """Return which points see the centre of the sun, by one ray each.
 
-        Runs on all cores, at about a microsecond per ray and core; other Python threads run meanwhile. Ctrl-C stops it.
+        Runs on all cores; other Python threads run meanwhile. Ctrl-C stops it.
 
         Args:
             points: Positions, shape (N, 3), of any real type. A point that is not finite is lit.
@@ -283,6 +279,7 @@ class Scene:
                 :class:`SunPath`, at whose nights all points are dark.
             lift: Distance at which rays start, along the normal or else towards the sun, in the scene's unit, finite. Surfaces
                 that are nearer to a point do not shadow it, so that its own does not.
+            threads: Number of threads, 1 to 1024. All cores unless it is given.
 
         Returns:
             Whether each point is lit, bool, shape (N,) for one direction, and (N, T) for several or a path.
@@ -298,8 +295,8 @@ class Scene:
             >>> scene.sunlit([[1, 1, 0]], None, [[0, 0, 1], [1, 0, 0]])
             array([[False,  True]])
         """
-        places, upright, suns, is_one = self._rays(points, normals, to_sun, lift)
-        found = self._native.sunlit(places, upright, suns, float(lift))
+        origins, (suns, is_one) = origins_of(points, normals, lift), self._suns(to_sun)
+        found = self._native.sunlit(origins, suns, threads_of(threads))
         return found[:, 0] if is_one else found
 
     def visibility(
@@ -310,6 +307,7 @@ class Scene:
         *,
         sun_degrees: float = 0.53,
         lift: float = 1e-3,
+        threads: int | None = None,
     ) -> NDArray[np.float32]:
         """Return the share of the sun's disc that points see, by 256 rays each.
 
@@ -319,6 +317,7 @@ class Scene:
             to_sun: See :meth:`sunlit`: the centres of the discs.
             sun_degrees: Width of the disc in degrees, 0 to 180. The sun has 0.53.
             lift: See :meth:`sunlit`.
+            threads: See :meth:`sunlit`.
 
         Returns:
             Shares, 0 to 1, float32, shape (N,) for one direction, and (N, T) for several or a path.
@@ -329,12 +328,12 @@ class Scene:
         """
         if not 0.0 <= sun_degrees <= 180.0:
             raise ValueError(f"sun_degrees: {sun_degrees} is out of range; it must be from 0 to 180")
-        places, upright, suns, is_one = self._rays(points, normals, to_sun, lift)
-        found = self._native.visibility(places, upright, suns, float(sun_degrees), float(lift))
+        origins, (suns, is_one) = origins_of(points, normals, lift), self._suns(to_sun)
+        found = self._native.visibility(origins, suns, float(sun_degrees), threads_of(threads))
         return found[:, 0] if is_one else found
 
     def nearest(
-        self, points: ArrayLike, direction: ArrayLike
+        self, points: ArrayLike, direction: ArrayLike, *, threads: int | None = None
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Find the nearest surface from each point in one direction.
 
@@ -343,6 +342,7 @@ class Scene:
         Args:
             points: Positions, shape (N, 3), of any real type.
             direction: The direction, three numbers, of any length.
+            threads: See :meth:`sunlit`.
 
         Returns:
             The distances, shape (N,), in lengths of the direction, and infinite where there is no surface. The unit normals
@@ -355,21 +355,14 @@ class Scene:
         along = numbers("direction", direction, 3)
         if not np.isfinite(along).all() or not any(along):
             raise ValueError(f"direction: {along} is not a direction; give finite numbers, not all 0")
-        return self._native.nearest(triples("points", points), along)
+        return self._native.nearest(triples("points", points), along, threads_of(threads))
 
-    def _rays(
-        self, points: ArrayLike, normals: ArrayLike | None, to_sun: ArrayLike | SunPath, lift: float
-    ) -> tuple[NDArray[Any], NDArray[Any] | None, NDArray[np.float64], bool]:
-        """Return the checked inputs of rays, and whether the result has one column that must be dropped."""
-        places = triples("points", points)
-        upright = None if normals is None else triples("normals", normals)
-        same_length(places, upright)
-        if not np.isfinite(lift):
-            raise ValueError(f"lift: {lift} is out of range; it must be finite")
+    def _suns(self, to_sun: ArrayLike | SunPath) -> tuple[NDArray[np.float64], bool]:
+        """Return directions towards suns, and whether the result has one column that must be dropped."""
         if isinstance(to_sun, SunPath):
             # The native part takes a sun without length as one at night.
-            return places, upright, to_sun.to_sun(self.up) * to_sun.is_up[:, np.newaxis], False
-        directions = np.asarray(to_sun)
+            return to_sun.to_sun(self.up) * to_sun.is_up[:, np.newaxis], False
+        directions = plain("to_sun", to_sun)
         if directions.ndim not in (1, 2) or directions.shape[-1] != 3:
             raise ValueError(f"to_sun: an array of shape (3,) or (T, 3) is needed, not {directions.shape}")
         is_one = directions.ndim == 1
@@ -378,21 +371,30 @@ class Scene:
         if wrong.any():
             row = int(np.argmax(wrong))
             raise ValueError(f"to_sun[{row}] is {suns[row]}, which is not a direction; give finite numbers, not all 0")
-        down = suns[:, "xyz".index(self.up)] < 0.0
+        # A turn of a horizontal sun may leave it below the horizon by a rounding error.
+        down = suns[:, "xyz".index(self.up)] < -1e-9 * np.abs(suns).max(axis=1, initial=0.0)
         if down.any():
             row = int(np.argmax(down))
             raise ValueError(
                 f"to_sun[{row}] is {suns[row]}, which points below the horizon, as {self.up} points up; leave nights out, and negate "
                 "vectors that point away from the sun"
             )
-        return places, upright, suns, is_one
+        return suns, is_one
 
-    def _looks_geographic(self) -> bool:
-        """Return whether the triangles lie on the globe's degrees and are much higher than they are wide."""
+    def _warn_of_degrees(self) -> None:
+        """Warn if the triangles are in the globe's degrees, not about their own origin, and much higher than they are wide."""
         low, high = np.array(self.bounds)
         upward = "xyz".index(self.up)
-        (x, y), height = np.delete(np.abs([low, high]).max(axis=0), upward), (high - low)[upward]
-        return bool(x <= 180.0 and y <= 90.0 and height > 100.0 * np.delete(high - low, upward).max())
+        height = (high - low)[upward]
+        low, high = np.delete(low, upward), np.delete(high, upward)
+        widest = (high - low).max()
+        is_on_globe = (np.maximum(-low, high) <= (180.0, 90.0)).all() and widest < 1.0
+        is_about_origin = (np.maximum(low, -high) < 3.0 * widest).all()
+        if is_on_globe and not is_about_origin and height > 100.0 * widest:
+            warn(
+                f"from {self.bounds[0]} to {self.bounds[1]}: these look like degrees with heights in metres, in which shadows are "
+                "wrong; project them to metres first"
+            )
 
     def __reduce__(self) -> tuple[Any, ...]:
         rebuild, *arguments = self._source
@@ -401,7 +403,8 @@ class Scene:
         return rebuild, tuple(arguments)
 
     def __repr__(self) -> str:
-        return f"<adumbra.Scene of {self.triangles} triangles from {self.bounds[0]} to {self.bounds[1]}, {self.up} up>"
+        low, high = self.bounds
+        return f"<adumbra.Scene of {self.triangles} triangles from {low} to {high}, {self.up} up>"
 
     def _repr_html_(self) -> str:
         low, high = self.bounds
@@ -428,12 +431,14 @@ def _loaded(path: str, options: dict[str, Any]) -> Scene:
 
 
 def _from_arrays(vertices: NDArray[np.float64], faces: NDArray[np.uint32], up: Up) -> Scene:
-    """Make a scene again when it is unpickled."""
-    return Scene.from_arrays(vertices, faces, up=up)
+    """Make a scene again when it is unpickled. Its warnings have been shown."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SceneWarning)
+        return Scene.from_arrays(vertices, faces, up=up)
 
 
 def _corners_of(faces: ArrayLike) -> NDArray[Any]:
-    corners = np.asarray(faces)
+    corners = plain("faces", faces)
     if corners.dtype.kind not in "iu":
         raise TypeError(f"faces: integers are needed, not an array of {corners.dtype}")
     if corners.ndim == 1 and corners.size % 4 == 0 and (corners[::4] == 3).all():
@@ -444,7 +449,7 @@ def _corners_of(faces: ArrayLike) -> NDArray[Any]:
 
 
 def _opacities(alpha: ArrayLike, count: int) -> NDArray[Any]:
-    opacities = np.asarray(alpha)
+    opacities = plain("alpha", alpha)
     if opacities.dtype.kind not in "iufb":
         raise TypeError(f"alpha: real numbers are needed, not an array of {opacities.dtype}")
     if opacities.shape != (count,):

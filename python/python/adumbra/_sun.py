@@ -2,28 +2,15 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone, tzinfo
-from typing import TYPE_CHECKING, Any, Literal
-from zoneinfo import ZoneInfo
+from datetime import tzinfo
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import numbers
 from ._show import table
-
-if TYPE_CHECKING:
-    from ._scene import Scene
-
-_NAIVE = (
-    "times: they have no time zone, and an hour could be that of any clock; give times with a zone, such as "
-    "datetime(…, tzinfo=ZoneInfo(\"Europe/Berlin\")) or pandas.date_range(…, tz=\"Europe/Berlin\")"
-)
-
-
-class NaiveTimeError(ValueError):
-    """Times have no zone."""
+from ._times import seconds_of
 
 
 class SunPath:
@@ -51,7 +38,7 @@ class SunPath:
         refraction: bool = True,
         north_angle: float = 0.0,
     ) -> None:
-        """Compute positions. It takes about 10 microseconds per time and core, and 5 without refraction.
+        """Compute positions, on all cores.
 
         Args:
             lat: Latitude in degrees, -90 to 90, positive in the north.
@@ -70,10 +57,7 @@ class SunPath:
                 not within 1 to 2999.
             TypeError: The values are not times.
         """
-        try:
-            seconds = seconds_of(times, tz)
-        except NaiveTimeError as error:
-            raise ValueError(f"{error}, or tz=\"Europe/Berlin\"") from None
+        seconds = seconds_of(times, tz)
         place = (float(lat), float(lon), float(height))
         self._fill(seconds, *_native.sun_angles(place, seconds, bool(refraction)), north_angle)
 
@@ -89,8 +73,6 @@ class SunPath:
             raise ValueError(f"north_angle: {north_angle} is not a number of degrees")
         self._seconds = seconds
         self._angles = (azimuths, elevations, apparent)
-        for angles in self._angles:
-            angles.flags.writeable = False
         self._north_angle = float(north_angle)
 
     @classmethod
@@ -114,6 +96,8 @@ class SunPath:
         for name, values in zip(names, (azimuths, elevations, apparent), strict=True):
             if not (np.abs(values) <= (360.0 if name == "azimuth" else 90.0)).all():
                 raise ValueError(f"position: the column {name!r} has numbers that are no angles in degrees; leave those times out")
+        if getattr(position.index, "tz", None) is None:
+            raise ValueError("position: its times have no time zone; give pvlib times with one, such as times.tz_localize(\"UTC\")")
         path = cls.__new__(cls)
         path._fill(seconds_of(position.index), azimuths, elevations, apparent, north_angle)
         return path
@@ -125,18 +109,18 @@ class SunPath:
 
     @property
     def solar_azimuth(self) -> NDArray[np.float64]:
-        """Degrees clockwise from true north, 0 to 360, shape (N,)."""
-        return self._angles[0]
+        """Degrees clockwise from true north, 0 to 360, shape (N,). It cannot be written to, like the other angles."""
+        return _read_only(self._angles[0])
 
     @property
     def elevation(self) -> NDArray[np.float64]:
         """Degrees above the horizon, negative below it, as if there were no air, shape (N,)."""
-        return self._angles[1]
+        return _read_only(self._angles[1])
 
     @property
     def apparent_elevation(self) -> NDArray[np.float64]:
         """Degrees above the horizon as one sees the sun, shape (N,). Without refraction, the same as :attr:`elevation`."""
-        return self._angles[2]
+        return _read_only(self._angles[2])
 
     @property
     def is_up(self) -> NDArray[np.bool_]:
@@ -163,7 +147,7 @@ class SunPath:
             TypeError: The index is of another kind. The direction at one time is ``sun.to_sun(up)[number]``.
             IndexError: A number is out of range, or a mask has another length.
         """
-        if not isinstance(index, slice) and np.ndim(index) != 1:
+        if isinstance(index, tuple) or (not isinstance(index, slice) and np.ndim(index) != 1):
             raise TypeError("a sun path is not an array: give a slice or an array, or take one direction, sun.to_sun(up)[number]")
         path = SunPath.__new__(SunPath)
         azimuths, elevations, apparent = (angles[index].copy() for angles in self._angles)
@@ -185,6 +169,12 @@ class SunPath:
             rows += [("from", f"{times.min()} UTC"), ("to", f"{times.max()} UTC")]
             rows += [("highest", f"{self.apparent_elevation.max():.2f}°")]
         return table("adumbra.SunPath", rows)
+
+
+def _read_only(angles: NDArray[np.float64]) -> NDArray[np.float64]:
+    view = angles.view()
+    view.flags.writeable = False
+    return view
 
 
 def sun_direction(azimuth: ArrayLike, elevation: ArrayLike, *, up: Literal["y", "z"]) -> NDArray[np.float64]:
@@ -225,101 +215,3 @@ def directions(
         raise ValueError(f"up: {up!r} is not an axis; it must be 'y' or 'z'")
     azimuths, elevations = (np.require(angles, np.float64, ["C", "A"]) for angles in (azimuths, elevations))
     return _native.sun_directions(azimuths, elevations, up)
-
-
-def choose_sun(
-    scene: Scene, to_sun: ArrayLike | None, azimuth: float | None, elevation: float | None
-) -> tuple[float, ...]:
-    """Return the given direction towards the sun, or else that of the scene."""
-    if to_sun is not None:
-        if azimuth is not None or elevation is not None:
-            raise ValueError("to_sun: give a direction or angles, not both")
-        if isinstance(to_sun, SunPath):
-            raise TypeError("to_sun: a file has one sun; give sun.to_sun(scene.up)[number], or bake a path with bake_path")
-        direction = numbers("to_sun", to_sun, 3)
-        if not np.isfinite(direction).all() or not any(direction):
-            raise ValueError(f"to_sun: {direction} is not a direction; give finite numbers, not all 0")
-        if not direction["xyz".index(scene.up)] > 0.0:
-            raise ValueError(f"to_sun: {direction} is not above the horizon; its {scene.up} must be above 0, as {scene.up} points up")
-        return direction
-    if elevation is not None:
-        return tuple(float(c) for c in sun_direction(0.0 if azimuth is None else azimuth, elevation, up=scene.up))
-    if azimuth is not None:
-        raise ValueError("azimuth: give an elevation too")
-    return scene.to_sun
-
-
-def seconds_of(times: Any, tz: str | tzinfo | None = None) -> NDArray[np.float64]:
-    """Return times as seconds after 1970, UTC. ``tz`` is the zone of the clock that shows them, if they have none."""
-    if getattr(times, "tz", None) is not None:
-        _refuse_second_zone(tz)
-        times, tz = times.tz_convert("UTC").tz_localize(None), "UTC"
-    array = np.asarray(times)
-    if array.dtype.kind not in "MO":
-        raise TypeError(f"times: datetime64 or datetimes are needed, not an array of {array.dtype}")
-    if array.ndim != 1:
-        raise ValueError(f"times: an array of shape (N,) is needed, not {array.shape}")
-    if array.dtype.kind == "O":
-        return np.array([_seconds(time, tz) for time in array], np.float64)
-    if np.isnat(array).any():
-        raise ValueError("times: NaT is no time; leave missing times out")
-    if tz is None:
-        raise NaiveTimeError(_NAIVE)
-    moments = array.astype("datetime64[us]")
-    zone = _zone(tz)
-    if zone is timezone.utc:
-        return moments.astype(np.int64) / 1e6
-    return np.array([_seconds(time, zone) for time in moments.astype(object)], np.float64)
-
-
-def _seconds(time: Any, tz: str | tzinfo | None) -> float:
-    if not isinstance(time, datetime) or time != time:
-        raise TypeError(f"times: datetimes are needed, not {time!r}")
-    if time.tzinfo is not None:
-        _refuse_second_zone(tz)
-        _refuse_wrong_zone(time)
-        return time.timestamp()
-    if tz is None:
-        raise NaiveTimeError(_NAIVE)
-    zone = _zone(tz)
-    first, second = (time.replace(tzinfo=zone, fold=fold) for fold in (0, 1))
-    _refuse_wrong_zone(first)
-    if first.utcoffset() != second.utcoffset():
-        raise ValueError(f"times: {time} exists twice on the clock of {zone}, which is changed then; {_WITH_OFFSET}")
-    return first.timestamp()
-
-
-_WITH_OFFSET = "give such times with their offset, as datetime(…, tzinfo=timezone(timedelta(hours=…)))"
-
-
-def _refuse_wrong_zone(time: datetime) -> None:
-    """Reject a time that its clock never shows, and one with a zone of pytz that is not the time's."""
-    zone: Any = time.tzinfo
-    if hasattr(zone, "normalize") and zone.normalize(time).utcoffset() != time.utcoffset():
-        raise ValueError(
-            f"times: {time} has a zone of pytz that was given as tzinfo, which is not the one of that time; write "
-            "zone.localize(datetime(…)), or use zoneinfo.ZoneInfo"
-        )
-    shown = time.astimezone(timezone.utc).astimezone(zone)
-    bare = time.replace(tzinfo=None, fold=0)
-    if shown.replace(tzinfo=None, fold=0) != bare:
-        raise ValueError(f"times: {bare} does not exist on the clock of {zone}, which is changed then; {_WITH_OFFSET}")
-
-
-def _refuse_second_zone(tz: Any) -> None:
-    if tz is not None:
-        raise ValueError("tz: the times have a zone already; leave tz out, or convert them")
-
-
-def _zone(tz: str | tzinfo) -> tzinfo:
-    if not isinstance(tz, str):
-        # A zone of pytz cannot be attached to a time.
-        name = getattr(tz, "zone", None)
-        return _zone(name) if isinstance(name, str) else tz
-    if tz.upper() == "UTC":
-        return timezone.utc
-    try:
-        return ZoneInfo(tz)
-    except (KeyError, ValueError, OSError) as error:
-        remedy = "or no time zones are installed: pip install tzdata"
-        raise ValueError(f"tz: {tz!r} is not an IANA name, such as \"Europe/Berlin\"; {remedy}") from error

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import same_length, triples, whole
+from ._arrays import origins_of, whole
 from ._progress import Progress, reporting
 from ._scene import LoadOptions, SceneLike, scene_of, threads_of
 
@@ -110,12 +110,12 @@ def sun_hours(
         TypeError: An array does not hold real numbers.
         OSError: The scene cannot be read.
     """
-    places = _places(points, normals, lift)
+    origins = origins_of(points, normals, lift)
     day = day_of(lat, lon, date, from_, to, tz, step, height, refraction)
     loaded = scene_of(scene, dict(loading))
     with reporting(progress, "block") as report:
         hours, of_points, starts, ends, zone = _native.sun_hours(
-            loaded._native, places, day, bool(every_step), threads_of(threads), report
+            loaded._native, origins, day, bool(every_step), threads_of(threads), report
         )
     return SunHours(hours, of_points, starts.astype("datetime64[s]"), ends.astype("datetime64[s]"), zone)
 
@@ -153,10 +153,10 @@ def sky(
     """
     if patches not in ("tregenza", "reinhart"):
         raise ValueError(f'patches: {patches!r} must be "tregenza" or "reinhart"')
-    places = _places(points, normals, lift)
+    origins = origins_of(points, normals, lift)
     loaded = scene_of(scene, dict(loading))
     with reporting(progress, "block") as report:
-        found = _native.sky(loaded._native, places, patches == "reinhart", threads_of(threads), report)
+        found = _native.sky(loaded._native, origins, patches == "reinhart", threads_of(threads), report)
     return Skies(*found)
 
 
@@ -176,14 +176,3 @@ def day_of(
     words |= {"step": whole("step", step, 1, 86_400), "refraction": "on" if refraction else "off"}
     words |= {} if tz is None else {"tz": tz}
     return ",".join(f"{key}={value}" for key, value in words.items())
-
-
-def _places(
-    points: ArrayLike, normals: ArrayLike | None, lift: float
-) -> tuple[NDArray[Any], NDArray[Any] | None, float]:
-    places = triples("points", points)
-    upright = None if normals is None else triples("normals", normals)
-    same_length(places, upright)
-    if not np.isfinite(lift):
-        raise ValueError(f"lift: {lift} is out of range; it must be finite")
-    return places, upright, float(lift)
