@@ -4,7 +4,7 @@
     python benches/look_ups.py SCENE target/release/examples/look_ups
 
 It bakes the scene, draws 10 million points on its surfaces, and has both look all of them up with normals, over 5 x 5 texels, in
-turns. The least time of each counts. Points are in the order in which they were drawn, and then sorted along the scene.
+turns. The least time and the most memory of each counts. Points are in the order in which they were drawn, and then sorted along the scene.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ import adumbra
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "tests"))
 from conftest import points_of  # noqa: E402
+from memory import bytes_of  # noqa: E402
 
 
 def least(shadows: adumbra.ShadowFile, points: NDArray[Any], normals: NDArray[Any]) -> float:
@@ -58,9 +59,16 @@ def main() -> None:
             for _ in range(options.repeats):
                 words = [options.program, file, places, upright, "3"]
                 done = subprocess.run(words, capture_output=True, text=True, check=True)
-                rust.extend(map(float, done.stdout.split()))
+                taken, held = zip(*(line.split() for line in done.stdout.splitlines()), strict=True)
+                rust.extend(map(float, taken))
                 double.extend(least(shadows, points, normals) for _ in range(3))
                 single.extend(least(shadows, *narrow) for _ in range(3))
+        memory = bytes_of(lambda: shadows.visibility(points, normals)), bytes_of(lambda: shadows.visibility(*narrow))
+        most = max(map(int, held))
+        print(
+            f"memory: Rust {most:,} bytes, Python float64 {memory[0]:,} ({memory[0] / most:.3f}), float32 {memory[1]:,} "
+            f"({memory[1] / most:.3f})"
+        )
         print(
             f"{options.points:,} points {name}: Rust {min(rust):.3f} s, Python float64 {min(double):.3f} s "
             f"({min(double) / min(rust):.3f}), float32 {min(single):.3f} s ({min(single) / min(rust):.3f})"

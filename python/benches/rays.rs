@@ -2,8 +2,9 @@
 //!
 //! `rays SCENE POINTS NORMALS X,Y,Z LIFT REPEATS`: a scene, points and normals as little-endian float64
 //! triples, the direction towards the sun, and how far rays start above the points. Prints the seconds of
-//! each repeat, from an empty result to a full one, and the number of lit points.
+//! each repeat, from an empty result to a full one, the number of lit points, and the bytes that it held.
 
+mod memory;
 mod triples;
 
 use std::error::Error;
@@ -14,6 +15,7 @@ use adumbra_scene::LoadOptions;
 use adumbra_truth::trace::{TraceOptions, Tracer};
 use rayon::prelude::*;
 
+use memory::measured;
 use triples::triples;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -29,16 +31,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let lift: f64 = lift.parse()?;
     for _ in 0..repeats.parse::<u32>()? {
         let start = Instant::now();
-        let lit: Vec<bool> = points
-            .par_iter()
-            .zip(&normals)
-            .map(|(point, normal)| {
+        let (lit, bytes) = measured(|| -> Vec<bool> {
+            let each = points.par_iter().zip(&normals);
+            each.map(|(point, normal)| {
                 let faces = dot(*normal, sun) > 0.0;
                 faces && tracer.sun_visible(std::array::from_fn(|a| point[a] + lift * normal[a]), sun)
             })
-            .collect();
+            .collect()
+        })?;
         let seconds = start.elapsed().as_secs_f64();
-        println!("{seconds} {}", lit.iter().filter(|&&is_lit| is_lit).count());
+        println!("{seconds} {} {bytes}", lit.iter().filter(|&&is_lit| is_lit).count());
     }
     Ok(())
 }

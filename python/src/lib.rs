@@ -1,8 +1,8 @@
 //! The native part of the Python package `adumbra`. The package's Python modules check and document what
 //! users pass. The code here must never panic, but expects arrays of the right shape.
 //!
-//! Data flows one way: errors, pool, axes → watch, arrays → rays → scene → file → bake, sunlight, verify →
-//! farm, path. `program` uses none of these.
+//! Data flows one way: errors, pool, axes → watch, arrays → sun, rays → scene → file → bake, sunlight,
+//! verify → farm, path. `program` uses none of these.
 
 mod arrays;
 mod axes;
@@ -15,6 +15,7 @@ mod pool;
 mod program;
 mod rays;
 mod scene;
+mod sun;
 mod sunlight;
 mod verify;
 mod watch;
@@ -37,7 +38,9 @@ mod _native {
     #[pymodule_export]
     use super::scene::Scene;
     #[pymodule_export]
-    use super::sunlight::{sky, sun_angles, sun_directions, sun_hours};
+    use super::sun::{sun_angles, sun_directions};
+    #[pymodule_export]
+    use super::sunlight::{sky, sun_hours};
     #[pymodule_export]
     use super::verify::verify;
 }

@@ -9,7 +9,10 @@ use adumbra_scene::{
     from_triangles, load,
 };
 use adumbra_truth::trace::{TraceOptions, Tracer};
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
+use numpy::{
+    IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2,
+    PyUntypedArrayMethods,
+};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 
@@ -97,18 +100,20 @@ impl Scene {
         })
     }
 
-    /// Makes a scene from N × 3 vertices and M × 3 faces.
+    /// Makes a scene from N × 3 vertices and M × 3 faces. There is one transmissivity for each face, or none.
     #[staticmethod]
     fn from_arrays(
         py: Python<'_>,
         vertices: PyReadonlyArray2<'_, f64>,
         faces: PyReadonlyArray2<'_, u32>,
+        transmissivities: PyReadonlyArray1<'_, f32>,
         up: &str,
     ) -> PyResult<Self> {
         let (vertices, faces) = (rows(&vertices)?, rows(&faces)?);
+        let shares = transmissivities.as_slice()?;
         // Arrays are not a broken file, so report a wrong value.
         let wrong = |error: adumbra_scene::Error| Failure::Value(error.to_string());
-        let make = || from_triangles("arrays", vertices, faces, axis(up)).map_err(wrong);
+        let make = || from_triangles("arrays", vertices, faces, shares, axis(up)).map_err(wrong);
         watched(py, None, |_| Ok(Self::new(make()?, false, None)))
     }
 
@@ -187,8 +192,8 @@ impl Scene {
         })
     }
 
-    /// Returns the share of each sun's disc that each point sees, N × K. A sun without length is one at
-    /// night.
+    /// Returns the share of the light of each sun's disc that arrives at each point, N × K. A sun without
+    /// length is one at night.
     fn visibility<'py>(
         &self,
         py: Python<'py>,
@@ -201,7 +206,7 @@ impl Scene {
         let pool = pool(threads)?;
         let tracer = watched(py, None, |_| self.tracer(&pool))?;
         each_sun(py, &pool, places, &self.suns(&suns)?, lift, DISC_RAYS as usize, |origin, sun| {
-            tracer.sun_disc_visibility(origin, sun, sun_degrees, DISC_RAYS, DISC_SEED)
+            tracer.sun_disc_light(origin, sun, sun_degrees, DISC_RAYS, DISC_SEED)
         })
     }
 
@@ -240,6 +245,14 @@ impl Scene {
             Ok((vertices, faces))
         })?;
         Ok((by_rows(py, vertices)?, by_rows(py, faces)?))
+    }
+
+    /// The transmissivities of all triangles, in the order of `mesh`.
+    fn transmissivities<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f32>> {
+        let (meshes, materials) = (&self.scene.meshes, &self.scene.materials);
+        let of_instances = self.scene.instances.iter();
+        let numbers = of_instances.flat_map(|instance| &meshes[instance.mesh as usize].triangle_materials);
+        PyArray1::from_iter(py, numbers.map(|&number| materials[number as usize].transmissivity))
     }
 }
 

@@ -11,8 +11,6 @@ import shlex
 from pathlib import Path
 from typing import Any
 
-import nbclient
-import nbformat
 import pytest
 from conftest import Program
 
@@ -29,7 +27,8 @@ def test_the_notebook_runs() -> None:
     scene = Path(os.environ.get("ADUMBRA_SHARED", "shared")) / "scenes" / "delft.glb"
     if not scene.is_file():
         pytest.skip(f"{scene.absolute()} is not there; let ADUMBRA_SHARED name the folder that has scenes/delft.glb")
-    notebook = nbformat.read(ROOT / "notebooks" / "shade_on_delft.ipynb", as_version=4)  # type: ignore[no-untyped-call]
+    nbclient, nbformat = pytest.importorskip("nbclient"), pytest.importorskip("nbformat")
+    notebook = nbformat.read(ROOT / "notebooks" / "shade_on_delft.ipynb", as_version=4)
     client = nbclient.NotebookClient(notebook, timeout=60)
     done: Any = client.execute(cwd=str(scene.parent))
     outputs = [output for cell in done.cells for output in cell.get("outputs", [])]
@@ -38,7 +37,7 @@ def test_the_notebook_runs() -> None:
     assert len(agreements) == 3 and min(agreements) > 99
 
 
-@pytest.mark.parametrize(("name", "least", "prints"), [("python.md", 5, 2), ("farms.md", 2, 0)])
+@pytest.mark.parametrize(("name", "least", "prints"), [("python.md", 6, 3), ("farms.md", 2, 0)])
 def test_the_guides_run(
     name: str,
     least: int,

@@ -125,7 +125,9 @@ def test_the_native_part_refuses_wrong_shapes_too(shadows: adumbra.ShadowFile, s
     with pytest.raises(ValueError):
         traced.sunlit(((good, None), 0.0), np.ones((3, 1)), None)
     with pytest.raises(ValueError, match="vertex 9"):
-        adumbra._native.Scene.from_arrays(good, np.full((1, 3), 9, np.uint32), "y")
+        adumbra._native.Scene.from_arrays(good, np.full((1, 3), 9, np.uint32), np.zeros(0, np.float32), "y")
+    with pytest.raises(ValueError, match="2 numbers for 1 triangles"):
+        adumbra._native.Scene.from_arrays(good, np.zeros((1, 3), np.uint32), np.zeros(2, np.float32), "y")
 
 
 def test_verify_figures_match_the_program(city: Path, program: Program, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import SUN, Mesh
+from conftest import SUN, Mesh, boxes
 
 import adumbra
 
@@ -119,7 +119,7 @@ def test_faces_with_low_alpha_cast_nothing() -> None:
     assert adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=np.full(2, 0.5, np.float32)).triangles == 2
 
 
-def test_wrong_alpha_is_refused() -> None:
+def test_wrong_shares_are_refused() -> None:
     wrong: list[tuple[Any, type[Exception], str]] = [
         ([1], ValueError, r"alpha: an array of shape \(2,\) is needed, one number for each face, not \(1,\)"),
         (0.5, ValueError, r"alpha: an array of shape \(2,\)"),
@@ -127,12 +127,65 @@ def test_wrong_alpha_is_refused() -> None:
         ([1, 1.5], ValueError, "alpha: a number is out of range; they must be from 0 to 1"),
         ([-0.1, 1], ValueError, "alpha: a number is out of range"),
         ([np.nan, 1], ValueError, "alpha: a number is out of range"),
-        ([0, 0.4], ValueError, "contains no triangles"),
         (["a", "b"], TypeError, "alpha: real numbers are needed"),
     ]
-    for alpha, error, message in wrong:
+    for values, error, message in wrong:
         with pytest.raises(error, match=message):
-            adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=alpha)
+            adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=values)
+        with pytest.raises(error, match=message.replace("alpha", "transmissivity")):
+            adumbra.Scene.from_arrays(CORNERS, FACES, up="z", transmissivity=values)
+    with pytest.raises(ValueError, match="contains no triangles"):
+        adumbra.Scene.from_arrays(CORNERS, FACES, up="z", alpha=[0, 0.4])
+
+
+def test_crowns_let_their_share_of_light_through() -> None:
+    crowns: dict[str, Any] = {"up": "z", "transmissivity": [0.25, 0.5]}
+    scene = adumbra.Scene.from_arrays(CORNERS, FACES, **crowns)
+    assert scene.visibility(BELOW, None, [0, 0, 1]).tolist() == [0.25, 0.5]
+    assert scene.sunlit(BELOW, None, [0, 0, 1]).tolist() == [False, False]
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.visibility(BELOW, None, [0, 0, 1]).tolist() == [0.25, 0.5]
+    half = adumbra.Scene.from_arrays(CORNERS, FACES, **crowns, alpha=[0, 1])
+    assert half.visibility(BELOW, None, [0, 0, 1]).tolist() == [1.0, 0.5]
+    # The faces of a closed crown count once, and an opaque roof above them lets nothing through.
+    vertices, faces = boxes(np.array([[0.0, 0.0, 2.0], [1.0, 0.0, 9.0]]), np.array([[2.0, 2.0, 2.0], [1.0, 2.0, 1.0]]))
+    tree = adumbra.Scene.from_arrays(vertices, faces, up="z", transmissivity=np.repeat([0.125, 0.0], 12))
+    assert tree.visibility([[0.5, 1.0, 0.0], [1.5, 1.0, 0.0], [5.0, 1.0, 0.0]], None, [0, 0, 1]).tolist() == [0.125, 0.0, 1.0]
+
+
+def test_a_baked_crown_is_opaque() -> None:
+    corners = [*CORNERS, [-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]]
+    faces = [*FACES, [4, 5, 6], [4, 6, 7]]
+    opaque = adumbra.Scene.from_arrays(corners, faces, up="z")
+    crowns = adumbra.Scene.from_arrays(corners, faces, up="z", transmissivity=[0.03, 0.9, 0, 0])
+    files = [adumbra.bake(scene, to_sun=(0, 0, 1), resolution=256) for scene in (opaque, crowns)]
+    for shadows in files:
+        assert shadows.visibility([*BELOW, [3, 3, 0]]).tolist() == [0.0, 0.0, 1.0]
+
+
+class System:
+    """A coordinate reference system, as those of rasterio and pyproj."""
+
+    def __init__(self, name: str, is_geographic: bool) -> None:
+        self.name, self.is_geographic = name, is_geographic
+
+    def __str__(self) -> str:
+        return self.name
+
+
+def test_a_reference_system_in_degrees_is_refused() -> None:
+    def from_heights(crs: Any) -> adumbra.Scene:
+        return adumbra.Scene.from_heights(np.ones((2, 2)), 1, walls=True, crs=crs)
+
+    def from_arrays(crs: Any) -> adumbra.Scene:
+        return adumbra.Scene.from_arrays(CORNERS, FACES, up="z", crs=crs)
+
+    for make in (from_heights, from_arrays):
+        assert make(System("EPSG:25832", False)).triangles > 0
+        with pytest.raises(ValueError, match="crs: EPSG:4326 is in degrees; project the coordinates to a system in metres first"):
+            make(System("EPSG:4326", True))
+        with pytest.raises(TypeError, match=r"crs: give one of rasterio or pyproj, such as pyproj.CRS\('EPSG:25832'\), not a str"):
+            make("EPSG:25832")
 
 
 PADDED = np.array([3, 0, 1, 2, 3, 0, 2, 3])
@@ -212,6 +265,29 @@ def test_meshes_and_scenes_of_trimesh_are_taken() -> None:
     assert (both.triangles, both.bounds) == (24, ((-1, -1.5, 0), (11, 1.5, 4)))
     assert both.sunlit(np.array([[4.5, 0, 0], [2, 0, 0]]), None, [1, 0, 1]).tolist() == [True, True]
     assert both.sunlit([[8, 0, 0], [-2, 0, 0]], None, [1, 0, 1]).tolist() == [False, False]
+
+
+@pytest.mark.slow
+def test_data_sets_of_pyvista_are_taken() -> None:
+    pyvista = pytest.importorskip("pyvista")
+    ball = adumbra.Scene.from_pyvista(pyvista.Sphere(radius=2.0), up="z")
+    assert ball.triangles == 1680
+    box = pyvista.Box((0, 1, 0, 2, 0, 3))
+    image = pyvista.ImageData(dimensions=(2, 3, 4))
+    for mesh in (box, image, image.cast_to_unstructured_grid(), pyvista.MultiBlock([box])):
+        scene = adumbra.Scene.from_pyvista(mesh, up="z")
+        assert scene.bounds == ((0, 0, 0), (1, 2, 3))
+        assert scene.sunlit([[0.5, 1.0, -1.0], [5.0, 1.0, -1.0]], None, [0, 0, 1]).tolist() == [False, True]
+    assert adumbra.Scene.from_pyvista(pyvista.Sphere().strip(), up="z").triangles == 1680
+
+
+@pytest.mark.slow
+def test_reference_systems_of_pyproj_and_rasterio_are_taken() -> None:
+    pyproj, rasterio = pytest.importorskip("pyproj"), pytest.importorskip("rasterio.crs")
+    for of in (pyproj.CRS.from_epsg, rasterio.CRS.from_epsg):
+        assert adumbra.Scene.from_arrays(CORNERS, FACES, up="z", crs=of(25832)).triangles == 2
+        with pytest.raises(ValueError, match="crs: EPSG:4326 is in degrees"):
+            adumbra.Scene.from_arrays(CORNERS, FACES, up="z", crs=of(4326))
 
 
 def test_objects_that_are_no_meshes_are_refused() -> None:

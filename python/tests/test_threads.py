@@ -101,6 +101,8 @@ def test_progress_is_reported_on_the_calling_thread(large: adumbra.Scene) -> Non
 def test_progress_bars_are_shown_only_when_wanted(
     scene: adumbra.Scene, capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    pytest.importorskip("tqdm")
+
     def shown(progress: Any) -> bool:
         adumbra.bake(scene, resolution=64, progress=progress)
         return "bake" in capfd.readouterr().err

@@ -1,4 +1,4 @@
-"""Types: the package and its tests under mypy, the stub beside the native part, and docstrings."""
+"""The stub beside the native part, and docstrings."""
 
 from __future__ import annotations
 
@@ -10,24 +10,11 @@ from pathlib import Path
 import adumbra
 import adumbra_farm
 
-ROOT = Path(__file__).parent.parent
-
-
-def run(*arguments: str) -> str:
-    done = subprocess.run([sys.executable, "-m", *arguments], capture_output=True, text=True, check=False, cwd=ROOT)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def test_types_pass_mypy() -> None:
-    # Beside the packages that are checked, so that a later run checks only what has changed.
-    strict = ("mypy", "--strict", "--cache-dir", str(Path(sys.prefix) / "mypy"))
-    assert "no issues found" in run(*strict, "--package", "adumbra", "--package", "adumbra_farm")
-    assert "no issues found" in run(*strict, "tests", "benches")
-
 
 def test_the_stub_describes_the_native_part() -> None:
-    assert "no issues found" in run("mypy.stubtest", "adumbra._native")
+    words = [sys.executable, "-m", "mypy.stubtest", "adumbra._native"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False, cwd=Path(__file__).parent.parent)
+    assert done.returncode == 0 and "no issues found" in done.stdout, done.stdout + done.stderr
 
 
 def test_everything_public_is_documented() -> None:

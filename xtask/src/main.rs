@@ -6,6 +6,7 @@ mod arrows;
 mod check;
 mod docs;
 mod engines;
+mod python;
 mod runner;
 mod rustdoc;
 mod steps;
@@ -24,7 +25,7 @@ const USAGE: &str = "usage:
   cargo xtask test --long     what is checked, all tests, instruction counts, and the documents' commands
   cargo xtask test-bevy       formatting, lints and tests of integrations/bevy_adumbra, which builds Bevy; --long: its documentation and examples too
   cargo xtask test-web        types, lints, builds and tests of integrations/three, in Node.js and in a browser; --long: every browser test and the guide
-  cargo xtask test-python     formatting, lints, types and tests of the package in python, as an installed wheel; --long: its notebook, farms and remote stores too
+  cargo xtask test-python     formatting, lints, types and tests of the package in python, as an installed wheel; --long: its notebook, farms and remote stores, every version of Python, and wheels for other platforms too
   cargo xtask docs            run every command of README and docs/ in a copy of the repository, check its output; check links
   cargo xtask docs --quick    use existing builds and smaller numbers, only parse the arguments of long commands; FILE... reads only these files
   cargo xtask docs --parse    use existing builds, only parse the arguments of all commands but the README's
@@ -52,8 +53,8 @@ fn main() -> ExitCode {
         ["test-bevy", "--long"] => engines::bevy(root, true),
         ["test-web"] => engines::web(root, false),
         ["test-web", "--long"] => engines::web(root, true),
-        ["test-python"] => engines::python(root, false),
-        ["test-python", "--long"] => engines::python(root, true),
+        ["test-python"] => python::test(root, false),
+        ["test-python", "--long"] => python::test(root, true),
         ["shaders-web"] => Cargo::new(&root.join(engines::GENERATOR)).run(&["run", "--quiet"]),
         ["docs", options @ ..] => {
             tools::ensure_documents().and_then(|()| docs::run(root, options).map_err(|e| e.to_string()))

@@ -116,9 +116,9 @@ fn texture(texture: &Texture) -> Hash {
 }
 
 fn material(material: &Material, textures: &[Hash]) -> Hash {
-    let Material { name: _, base_color, texture, alpha, blended, transmissive, casts } = material;
+    let Material { name: _, base_color, texture, alpha, blended, transmissivity, casts } = material;
     let mut hasher = Hasher::new();
-    let flags = [blended, transmissive, casts].map(|&flag| u8::from(flag));
+    let flags = [*blended, *transmissivity > 0.0, *casts].map(u8::from);
     hasher.update(&flags);
     match alpha {
         AlphaMode::Opaque => hasher.update(&[0]),

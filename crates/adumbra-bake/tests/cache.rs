@@ -248,7 +248,7 @@ fn every_relevant_property_changes_the_keys() {
         |s| s.materials[1].alpha = AlphaMode::Opaque,
         |s| s.materials[1].texture = None,
         |s| s.materials[1].casts = false,
-        |s| s.materials[0].transmissive = true,
+        |s| s.materials[0].transmissivity = 0.9,
         |s| s.textures[0].wrap[0] = Wrap::Mirror,
         |s| s.textures[0].wrap[1] = Wrap::Clamp,
         |s| s.textures[0].nearest = false,

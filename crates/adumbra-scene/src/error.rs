@@ -147,6 +147,14 @@ pub enum Error {
         /// What is wrong.
         what: String,
     },
+    /// The transmissivities of triangles are faulty.
+    #[error("{name}: wrong transmissivities: {what}")]
+    Transmissivities {
+        /// The triangles' name.
+        name: String,
+        /// What is wrong.
+        what: String,
+    },
     /// A vertex or a node transform is NaN or infinite.
     #[error("{path:?}: {what} is NaN or infinite; repair the mesh in the program that made it", path = path.display(), what = one_line(what))]
     NotFinite {

@@ -45,7 +45,7 @@ pub fn from_heights(name: &str, raster: &Heights<'_>, up: UpAxis) -> Result<Scen
         HeightSurface::Blocks => mesh.add_blocks(),
         HeightSurface::Centres => mesh.add_surface(),
     }
-    from_triangles(name, &mesh.vertices, &mesh.triangles, up)
+    from_triangles(name, &mesh.vertices, &mesh.triangles, &[], up)
 }
 
 /// Returns what is wrong with a raster, and what to do.

@@ -178,8 +178,10 @@ pub struct Material {
     pub alpha: AlphaMode,
     /// True if the material was glTF BLEND.
     pub blended: bool,
-    /// True if the material has KHR_materials_transmission; such a material is never part of a solid.
-    pub transmissive: bool,
+    /// Share of the sun's light that passes through the surface, 0 to 1: the factor of
+    /// KHR_materials_transmission, or what [`from_triangles`] was given. A bake counts the surface as opaque
+    /// all the same. Above 0, it is never part of a solid.
+    pub transmissivity: f32,
     /// False if the extras mark the material as casting no shadow.
     pub casts: bool,
 }
@@ -223,14 +225,14 @@ impl Material {
             texture: None,
             alpha: AlphaMode::Opaque,
             blended: false,
-            transmissive: false,
+            transmissivity: 0.0,
             casts: true,
         }
     }
 
     /// Whether a surface of this material can bound a solid.
     pub(crate) fn can_be_solid(&self) -> bool {
-        self.alpha == AlphaMode::Opaque && !self.transmissive
+        self.alpha == AlphaMode::Opaque && self.transmissivity == 0.0
     }
 }
 

@@ -23,7 +23,8 @@ from ._errors import AdumbraError, FormatError, MemoryLimitError, MissingPartsEr
 from ._file import ShadowFile
 from ._path import SunPathFile, bake_path
 from ._plan import BakedPart, Part, Plan
-from ._scene import LoadOptions, Scene, SceneLike
+from ._loading import LoadOptions
+from ._scene import Scene, SceneLike
 from ._sun import SunPath, sun_direction
 from ._sunlight import Skies, SunHours, sky, sun_hours
 from ._verify import ClassResult, Verification

@@ -67,3 +67,8 @@ def whole(name: str, value: int, least: int, most: int) -> int:
     if not least <= number <= most:
         raise ValueError(f"{name}: {number} is out of range; it must be from {least} to {most}")
     return number
+
+
+def threads_of(threads: int | None) -> int | None:
+    """Return a number of threads within its range."""
+    return None if threads is None else whole("threads", threads, 1, 1024)

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _native
-from ._arrays import numbers, whole
+from ._arrays import numbers, threads_of, whole
 from ._file import ShadowFile
+from ._loading import LoadOptions
 from ._progress import Progress, reporting
-from ._scene import LoadOptions, Scene, SceneLike, scene_of, threads_of
+from ._scene import Scene, SceneLike, scene_of
 from ._sun import SunPath, sun_direction
 
 if TYPE_CHECKING:

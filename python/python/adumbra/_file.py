@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import places_of, whole
+from ._arrays import places_of, threads_of, whole
+from ._axes import Up, Vector
 from ._errors import warn
-from ._scene import LoadOptions, SceneLike, Up, Vector, as_baked, scene_of, threads_of
+from ._loading import LoadOptions, as_baked
+from ._scene import SceneLike, scene_of
 from ._show import table
 from ._verify import Verification
 

@@ -10,9 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import places_of, whole
+from ._arrays import places_of, threads_of, whole
+from ._axes import Up, Vector
 from ._bake import DEFAULT_RESOLUTION, options_of
-from ._scene import LoadOptions, SceneLike, Up, Vector, scene_of, threads_of
+from ._loading import LoadOptions
+from ._scene import SceneLike, scene_of
 from ._sunlight import day_of
 from ._times import seconds_of
 

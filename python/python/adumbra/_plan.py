@@ -8,11 +8,12 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _native
-from ._arrays import whole
+from ._arrays import threads_of, whole
 from ._bake import BakeOptions, memory_of, options_of
 from ._file import ShadowFile
+from ._loading import LoadOptions, loading_of
 from ._progress import Progress, reporting
-from ._scene import LoadOptions, Scene, loading_of, threads_of
+from ._scene import Scene
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

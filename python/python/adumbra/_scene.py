@@ -4,44 +4,22 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, TypedDict, Union
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import numbers, origins_of, plain, triples, whole
+from ._arrays import numbers, origins_of, plain, threads_of, triples
+from ._axes import Up, Vector, axis_of
 from ._errors import SceneWarning, warn
+from ._loading import LoadOptions, loading_of
 from ._show import table
 from ._sun import SunPath
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
-
-Up = Literal["y", "z"]
-Vector = tuple[float, float, float]
-
-
-class LoadOptions(TypedDict, total=False):
-    """Options of everything that loads a scene from a file."""
-
-    only: Sequence[str]
-    """Load only triangles of nodes, meshes or materials whose name matches one of these patterns."""
-    exclude: Sequence[str]
-    """Skip triangles of nodes, meshes or materials whose name matches one of these patterns."""
-    ignore_alpha: bool
-    """Treat masked and blended materials as opaque."""
-    include_animated: bool
-    """Load animated instances as static ones, in their first pose. Without it they are skipped."""
-    up: Up | None
-    """The axis that points up in an OBJ or PLY file. ``None`` takes Y, and warns if the scene looks otherwise. In glTF, Y points
-    up by definition."""
-    allow_outside: bool
-    """Also read files outside the scene's folder. Only for scenes that you trust."""
-    strict: bool
-    """Reject a scene if the loader would leave anything out."""
-
 
 class Scene:
     """A scene: triangles, loaded once for any number of bakes and rays.
@@ -83,7 +61,14 @@ class Scene:
 
     @classmethod
     def from_arrays(
-        cls, vertices: ArrayLike, faces: ArrayLike, *, up: Up, alpha: ArrayLike | None = None
+        cls,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        up: Up,
+        alpha: ArrayLike | None = None,
+        transmissivity: ArrayLike | None = None,
+        crs: Any = None,
     ) -> Scene:
         """Make a scene of triangles.
 
@@ -94,9 +79,14 @@ class Scene:
                 a 3 before each triangle. Triangles without area are skipped.
             up: The axis that points up: ``"y"`` or ``"z"``.
             alpha: Opacity of each triangle, shape (M,), 0 to 1. Those below 0.5 cast no shadow.
+            transmissivity: Share of the sun's light that passes through each triangle, shape (M,), 0 to 1; about 0.03 for the
+                crown of a tree in leaf and 0.5 for a bare one. Where the sun's rays pass through several triangles, the smallest
+                counts, once. Only :meth:`visibility` weighs it: :meth:`sunlit`, hours of sun and bakes take all triangles as opaque.
+            crs: The coordinate reference system of the vertices, of ``rasterio`` or ``pyproj``, to check that it is projected.
 
         Raises:
-            ValueError: A shape is wrong, an index is out of range, a vertex is not finite, or nothing casts a shadow.
+            ValueError: A shape is wrong, an index is out of range, a vertex is not finite, nothing casts a shadow, or the
+                coordinate reference system is in degrees.
             TypeError: The vertices are not real numbers, or the faces are not integers.
 
         Warns:
@@ -110,8 +100,12 @@ class Scene:
                 f"faces[{row}, {column}] is {corners[row, column]}, which is out of range; it must be from 0 to "
                 f"{len(positions) - 1}, because there are {len(positions)} vertices"
             )
+        shares = np.zeros(0, np.float32)
+        if transmissivity is not None:
+            shares = _shares_of("transmissivity", transmissivity, len(corners)).astype(np.float32)
         if alpha is not None:
-            corners = corners[_opacities(alpha, len(corners)) >= 0.5]
+            is_kept = _shares_of("alpha", alpha, len(corners)) >= 0.5
+            corners, shares = corners[is_kept], shares[is_kept] if shares.size else shares
         if not np.isfinite(positions).all():
             is_used = np.zeros(len(positions), bool)
             is_used[corners.ravel()] = True
@@ -119,7 +113,9 @@ class Scene:
             if wrong.any():
                 row = int(np.argmax(wrong))
                 raise ValueError(f"vertices[{row}] is {positions[row]}, but a vertex that a face uses must be finite")
-        return cls._of(_native.Scene.from_arrays(positions, np.require(corners, np.uint32, ["C", "A"]), axis_of(up)))
+        _check_projected(crs)
+        corners = np.require(corners, np.uint32, ["C", "A"])
+        return cls._of(_native.Scene.from_arrays(positions, corners, shares, axis_of(up)))
 
     @classmethod
     def from_heights(
@@ -131,6 +127,7 @@ class Scene:
         corner: ArrayLike = (0.0, 0.0),
         nodata: float | None = None,
         up: Up = "z",
+        crs: Any = None,
     ) -> Scene:
         """Make a scene of a raster of heights, such as a digital surface model.
 
@@ -145,9 +142,11 @@ class Scene:
                 ``rasterio``, ``(transform.c, transform.f)`` where Z points up, and ``(transform.c, -transform.f)`` where Y does.
             nodata: The number that marks cells without data, such as -9999.
             up: The axis that points up: ``"y"`` or ``"z"``.
+            crs: The coordinate reference system of the raster, of ``rasterio`` or ``pyproj``, to check that it is projected.
 
         Raises:
-            ValueError: A shape is wrong, the cell is not above 0, there are no data, or a number is infinite.
+            ValueError: A shape is wrong, the cell is not above 0, there are no data, a number is infinite, or the coordinate
+                reference system is in degrees.
             TypeError: The heights are not real numbers.
 
         Warns:
@@ -169,9 +168,14 @@ class Scene:
             raise ValueError(f"heights: an array of shape (rows, columns) is needed, not {given.shape}")
         values = np.ma.filled(marked.astype(np.float64), np.nan)
         if nodata is not None:
-            # A number of Python is rounded as the heights are.
-            values[given == float(nodata)] = np.nan
+            mark: Any = float(nodata)
+            if given.dtype.kind == "f":
+                # It is rounded as the heights are.
+                with np.errstate(over="ignore"):
+                    mark = given.dtype.type(mark)
+            values[given == mark] = np.nan
         place = numbers("corner", corner, 2)
+        _check_projected(crs)
         raster = np.require(values, np.float64, ["C", "A"])
         return cls._of(_native.Scene.from_heights(raster, float(cell), place, bool(walls), axis_of(up)))
 
@@ -216,7 +220,7 @@ class Scene:
         """
         if not hasattr(mesh, "extract_surface"):
             raise TypeError(f"mesh: a {type(mesh).__name__} is no data set of pyvista; for arrays, call Scene.from_arrays")
-        surface = (mesh if hasattr(mesh, "is_all_triangles") else mesh.extract_surface()).triangulate()
+        surface = (mesh if hasattr(mesh, "is_all_triangles") else _surface_of(mesh)).triangulate()
         return cls.from_arrays(surface.points, surface.faces, up=up)
 
     @property
@@ -309,7 +313,10 @@ class Scene:
         lift: float = 1e-3,
         threads: int | None = None,
     ) -> NDArray[np.float32]:
-        """Return the share of the sun's disc that points see, by 256 rays each.
+        """Return the share of the sun's light that arrives at points: that of its disc that they see, by 256 rays each.
+
+        A surface lets its transmissivity through, see :meth:`from_arrays`; in glTF, it is that of
+        ``KHR_materials_transmission``.
 
         Args:
             points: See :meth:`sunlit`.
@@ -399,7 +406,7 @@ class Scene:
     def __reduce__(self) -> tuple[Any, ...]:
         rebuild, *arguments = self._source
         if rebuild is _from_arrays:
-            arguments = [*self.mesh(), self.up]
+            arguments = [*self.mesh(), self._native.transmissivities(), self.up]
         return rebuild, tuple(arguments)
 
     def __repr__(self) -> str:
@@ -430,11 +437,11 @@ def _loaded(path: str, options: dict[str, Any]) -> Scene:
         return Scene(path, **options)
 
 
-def _from_arrays(vertices: NDArray[np.float64], faces: NDArray[np.uint32], up: Up) -> Scene:
+def _from_arrays(vertices: NDArray[np.float64], faces: NDArray[np.uint32], shares: NDArray[np.float32], up: Up) -> Scene:
     """Make a scene again when it is unpickled. Its warnings have been shown."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", SceneWarning)
-        return Scene.from_arrays(vertices, faces, up=up)
+        return Scene.from_arrays(vertices, faces, up=up, transmissivity=shares)
 
 
 def _corners_of(faces: ArrayLike) -> NDArray[Any]:
@@ -448,15 +455,32 @@ def _corners_of(faces: ArrayLike) -> NDArray[Any]:
     return corners
 
 
-def _opacities(alpha: ArrayLike, count: int) -> NDArray[Any]:
-    opacities = plain("alpha", alpha)
-    if opacities.dtype.kind not in "iufb":
-        raise TypeError(f"alpha: real numbers are needed, not an array of {opacities.dtype}")
-    if opacities.shape != (count,):
-        raise ValueError(f"alpha: an array of shape ({count},) is needed, one number for each face, not {opacities.shape}")
-    if not ((opacities >= 0) & (opacities <= 1)).all():
-        raise ValueError("alpha: a number is out of range; they must be from 0 to 1")
-    return opacities
+def _surface_of(mesh: Any) -> Any:
+    # PyVista warns where its newer option is not given.
+    has_option = "algorithm" in signature(mesh.extract_surface).parameters
+    return mesh.extract_surface(algorithm=None) if has_option else mesh.extract_surface()
+
+
+def _shares_of(name: str, values: ArrayLike, count: int) -> NDArray[Any]:
+    """Return numbers from 0 to 1, one for each face."""
+    shares = plain(name, values)
+    if shares.dtype.kind not in "iufb":
+        raise TypeError(f"{name}: real numbers are needed, not an array of {shares.dtype}")
+    if shares.shape != (count,):
+        raise ValueError(f"{name}: an array of shape ({count},) is needed, one number for each face, not {shares.shape}")
+    if not ((shares >= 0) & (shares <= 1)).all():
+        raise ValueError(f"{name}: a number is out of range; they must be from 0 to 1")
+    return shares
+
+
+def _check_projected(crs: Any) -> None:
+    """Refuse a coordinate reference system in degrees."""
+    if crs is None:
+        return
+    if not hasattr(crs, "is_geographic"):
+        raise TypeError(f"crs: give one of rasterio or pyproj, such as pyproj.CRS({crs!r}), not a {type(crs).__name__}")
+    if crs.is_geographic:
+        raise ValueError(f"crs: {crs} is in degrees; project the coordinates to a system in metres first, such as UTM")
 
 
 SceneLike = Union[Scene, str, "os.PathLike[str]"]
@@ -476,47 +500,3 @@ def scene_of(scene: Any, options: dict[str, Any]) -> Scene:
         f"scene: give a path or an adumbra.Scene, not a {type(scene).__name__}; Scene.from_arrays(vertices, faces, up=…) makes "
         "one from arrays"
     )
-
-
-def as_baked(scene: Any, options: dict[str, Any], up: str) -> dict[str, Any]:
-    """Return loading options, with a shadow file's up axis if the scene is a path of a format without one."""
-    is_open = options.get("up") is None and isinstance(scene, (str, os.PathLike))
-    has_none = is_open and not os.fsdecode(scene).lower().endswith((".glb", ".gltf"))
-    return {**options, "up": up} if has_none else options
-
-
-def loading_of(options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of the loader as the native part takes them."""
-    unknown = sorted(options.keys() - LoadOptions.__annotations__.keys())
-    if unknown:
-        raise TypeError(f"{unknown[0]!r} is not an option; those of loading are {', '.join(LoadOptions.__annotations__)}")
-    up = options.get("up")
-    return {
-        "only": _patterns("only", options.get("only", ())),
-        "exclude": _patterns("exclude", options.get("exclude", ())),
-        "ignore_alpha": bool(options.get("ignore_alpha", False)),
-        "include_animated": bool(options.get("include_animated", False)),
-        "up": None if up is None else axis_of(up),
-        "allow_outside": bool(options.get("allow_outside", False)),
-        "strict": bool(options.get("strict", False)),
-    }
-
-
-def axis_of(up: Any) -> Up:
-    """Return an axis that points up."""
-    if up == "y":
-        return "y"
-    if up == "z":
-        return "z"
-    raise ValueError(f"up: {up!r} is not an axis; it must be 'y' or 'z'")
-
-
-def _patterns(name: str, patterns: Sequence[str]) -> list[str]:
-    if isinstance(patterns, str):
-        raise TypeError(f"{name}: give a list of patterns, such as [{patterns!r}]")
-    return list(patterns)
-
-
-def threads_of(threads: int | None) -> int | None:
-    """Return a number of threads within its range."""
-    return None if threads is None else whole("threads", threads, 1, 1024)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from datetime import tzinfo
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
+from ._axes import Up, axis_of
 from ._show import table
 from ._times import seconds_of
 
@@ -132,7 +133,7 @@ class SunPath:
         """Where true north is in the scene, see :class:`SunPath`."""
         return self._north_angle
 
-    def to_sun(self, up: Literal["y", "z"]) -> NDArray[np.float64]:
+    def to_sun(self, up: Up) -> NDArray[np.float64]:
         """Return the unit vectors towards the sun, shape (N, 3), in a scene in which ``up`` points up, see :attr:`Scene.up`.
 
         Raises:
@@ -177,7 +178,7 @@ def _read_only(angles: NDArray[np.float64]) -> NDArray[np.float64]:
     return view
 
 
-def sun_direction(azimuth: ArrayLike, elevation: ArrayLike, *, up: Literal["y", "z"]) -> NDArray[np.float64]:
+def sun_direction(azimuth: ArrayLike, elevation: ArrayLike, *, up: Up) -> NDArray[np.float64]:
     """Return unit vectors towards suns at these compass angles.
 
     Args:
@@ -211,7 +212,5 @@ def directions(
     azimuths: NDArray[np.float64], elevations: NDArray[np.float64], up: Any
 ) -> NDArray[np.float64]:
     """Return unit vectors towards suns."""
-    if up not in ("y", "z"):
-        raise ValueError(f"up: {up!r} is not an axis; it must be 'y' or 'z'")
     azimuths, elevations = (np.require(angles, np.float64, ["C", "A"]) for angles in (azimuths, elevations))
-    return _native.sun_directions(azimuths, elevations, up)
+    return _native.sun_directions(azimuths, elevations, axis_of(up))

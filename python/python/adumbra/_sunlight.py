@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _native
-from ._arrays import origins_of, whole
+from ._arrays import origins_of, threads_of, whole
+from ._loading import LoadOptions
 from ._progress import Progress, reporting
-from ._scene import LoadOptions, SceneLike, scene_of, threads_of
+from ._scene import SceneLike, scene_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -15,7 +15,7 @@ import adumbra
 from adumbra._arrays import whole
 from adumbra._plan import planned
 from adumbra._progress import Progress, reporting
-from adumbra._scene import threads_of
+from adumbra._arrays import threads_of
 from distributed import Client, LocalCluster, as_completed
 
 from ._tasks import Settings, bake_parts, plan_path

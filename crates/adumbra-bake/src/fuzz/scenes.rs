@@ -67,7 +67,7 @@ fn materials(dice: &mut Dice) -> Vec<Material> {
         plain("opaque"),
         Material { casts: false, ..plain("does not cast") },
         Material { alpha: AlphaMode::Mask { cutoff }, texture: Some(0), ..plain("masked") },
-        Material { transmissive: true, ..plain("glass") },
+        Material { transmissivity: 0.9, ..plain("glass") },
     ]
 }
 

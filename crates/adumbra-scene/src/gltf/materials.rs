@@ -143,7 +143,7 @@ fn describe(json: &Json, name: &str, base_color: [f32; 4], options: &LoadOptions
             _ => AlphaMode::Opaque,
         },
         blended: mode == JsonAlpha::Blend,
-        transmissive: transmission.is_some_and(|t| t.transmission_factor.0 > 0.0),
+        transmissivity: transmission.map_or(0.0, |t| t.transmission_factor.0.clamp(0.0, 1.0)),
         casts: true,
     }
 }

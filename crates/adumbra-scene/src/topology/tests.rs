@@ -142,7 +142,7 @@ fn masked_transmissive_and_non_casting_materials_make_no_solid() {
     let base = Material::opaque("odd", [1.0; 4]);
     let odd = [
         Material { alpha: AlphaMode::Mask { cutoff: 0.5 }, ..base.clone() },
-        Material { transmissive: true, ..base.clone() },
+        Material { transmissivity: 0.5, ..base.clone() },
         Material { casts: false, ..base },
     ];
     for material in odd {

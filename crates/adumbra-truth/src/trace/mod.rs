@@ -81,6 +81,7 @@ pub struct Hit {
 struct Surface {
     casts: bool,
     masked: bool,
+    transmissivity: f32,
 }
 
 /// A scene prepared for ray tracing. Queries take `&self` and may run on any number of threads.
@@ -117,6 +118,7 @@ impl<'s> Tracer<'s> {
         let surfaces = scene.materials.iter().map(|m| Surface {
             casts: m.casts,
             masked: !options.ignore_alpha && m.alpha != AlphaMode::Opaque,
+            transmissivity: m.transmissivity,
         });
         let (mut blases, used): (Vec<Blas>, Vec<Vec<[f32; 3]>>) =
             scene.meshes.par_iter().map(|mesh| (Blas::from_mesh(mesh), used_positions(mesh))).unzip();
@@ -170,6 +172,19 @@ impl<'s> Tracer<'s> {
     /// about 1 µs.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.walk(ray, true, |_| Traversal::Stop)
+    }
+
+    /// Share of the light along the ray that passes through everything that casts a shadow: 1 if there is
+    /// nothing, and else the smallest transmissivity of the materials there. So the faces of one crown, or
+    /// crowns behind one another, count once, as in Lindberg and Grimmond 2011 (SOLWEIG). Cost: one traversal
+    /// that ends at the first opaque hit.
+    pub fn transmitted(&self, ray: &Ray) -> f32 {
+        let mut share = 1.0_f32;
+        self.walk(ray, true, |found| {
+            share = share.min(self.surfaces[found.material as usize].transmissivity);
+            if share > 0.0 { Traversal::On } else { Traversal::Stop }
+        });
+        share
     }
 
     /// The nearest opaque surface on the ray, whether it casts or not. If several are equally near, the

@@ -387,6 +387,32 @@ fn trace_sun_disc_is_half_visible_over_a_half_plane() {
 }
 
 #[test]
+fn trace_weighs_what_materials_let_through() {
+    // From y = 1 up: a crown with two faces, x < 3, another, x < 2, and a roof, x < 1.
+    let mut scene = scene((Points::new(), Triangles::new()), &[IDENTITY]);
+    scene.materials = [0.5, 0.125, 0.0]
+        .map(|transmissivity| Material { transmissivity, ..Material::opaque("", [1.0; 4]) })
+        .to_vec();
+    let mesh = &mut scene.meshes[0];
+    for (y, (east, material)) in (1_u8..).zip([(3.0, 0), (3.0, 0), (2.0, 1), (1.0, 2)]) {
+        let first = mesh.positions.len() as u32;
+        let y = f32::from(y);
+        mesh.positions.extend([[-9.0, y, -9.0], [-9.0, y, 9.0], [east, y, 9.0], [east, y, -9.0]]);
+        mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        mesh.triangle_materials.extend([material; 2]);
+    }
+    let tracer = tracer(&scene);
+    let up = |x| Ray { origin: [x, 0.0, 0.3], direction: [0.0, 1.0, 0.0], t_min: 0.0, t_max: 9.0 };
+    assert_eq!([0.5, 1.5, 2.5, 3.5].map(|x| tracer.transmitted(&up(x))), [0.0, 0.125, 0.5, 1.0]);
+    assert_eq!([0.5, 1.5, 2.5, 3.5].map(|x| tracer.occluded(&up(x))), [true, true, true, false]);
+    // The disc's centre is seen past the edge of the upper face of the first crown.
+    let light = |x| tracer.sun_disc_light([x, 1.5, 0.3], [0.0, 1.0, 0.0], 10.0, 1024, 3);
+    assert!((light(3.0) - 0.75).abs() < 0.01, "{}", light(3.0));
+    assert_eq!([1.5, 2.5, 3.5].map(light), [0.125, 0.5, 1.0]);
+    assert_eq!(tracer.sun_disc_visibility([2.5, 1.5, 0.3], [0.0, 1.0, 0.0], 10.0, 16, 3), 0.0);
+}
+
+#[test]
 fn trace_ambient_is_open_on_a_plane_and_closed_in_a_ball() {
     let plane = scene(square(1e3), &[IDENTITY]);
     let tracer_of_plane = tracer(&plane);

@@ -23,17 +23,25 @@ impl Tracer<'_> {
         samples: u32,
         seed: u64,
     ) -> f32 {
-        let half = (0.5 * angular_diameter_degrees).clamp(0.0, 180.0).to_radians();
-        if samples <= 1 || half == 0.0 || half.is_nan() {
-            return f32::from(u8::from(self.sun_visible(point, towards)));
-        }
-        let axis = normalize(towards);
-        let sides = frame(axis);
-        let seen = points(samples, seed).filter(|&[u, v]| {
-            let (flat, height) = cap(u, half);
-            self.sun_visible(point, around(axis, sides, flat, height, v))
-        });
-        (seen.count() as f64 / f64::from(samples)) as f32
+        let of_ray = |towards| f64::from(u8::from(self.sun_visible(point, towards)));
+        mean_over_disc(towards, angular_diameter_degrees, samples, seed, of_ray)
+    }
+
+    /// Share of the light of the sun's disc that arrives at `point`: as
+    /// [`sun_disc_visibility`](Self::sun_disc_visibility), but each ray brings what materials let through,
+    /// see [`transmitted`](Self::transmitted). The two are equal if no material that casts a shadow does.
+    pub fn sun_disc_light(
+        &self,
+        point: [f64; 3],
+        towards: [f64; 3],
+        angular_diameter_degrees: f64,
+        samples: u32,
+        seed: u64,
+    ) -> f32 {
+        let of_ray = |direction| {
+            f64::from(self.transmitted(&Ray { origin: point, direction, t_min: 0.0, t_max: f64::INFINITY }))
+        };
+        mean_over_disc(towards, angular_diameter_degrees, samples, seed, of_ray)
     }
 
     /// Cosine-weighted fraction of the hemisphere about `normal` (any length) in which no caster is within
@@ -58,4 +66,28 @@ impl Tracer<'_> {
         });
         (open.count() as f64 / f64::from(rays)) as f32
     }
+}
+
+/// Mean of `of_ray` over directions spread evenly over a disc, as
+/// [`sun_disc_visibility`](Tracer::sun_disc_visibility) describes it.
+fn mean_over_disc(
+    towards: [f64; 3],
+    angular_diameter_degrees: f64,
+    samples: u32,
+    seed: u64,
+    of_ray: impl Fn([f64; 3]) -> f64,
+) -> f32 {
+    let half = (0.5 * angular_diameter_degrees).clamp(0.0, 180.0).to_radians();
+    if samples <= 1 || half == 0.0 || half.is_nan() {
+        return of_ray(towards) as f32;
+    }
+    let axis = normalize(towards);
+    let sides = frame(axis);
+    let sum: f64 = points(samples, seed)
+        .map(|[u, v]| {
+            let (flat, height) = cap(u, half);
+            of_ray(around(axis, sides, flat, height, v))
+        })
+        .sum();
+    (sum / f64::from(samples)) as f32
 }

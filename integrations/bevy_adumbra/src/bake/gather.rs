@@ -239,7 +239,7 @@ fn material(
     let mut new = Material::opaque("", [1.0; 4]);
     // Materials of other types are opaque.
     let Some(material) = id.and_then(|id| assets.materials.get(id)) else { return new };
-    new.transmissive = material.specular_transmission > 0.0;
+    new.transmissivity = material.specular_transmission.clamp(0.0, 1.0);
     let cutoff = match material.alpha_mode {
         BevyAlphaMode::Mask(cutoff) => cutoff,
         BevyAlphaMode::Opaque => return new,
