@@ -3,7 +3,7 @@
 use adumbra_scene::UpAxis;
 use adumbra_solar::Day;
 use adumbra_sunlight::points::Facing;
-use adumbra_sunlight::{DayOptions, Patches, Receiver, SunDay, sky_views};
+use adumbra_sunlight::{Patches, Receiver, Suns, sky_views};
 use numpy::{PyArray1, PyArray2, PyArrayMethods, ToPyArray};
 use pyo3::prelude::*;
 
@@ -27,15 +27,13 @@ pub(crate) fn sun_hours<'py>(
     scene: &Scene,
     origins: GivenOrigins<'py>,
     day: &str,
-    every_step: bool,
     threads: Option<usize>,
     report: Option<Py<PyAny>>,
 ) -> PyResult<(Numbers<'py>, Bound<'py, PyArray1<i64>>, Numbers<'py>, Numbers<'py>, String)> {
     let receivers = receivers(&origins, scene.up())?;
     let day: Day = day.parse().map_err(Failure::from)?;
     let found = watched(py, report, |watch| {
-        let options = if every_step { DayOptions { key_degrees: 0.0 } } else { DayOptions::default() };
-        let suns = SunDay::new(&day.steps()?, options)?;
+        let suns = Suns::new(&day.arcs()?);
         let pool = pool(threads)?;
         let tracer = scene.tracer(&pool)?;
         Ok(pool.install(|| suns.hours(tracer, &receivers, watch))?)
@@ -43,7 +41,7 @@ pub(crate) fn sun_hours<'py>(
     let hours: Vec<f64> = (0..found.len()).map(|point| found.seconds(point) / HOUR_SECONDS).collect();
     let (mut points, mut starts, mut ends) = (Vec::new(), Vec::new(), Vec::new());
     for point in 0..found.len() {
-        for [start, end] in found.spans(point) {
+        for &[start, end] in found.spans(point) {
             points.push(point as i64);
             starts.push(start);
             ends.push(end);

@@ -23,7 +23,7 @@ def asked(scene: adumbra.Scene, shadows: adumbra.ShadowFile) -> dict[str, Ask]:
         "sunlit": lambda points, normals: scene.sunlit(points, normals, [SUN, (-1, 1, 0)]),
         "visibility": lambda points, normals: scene.visibility(points, normals, SUN, sun_degrees=3),
         "nearest": lambda points, _: np.column_stack(scene.nearest(points, (0.1, 1, 0.2))),
-        "sun_hours": lambda points, normals: adumbra.sun_hours(scene, points, normals, step=1800, **DAY).hours,
+        "sun_hours": lambda points, normals: adumbra.sun_hours(scene, points, normals, **DAY).hours,
         "sky": lambda points, normals: adumbra.sky(scene, points, normals).patches,
         "file": lambda points, normals: shadows.visibility(points, normals),
     }

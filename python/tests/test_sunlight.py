@@ -23,7 +23,7 @@ def test_sun_hours_match_the_program(city: Path, program: Program, tmp_path: Pat
     expected = json.loads(output.read_text())["points"]
     found = adumbra.sun_hours(city, points, **DAY)
     assert np.array_equal(found.hours, [point["hours"] for point in expected])
-    spans = [(i, *span) for i, point in enumerate(expected) for span in point["intervals"]]
+    spans = [(i, *(round(1000 * end) for end in span)) for i, point in enumerate(expected) for span in point["intervals"]]
     times = zip(found.span_points, found.span_starts.astype(int), found.span_ends.astype(int), strict=True)
     assert list(times) == spans and 0 < found.hours.mean() < 10
 

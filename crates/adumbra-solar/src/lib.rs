@@ -3,7 +3,8 @@
 //! [`position`] computes azimuth and elevation with NREL's Solar Position Algorithm (Reda, Andreas, *Solar
 //! Position Algorithm for Solar Radiation Applications*, NREL/TP-560-34302, 2008), as implemented by the
 //! crate `solar-positioning`. Its error is below 0.001° in the centuries around ours. [`Day`] is a span of a
-//! day by the local clock: it gives one [`SunStep`] for each minute, or for any other step. [`read_suns`]
+//! day by the local clock: it gives one [`SunStep`] for each minute, or for any other step, and the
+//! [`SunArc`]s in which the sun is up. [`read_suns`]
 //! reads such steps from text. Trigonometry is `libm`'s and time zones are bundled, so the results are the
 //! same on any machine.
 //!
@@ -23,6 +24,7 @@
 //! # Ok::<(), adumbra_solar::Error>(())
 //! ```
 
+mod arcs;
 mod clock;
 mod day;
 mod error;
@@ -32,6 +34,7 @@ mod parse;
 mod position;
 mod zone;
 
+pub use arcs::{ARC_STEP_SECONDS, SunArc, sun_arcs};
 pub use clock::{Clock, Date};
 pub use day::{Day, SunStep};
 pub use error::{Error, Result};

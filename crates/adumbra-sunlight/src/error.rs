@@ -14,12 +14,6 @@ pub enum Error {
         /// What is accepted.
         expected: &'static str,
     },
-    /// A day contains no time.
-    #[error("{steps} steps are no span of time; give at least two, whose times ascend")]
-    NoSpan {
-        /// The number of steps that were given.
-        steps: usize,
-    },
     /// A line of a table of points cannot be read.
     #[error("line {line}: {what}; give x,y,z or x,y,z,nx,ny,nz")]
     Line {

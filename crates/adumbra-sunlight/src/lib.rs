@@ -6,15 +6,14 @@
 //! the current rayon pool. The same input gives the same answers for any number of threads.
 //!
 //! ```
-//! use adumbra_sunlight::{DayOptions, Grid, SunDay, Watch};
+//! use adumbra_sunlight::{Grid, Suns, Watch};
 //! use adumbra_truth::trace::{TraceOptions, Tracer};
 //!
 //! let scene = adumbra_scene::generate(adumbra_scene::GeneratedKind::Primitives, 1);
 //! let tracer = Tracer::build(&scene, TraceOptions::default());
 //! let found = Grid::over(&[scene.bounds()], 1.0)?.receivers(&tracer)?;
 //! let day: adumbra_solar::Day = "lat=48.14,lon=11.58,date=2026-06-21,from=7,to=19".parse()?;
-//! let suns = SunDay::new(&day.steps()?, DayOptions::default())?;
-//! let hours = suns.hours(&tracer, &found.receivers, Watch::none())?;
+//! let hours = Suns::new(&day.arcs()?).hours(&tracer, &found.receivers, Watch::none())?;
 //! assert!((0..hours.len()).all(|point| hours.seconds(point) <= 12.0 * 3600.0));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -26,6 +25,6 @@ pub mod sky;
 
 pub use adumbra_bake::{Progress, Watch};
 pub use error::{Error, Result};
-pub use hours::{DayOptions, Hours, SunDay};
+pub use hours::{Hours, Suns};
 pub use points::{Grid, GridPoints, Receiver, read_csv, surface_points};
 pub use sky::{Patches, SkyView, sky_views};

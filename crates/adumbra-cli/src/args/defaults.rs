@@ -305,7 +305,6 @@ fn sun_hours(args: &SunHours) -> Used {
     let zone = "the nautical zone, the whole hour nearest to the longitude";
     let own = vec![
         ("--tz", absent(args.day.tz.as_ref(), zone)),
-        ("--step", day.step_seconds.to_string()),
         ("--compare", absent(args.compare.as_ref(), "")),
         ("--epsg", absent(args.epsg.as_ref(), "")),
         ("--origin", args.origin.map(|c| c.to_string()).join(",")),

@@ -57,9 +57,6 @@ pub(crate) struct DayArgs {
     /// nautical zone, the whole hour nearest to the longitude]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     pub(crate) tz: Option<Zone>,
-    /// Time between suns, seconds, 1 to 86400
-    #[arg(long, value_name = "SECONDS", default_value_t = Day::DEFAULT_STEP_SECONDS)]
-    pub(crate) step: u32,
     /// Leave out that the air bends light: by default 1013.25 hPa and 15 °C lift the sun
     #[arg(long)]
     no_refraction: bool,
@@ -72,7 +69,7 @@ impl DayArgs {
         let location = location.map_err(|error| Failure::Usage(format!("{error} (--lat, --lon)")))?;
         let day = Day::new(location, self.date, self.from, self.to);
         let atmosphere = day.atmosphere.filter(|_| !self.no_refraction);
-        Ok(Day { zone: self.tz.clone(), step_seconds: self.step, atmosphere, ..day })
+        Ok(Day { zone: self.tz.clone(), atmosphere, ..day })
     }
 }
 
@@ -84,10 +81,6 @@ pub(crate) struct SunHours {
     pub(crate) points: PointArgs,
     #[command(flatten)]
     pub(crate) day: DayArgs,
-    /// Trace a ray to every sun, so that nothing that passes between suns 2° apart is missed; some eight
-    /// times slower
-    #[arg(long)]
-    pub(crate) every_step: bool,
     /// Another design of the same place, for a page that compares both
     #[arg(long, value_name = "SCENE", requires = "grid")]
     pub(crate) compare: Option<PathBuf>,

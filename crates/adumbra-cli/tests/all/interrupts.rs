@@ -67,7 +67,7 @@ fn every_long_verb_ends_when_it_is_interrupted() {
         &[&["plan", &scene, "-o", &folder.path("q.plan.json")], &fine[..]].concat(),
         &["tile", "--plan", &plan, "--cache", &tiles],
         &["verify", &file, "--scene", &scene, "--samples", "1000000000"],
-        &[&["sun-hours", &scene, "--grid", "0.2", "--every-step", "-o", &table], &place[..]].concat(),
+        &[&["sun-hours", &scene, "--grid", "0.2", "-o", &table], &place[..]].concat(),
         &["render", &scene, "--truth", "--size", "4000x4000", "-o", &picture],
         &["compare", &scene, "--shadow", "voxel", "-o", &report],
         &["demo", "--resolution", "65536", "--out", &demo],

@@ -42,7 +42,7 @@ fn sun_hours_are_the_same_in_every_format_and_on_any_threads() {
     let of = |threads: &str| {
         let paths = names.map(|name| folder.path(&format!("{threads}-{name}")));
         let outputs = paths.iter().flat_map(|path| ["-o", path]);
-        let base = ["sun-hours", &scene, "--grid", "1", "--step", "300", "--threads", threads, "--json"];
+        let base = ["sun-hours", &scene, "--grid", "1", "--threads", threads, "--json"];
         let said = json(&base.into_iter().chain(DAY).chain(outputs).collect::<Vec<_>>());
         (said, paths.map(|path| std::fs::read(path).unwrap()))
     };
@@ -87,7 +87,7 @@ fn sun_hours_of_a_table_and_of_surfaces() {
     let table = folder.write("p.csv", b"x,y,z\n0,500,0\n0,500,0,0,-1,0\n");
     let out = folder.path("a.json");
     let call = |more: &[&str]| {
-        let base = ["sun-hours", &scene, "--step", "600", "-o", &out];
+        let base = ["sun-hours", &scene, "-o", &out];
         let (code, error) = adumbra(&[&base[..], &DAY, more].concat());
         assert_eq!(code, 0, "{error}");
         read_json(&out)["points"].as_array().unwrap().clone()
@@ -104,7 +104,7 @@ fn sun_hours_of_a_table_and_of_surfaces() {
 fn sun_hours_of_two_designs_are_compared_on_a_page() {
     let folder = Folder::new();
     let (one, two, page) = (folder.generate("primitives"), folder.generate("spheres"), folder.path("a.html"));
-    let call = ["sun-hours", &one, "--compare", &two, "--grid", "2", "--step", "1800", "--json", "-o", &page];
+    let call = ["sun-hours", &one, "--compare", &two, "--grid", "2", "--json", "-o", &page];
     let said = json(&[&call[..], &DAY].concat());
     assert!(said["other_mean_hours"].is_number(), "{said}");
     let html = std::fs::read_to_string(&page).unwrap();
@@ -162,7 +162,6 @@ fn wrong_calls_of_sun_hours_say_what_to_give() {
         ([&day(["--date", "2026-02-30"])[..], &written, &grid].concat(), 2, "2026-02-30"),
         ([&day(["--tz", "Mars/Base"])[..], &written, &grid].concat(), 2, "IANA"),
         ([&day(["--to", "8"])[..], &written, &grid].concat(), 2, "24 for the end of the day"),
-        ([&DAY[..], &written, &grid, &["--step", "0"]].concat(), 2, "1 to 86400"),
         ([&DAY[..], &written, &["--grid", "0"]].concat(), 2, "(--grid)"),
         ([&DAY[..], &written, &["--grid", "1e-9"]].concat(), 2, "larger spacing"),
         ([&DAY[..], &["-o", "a.xyz"], &grid].concat(), 2, "give one of .csv"),
@@ -186,7 +185,7 @@ fn sun_hours_end_with_an_interrupt_and_leave_the_earlier_file() {
     let scene = folder.generate("city");
     let out = folder.write("a.csv", b"earlier");
     let mut child = Command::new(program())
-        .args(["sun-hours", &scene, "--grid", "0.5", "--every-step", "--progress", "json", "-o", &out])
+        .args(["sun-hours", &scene, "--grid", "0.2", "--progress", "json", "-o", &out])
         .args(DAY)
         .stderr(Stdio::piped())
         .spawn()

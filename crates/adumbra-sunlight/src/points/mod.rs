@@ -46,22 +46,14 @@ impl Receiver {
         }
     }
 
-    /// The side on which light from `towards` arrives: 1 is the normal's, -1 the back of a sheet, and 0 means
-    /// that the surface faces away.
-    pub(crate) fn side(&self, towards: [f64; 3]) -> i8 {
-        match self.facing {
-            Facing::Space => 1,
-            Facing::Front(normal) => i8::from(dot(normal, towards) > 0.0),
-            Facing::Both(normal) => {
-                let cosine = dot(normal, towards);
-                i8::from(cosine > 0.0) - i8::from(cosine < 0.0)
-            }
-        }
+    /// Whether light from `towards` arrives at the front, or at a point in space.
+    pub(crate) fn faces(&self, towards: [f64; 3]) -> bool {
+        self.normal().is_none_or(|normal| dot(normal, towards) > 0.0)
     }
 
-    /// Where rays start on a side.
-    pub(crate) fn origin(&self, side: i8) -> [f64; 3] {
-        let lift = self.lift_world * f64::from(side);
+    /// Where rays start: in front of the surface (side 1), or behind it (side -1).
+    pub(crate) fn origin(&self, side: f64) -> [f64; 3] {
+        let lift = self.lift_world * side;
         let normal = self.normal().unwrap_or_default();
         std::array::from_fn(|a| self.p_world[a] + lift * normal[a])
     }
@@ -95,10 +87,12 @@ mod tests {
         let of = |facing| Receiver { p_world: [1.0, 2.0, 3.0], facing, lift_world: 0.5 };
         let (above, below) = ([0.6, 0.8, 0.0], [0.6, -0.8, 0.0]);
         let [space, front, both] = [Facing::Space, Facing::Front(up), Facing::Both(up)].map(of);
-        assert_eq!([space.side(above), space.side(below)], [1, 1]);
-        assert_eq!([front.side(above), front.side(below), front.side([1.0, 0.0, 0.0])], [1, 0, 0]);
-        assert_eq!([both.side(above), both.side(below)], [1, -1]);
-        assert_eq!(space.origin(1), [1.0, 2.0, 3.0]);
-        assert_eq!([front.origin(1), both.origin(-1)], [[1.0, 2.5, 3.0], [1.0, 1.5, 3.0]]);
+        assert_eq!([space.faces(above), space.faces(below)], [true, true]);
+        assert_eq!(
+            [front.faces(above), front.faces(below), front.faces([1.0, 0.0, 0.0])],
+            [true, false, false]
+        );
+        assert_eq!(space.origin(1.0), [1.0, 2.0, 3.0]);
+        assert_eq!([front.origin(1.0), both.origin(-1.0)], [[1.0, 2.5, 3.0], [1.0, 1.5, 3.0]]);
     }
 }

@@ -73,7 +73,7 @@ fn view(tracer: &Tracer<'_>, point: &Receiver, patches: &Patches) -> SkyView {
     let mut bits = vec![0; patches.len().div_ceil(8)];
     let (mut light, mut open) = (0.0, 0.0);
     for (patch, &center) in patches.centers().iter().enumerate() {
-        if point.side(center) != 1 || !tracer.sun_visible(point.origin(1), center) {
+        if !point.faces(center) || !tracer.sun_visible(point.origin(1.0), center) {
             continue;
         }
         bits[patch / 8] |= 1 << (patch % 8);

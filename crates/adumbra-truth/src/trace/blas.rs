@@ -41,6 +41,16 @@ impl Blas {
         self.bvh.order()[slot]
     }
 
+    /// The tree over the triangles.
+    pub(super) fn bvh(&self) -> &Bvh {
+        &self.bvh
+    }
+
+    /// The corners of the triangle in a slot, in the tree's space.
+    pub(super) fn corners(&self, slot: usize) -> &[[f32; 3]; 3] {
+        &self.corners[slot]
+    }
+
     /// Heap memory, bytes.
     pub(super) fn memory_bytes(&self) -> u64 {
         self.bvh.memory_bytes() + size_of_val(self.corners.as_slice()) as u64
@@ -122,6 +132,11 @@ impl TlasInstance {
         let (m, o, d) = (&self.mesh_from_world, ray.origin, ray.direction);
         let origin = m.map(|r| r[0] * o[0] + r[1] * o[1] + r[2] * o[2] + r[3]);
         (origin, m.map(|r| r[0] * d[0] + r[1] * d[1] + r[2] * d[2]))
+    }
+
+    /// The map from the world to the space of the BVH.
+    pub(super) fn mesh_from_world(&self) -> &[[f64; 4]; 3] {
+        &self.mesh_from_world
     }
 
     /// Intersects one triangle given in mesh space, without the BVH.

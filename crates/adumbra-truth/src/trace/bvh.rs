@@ -10,9 +10,10 @@
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
-use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh};
+use obvhs::cwbvh::{CwBvh, bvh2_to_cwbvh::bvh2_to_cwbvh, node::CwBvhNode};
 
 use crate::trace::sah;
+use crate::trace::wedge::{UnitPlanes, Wedge};
 
 /// Padding of every box in unit space. It bounds the sum of three errors: origin and planes rounded to `f32`
 /// (2^-24), reciprocals and products of numbers up to 2 (about 2^-22), and the grid step of obvhs, whose
@@ -46,6 +47,16 @@ pub(super) enum Traversal {
     On,
     /// Continue, but only up to this t.
     Until(f64),
+    /// End the traversal.
+    Stop,
+}
+
+/// As [`Traversal`], through a wedge.
+pub(super) enum WedgeTraversal {
+    /// Continue.
+    On,
+    /// Continue, but only in this wedge.
+    Within(Wedge),
     /// End the traversal.
     Stop,
 }
@@ -102,8 +113,54 @@ impl Bvh {
         mut visit: impl FnMut(usize) -> Traversal,
     ) -> bool {
         let Some((mut ray, cut)) = self.box_ray(origin, direction, t_min, t_max) else { return false };
-        let octant = [4, 2, 1].iter().zip(ray.direction.to_array());
-        let octant = octant.map(|(bit, d)| if d < 0.0 { 0 } else { bit * 0x0101_0101_u32 }).sum::<u32>();
+        let octant = octant_of(direction) * 0x0101_0101;
+        let children = |ray: &obvhs::ray::Ray, node: &CwBvhNode| node.intersect_ray(ray, octant);
+        self.descend(&mut ray, octant & 0xff, children, |ray, slot| {
+            match visit(slot) {
+                Traversal::On => {}
+                Traversal::Until(t) => ray.tmax = ray.tmax.min(cut.end(t)),
+                Traversal::Stop => return true,
+            }
+            false
+        })
+    }
+
+    /// Calls `visit` with each primitive whose box may have points in a wedge of rays from `origin`, each
+    /// once, roughly front to back. The visitor may narrow the wedge. Returns whether it stopped the
+    /// traversal.
+    #[inline]
+    pub(super) fn walk_wedge(
+        &self,
+        origin: [f64; 3],
+        wedge: &Wedge,
+        mut visit: impl FnMut(usize) -> WedgeTraversal,
+    ) -> bool {
+        let in_unit = |p: [f64; 3]| std::array::from_fn(|a| (p[a] - self.center[a]) * self.scale);
+        let origin = in_unit(origin);
+        let octant = octant_of(wedge.middle);
+        let mut planes = UnitPlanes::new(origin, wedge);
+        let children = |planes: &UnitPlanes, node: &CwBvhNode| planes.children(node, octant);
+        self.descend(&mut planes, octant, children, |planes, slot| {
+            match visit(slot) {
+                WedgeTraversal::On => {}
+                WedgeTraversal::Within(wedge) => *planes = UnitPlanes::new(origin, &wedge),
+                WedgeTraversal::Stop => return true,
+            }
+            false
+        })
+    }
+
+    /// Calls `visit` with each primitive below nodes that `children` finds, which returns the mask of a
+    /// node's children as [`CwBvhNode::intersect_ray`] does. Children come in the order of `octant`. Both see
+    /// `state`, which `visit` may change. Returns whether `visit` ended the traversal.
+    #[inline]
+    fn descend<S>(
+        &self,
+        state: &mut S,
+        octant: u32,
+        children: impl Fn(&S, &CwBvhNode) -> u32,
+        mut visit: impl FnMut(&mut S, usize) -> bool,
+    ) -> bool {
         let mut stack = Stack::new();
         // A group: index of the first child node; bits 31..24 the children to visit, by priority; bits 7..0
         // which children are inner nodes.
@@ -121,19 +178,17 @@ impl Bvh {
             if group.1 & 0xff00_0000 != 0 {
                 stack.push(group);
             }
-            let slot = (child - 24) ^ (octant & 0xff);
+            let slot = (child - 24) ^ octant;
             let index = first_child + (hits & !(u32::MAX << slot)).count_ones();
             let Some(node) = self.bvh.nodes.get(index as usize) else { return false };
-            let mask = node.intersect_ray(&ray, octant);
+            let mask = children(state, node);
             group = (node.child_base_idx, (mask & 0xff00_0000) | u32::from(node.imask));
             let mut primitives = mask & 0x00ff_ffff;
             while primitives != 0 {
                 let local = 31 - primitives.leading_zeros();
                 primitives &= !(1 << local);
-                match visit((node.primitive_base_idx + local) as usize) {
-                    Traversal::On => {}
-                    Traversal::Until(t) => ray.tmax = ray.tmax.min(cut.end(t)),
-                    Traversal::Stop => return true,
+                if visit(state, (node.primitive_base_idx + local) as usize) {
+                    return true;
                 }
             }
         }
@@ -180,6 +235,11 @@ impl Bvh {
         };
         Some((ray, cut))
     }
+}
+
+/// The order in which a direction passes a node's children, as obvhs numbers them.
+fn octant_of(direction: [f64; 3]) -> u32 {
+    [4, 2, 1].iter().zip(direction).map(|(bit, d)| if d < 0.0 { 0 } else { *bit }).sum()
 }
 
 /// Converts t along the ray to t along the box ray.

@@ -8,10 +8,12 @@
 
 mod blas;
 mod bvh;
+mod fan;
 mod sah;
 mod sampling;
 mod triangle;
 mod visibility;
+mod wedge;
 
 #[cfg(test)]
 mod tests;
@@ -22,6 +24,7 @@ use adumbra::grid::vec3::{cross, dot};
 use adumbra_scene::{AlphaMode, Mesh, Scene};
 use blas::{Blas, TlasInstance, used_positions, world_box};
 use bvh::{Bvh, Traversal};
+pub use fan::{Cover, Fan};
 use triangle::TriangleHit;
 
 /// Lift relative to a position in a mesh: 2 to 4 units in the last place of `f32`, in which meshes are
@@ -274,8 +277,7 @@ impl<'s> Tracer<'s> {
         hit: &'h TriangleHit,
         casters_only: bool,
     ) -> Option<Found<'h>> {
-        let mesh = self.scene.instances[instance.scene_instance as usize].mesh as usize;
-        let material = self.scene.meshes[mesh].triangle_materials[triangle as usize];
+        let material = self.material(instance, triangle);
         let surface = self.surfaces[material as usize];
         let found = Found { instance, triangle, material, hit };
         let there = (surface.casts || !casters_only)
@@ -284,6 +286,15 @@ impl<'s> Tracer<'s> {
                 self.scene.is_opaque(material, self.uv(&found), vertex_alpha)
             });
         there.then_some(found)
+    }
+
+    fn material(&self, instance: &TlasInstance, triangle: u32) -> u32 {
+        let mesh = self.scene.instances[instance.scene_instance as usize].mesh as usize;
+        self.scene.meshes[mesh].triangle_materials[triangle as usize]
+    }
+
+    fn surface(&self, instance: &TlasInstance, triangle: u32) -> Surface {
+        self.surfaces[self.material(instance, triangle) as usize]
     }
 
     fn uv(&self, found: &Found<'_>) -> [f32; 2] {

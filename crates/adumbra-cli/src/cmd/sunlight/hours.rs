@@ -10,7 +10,7 @@ use adumbra_program::say;
 use adumbra_program::threads::with_threads;
 use adumbra_scene::Scene;
 use adumbra_solar::Day;
-use adumbra_sunlight::{DayOptions, SunDay, Watch};
+use adumbra_sunlight::{Suns, Watch};
 use schemars::JsonSchema;
 use serde::Serialize;
 
@@ -39,8 +39,6 @@ pub(in crate::cmd) struct SunHoursFound {
     largest_hours: f64,
     /// Mean hours of sun of the other design. Null without `--compare`.
     other_mean_hours: Option<f64>,
-    /// Number of rays that were traced towards suns.
-    rays: u64,
     /// Wall time of tracing towards suns.
     trace_seconds: f64,
     /// Total wall time: loading, tracing and writing.
@@ -56,7 +54,8 @@ pub(in crate::cmd) fn run(args: &SunHours) -> Outcome {
         return Err(Failure::Usage("--compare needs a page to compare on; give -o FILE.html".to_owned()));
     }
     let day = args.day.day()?;
-    let suns = suns(&day, args.every_step)?;
+    let arcs = day.arcs().map_err(|error| Failure::Usage(format!("{error} (--date, --from, --to)")))?;
+    let suns = Suns::new(&arcs);
     with_threads(args.run.threads, || {
         let run = Run { args, day: &day, suns: &suns };
         let scene = study::load(&args.scene, &args.load, &args.run)?;
@@ -81,7 +80,6 @@ pub(in crate::cmd) fn run(args: &SunHours) -> Outcome {
             least_hours,
             largest_hours,
             other_mean_hours: other.as_ref().map(|other| other.spread()[0]),
-            rays: traced.hours.rays() + other.as_ref().map_or(0, |other| other.hours.rays()),
             trace_seconds,
             seconds: start.elapsed().as_secs_f64(),
         };
@@ -107,23 +105,16 @@ impl SunHoursFound {
         if let Some(mean) = self.other_mean_hours {
             say!("  the other design       mean {mean:.2}");
         }
-        say!("  rays                   {} in {:.1} s", self.rays, self.trace_seconds);
+        say!("  traced in              {:.1} s", self.trace_seconds);
         self.outputs.iter().for_each(|output| say!("  -> {output}"));
     }
-}
-
-fn suns(day: &Day, every_step: bool) -> Result<SunDay, Failure> {
-    let options = if every_step { DayOptions { key_degrees: 0.0 } } else { DayOptions::default() };
-    let usage = |error: String| Failure::Usage(format!("{error} (--date, --from, --to, --step)"));
-    let steps = day.steps().map_err(|error| usage(error.to_string()))?;
-    SunDay::new(&steps, options).map_err(|error| usage(error.to_string()))
 }
 
 /// The inputs that both designs share.
 struct Run<'a> {
     args: &'a SunHours,
     day: &'a Day,
-    suns: &'a SunDay,
+    suns: &'a Suns,
 }
 
 impl Run<'_> {
@@ -138,13 +129,13 @@ impl Run<'_> {
         let cancel = AtomicBool::new(false);
         let watch = Watch::new(&progress, &cancel);
         let hours = self.suns.hours(&tracer, &points.receivers, watch);
-        let hours = hours.map_err(|error| study::failure(&error, "--step"))?;
+        let hours = hours.map_err(|error| study::failure(&error, "--date"))?;
         let traced = Traced {
             points,
             hours,
             day: self.day.clone(),
             zone: self.day.zone(),
-            most_hours: self.suns.sun_seconds() / HOUR_SECONDS,
+            most_hours: self.suns.seconds() / HOUR_SECONDS,
         };
         Ok((traced, begun.elapsed().as_secs_f64()))
     }

@@ -26,8 +26,6 @@ pub(in crate::cmd) struct HoursFile {
     to: String,
     /// Time zone of the clock: an IANA name, or an offset.
     time_zone: String,
-    /// Seconds between suns.
-    step_seconds: u32,
     /// Whether the air bends light.
     refraction: bool,
     /// How long the sun is above the horizon, hours.
@@ -57,7 +55,7 @@ impl HoursFile {
             position: point.p_world,
             normal: point.normal(),
             hours: traced.hours_of(number),
-            intervals: traced.hours.spans(number).collect(),
+            intervals: traced.hours.spans(number).to_vec(),
         });
         Self {
             scene: scene.display().to_string(),
@@ -67,7 +65,6 @@ impl HoursFile {
             from: day.from.to_string(),
             to: day.to.to_string(),
             time_zone: traced.zone.name().to_owned(),
-            step_seconds: day.step_seconds,
             refraction: day.atmosphere.is_some(),
             most_hours: traced.most_hours,
             points: points.collect(),

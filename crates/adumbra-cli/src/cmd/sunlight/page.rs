@@ -45,10 +45,9 @@ fn page(
     let place = design.day.location;
     let mut opening = Body::default();
     opening.paragraph(&format!(
-        "{when}, at {}° north, {}° east, by steps of {} s. The sun is above the horizon for {:.2} hours. Cells are {} wide in the unit of the scene; north is up.",
+        "{when}, at {}° north, {}° east. The sun is above the horizon for {:.2} hours. Cells are {} wide in the unit of the scene; north is up.",
         place.latitude_degrees(),
         place.longitude_degrees(),
-        design.day.step_seconds,
         design.most_hours,
         grid.spacing_world
     ));

@@ -29,9 +29,9 @@ impl Traced {
         self.hours.seconds(point) / HOUR_SECONDS
     }
 
-    /// The spans in which a point is lit, by the clock.
+    /// The spans in which a point is lit, by the clock, to the nearest second.
     pub(super) fn clock_spans(&self, point: usize) -> Vec<[String; 2]> {
-        self.hours.spans(point).map(|span| span.map(|time| self.zone.clock(time))).collect()
+        self.hours.spans(point).iter().map(|span| span.map(|time| self.zone.clock(time.round()))).collect()
     }
 
     /// Mean, least and most hours.
